@@ -1,0 +1,25 @@
+"""The few exception types of the project; each message is one line that says how to mend the input."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class InputError(ValueError):
+    """Report something a person gave us that cannot be used.
+
+    The message is one line: what was expected, what was received and how to mend it. The command line
+    prints it as it is and exits with status 2.
+    """
+
+
+class PolicyError(Exception):
+    """Report a policy that breaks the contract of :mod:`indoor_explorers.env.policy`."""
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for the closest known word, else the list of what is known."""
+    names = sorted(known)
+    close = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    return f"; did you mean {close[0]!r}?" if close else f"; known: {', '.join(names) or 'none'}"

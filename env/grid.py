@@ -1,0 +1,121 @@
+"""The grid: cell values, moves, and the compiled floods that everything else is built from.
+
+Cells are (row, column). A belief map is ``(H, W) uint8`` with the values below; a true map uses the same
+values without ``UNKNOWN``.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+from numba import njit
+
+from indoor_explorers.env.arrays import Belief, Distances, Mask
+
+UNKNOWN, FREE, OCCUPIED = np.uint8(0), np.uint8(1), np.uint8(2)
+UNREACHABLE = np.int32(2**30)
+
+
+class Action(IntEnum):
+    """The five actions of a UAV, numbered as in the thesis (Table 3.2)."""
+
+    DOWN = 0
+    LEFT = 1
+    UP = 2
+    RIGHT = 3
+    STAY = 4
+
+
+#: (5, 2) row and column change of each action.
+MOVES = np.array([(1, 0), (0, -1), (-1, 0), (0, 1), (0, 0)], dtype=np.int64)
+
+
+@njit(cache=True, nogil=True)
+def distances_from(belief: np.ndarray, row: int, col: int, queue: np.ndarray, out: np.ndarray) -> int:
+    """Flood ``out`` (H, W) int32 with steps from (row, col) through ``FREE`` cells; return cells reached.
+
+    ``queue`` is scratch, (H*W,) int32; its first entries are the reached cells in order of distance, as
+    flat indices. Unreached cells hold ``UNREACHABLE``. The start counts as free whatever it holds.
+    """
+    height, width = belief.shape
+    out[:] = UNREACHABLE
+    out[row, col] = 0
+    queue[0] = row * width + col
+    head, tail = 0, 1
+    while head < tail:
+        r, c = divmod(queue[head], width)
+        head += 1
+        d = out[r, c] + 1
+        for k in range(4):
+            rr, cc = r + MOVES[k, 0], c + MOVES[k, 1]
+            if 0 <= rr < height and 0 <= cc < width and belief[rr, cc] == FREE and out[rr, cc] > d:
+                out[rr, cc] = d
+                queue[tail] = rr * width + cc
+                tail += 1
+    return tail
+
+
+def distance_field(belief: Belief, cell: tuple[int, int]) -> Distances:
+    """Return the (H, W) int32 field of steps from ``cell`` through known free cells.
+
+    Cells that cannot be reached hold :data:`UNREACHABLE`.
+    """
+    out = np.empty(belief.shape, np.int32)
+    distances_from(belief, cell[0], cell[1], np.empty(belief.size, np.int32), out)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def frontier_mask(belief: np.ndarray) -> np.ndarray:
+    """Return the (H, W) bool mask of frontier cells: known free, 4-adjacent to unknown (Yamauchi 1997)."""
+    height, width = belief.shape
+    mask = np.zeros((height, width), np.bool_)
+    for r in range(height):
+        for c in range(width):
+            if belief[r, c] == FREE:
+                mask[r, c] = (
+                    (r > 0 and belief[r - 1, c] == UNKNOWN)
+                    or (c > 0 and belief[r, c - 1] == UNKNOWN)
+                    or (r + 1 < height and belief[r + 1, c] == UNKNOWN)
+                    or (c + 1 < width and belief[r, c + 1] == UNKNOWN)
+                )
+    return mask
+
+
+@njit(cache=True, nogil=True)
+def step_towards(field: np.ndarray, row: int, col: int) -> int:
+    """Return the first action of a shortest path from the origin of ``field`` to (row, col).
+
+    ``field`` is a distance field flooded from the UAV's own cell; the path is traced back from the
+    target, preferring the moves in the order of :class:`Action`. ``Action.STAY`` when the target is the
+    origin or cannot be reached.
+    """
+    height, width = field.shape
+    if field[row, col] >= UNREACHABLE:
+        return 4
+    action = 4
+    while field[row, col] > 0:
+        for k in range(4):
+            rr, cc = row - MOVES[k, 0], col - MOVES[k, 1]
+            if 0 <= rr < height and 0 <= cc < width and field[rr, cc] == field[row, col] - 1:
+                row, col, action = rr, cc, k
+                break
+    return action
+
+
+def connected_parts(free: Mask) -> tuple[Distances, np.ndarray]:
+    """Label the 4-connected parts of a (H, W) bool mask; return (labels, cells in each label)."""
+    from scipy import ndimage
+
+    labels, count = ndimage.label(free)
+    return labels.astype(np.int32), np.bincount(labels.ravel(), minlength=count + 1)
+
+
+def largest_part(free: Mask) -> Mask:
+    """Return the mask of the largest 4-connected part of ``free``; all False when nothing is free."""
+    labels, sizes = connected_parts(free)
+    if len(sizes) < 2:
+        return np.zeros_like(free)
+    sizes[0] = 0
+    return np.asarray(labels == int(np.argmax(sizes)))

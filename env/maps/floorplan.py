@@ -1,0 +1,63 @@
+"""A true map: what the world is made of and no UAV may see."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from indoor_explorers.env.arrays import Belief, Mask
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid import FREE, OCCUPIED, largest_part
+
+#: The most cells a map may have (2048 x 2048).
+MAX_CELLS = 2048 * 2048
+
+
+@dataclass(frozen=True, eq=False)
+class Floorplan:
+    """Hold a true map and its facts."""
+
+    truth: Belief
+    """(H, W) uint8: 1 free, 2 occupied; read-only."""
+    name: str
+    resolution: float | None = None
+    """Metres a cell, None when the source does not say."""
+    kept: float = 1.0
+    """Share of the source's largest connected free area that is still connected at this resolution."""
+
+    def __post_init__(self) -> None:
+        if self.truth.ndim != 2 or self.truth.size == 0:
+            raise InputError(
+                f"{self.name}: expected a map of at least one cell, got an array of shape {self.truth.shape}"
+            )
+        if self.truth.size > MAX_CELLS:
+            raise InputError(
+                f"{self.name}: expected at most {MAX_CELLS} cells, got {self.truth.shape[0]} x {self.truth.shape[1]}; "
+                "ask for a coarser --resolution"
+            )
+        if not (self.truth == FREE).any():
+            raise InputError(
+                f"{self.name}: expected some free cells, got none; check the thresholds, or negate, of the map"
+            )
+        self.truth.setflags(write=False)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(H, W) in cells."""
+        return self.truth.shape[0], self.truth.shape[1]
+
+    @property
+    def digest(self) -> str:
+        """A short hash of shape and cells: equal maps have equal digests whatever file they came from."""
+        return hashlib.sha256(repr(self.shape).encode() + self.truth.tobytes()).hexdigest()[:16]
+
+    def main_part(self) -> Mask:
+        """Return the (H, W) mask of the largest connected free part, where UAVs are spawned."""
+        return largest_part(self.truth == FREE)
+
+    @classmethod
+    def from_free(cls, free: Mask, name: str, resolution: float | None = None, kept: float = 1.0) -> Floorplan:
+        """Build a floor plan from a (H, W) bool mask of its free cells."""
+        return cls(np.where(free, FREE, OCCUPIED).astype(np.uint8), name, resolution, kept)

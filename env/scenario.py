@@ -1,0 +1,273 @@
+"""A scenario: one frozen, validated description of a task."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tomllib
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.maps.sources import FileMaps, MapSource, OfficeMap, ThesisMaps
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+
+
+class Lidar(_Part):
+    """The range sensor."""
+
+    model: Literal["exact"] = "exact"
+    """Line of sight as in :mod:`indoor_explorers.env.lidar`."""
+    range: float = Field(3.0, ge=1.0, le=200.0)
+    """Range in cells, Euclidean to a cell's centre."""
+
+
+class Radio(_Part):
+    """Who can talk to whom; linked UAVs merge their maps and exchange positions and messages."""
+
+    model: Literal["none", "square", "disc", "unlimited"] = "none"
+    """``square``: Chebyshev distance at most ``range`` (the thesis); ``disc``: Euclidean."""
+    range: float = Field(0.0, ge=0.0)
+    """Range in cells; read by ``square`` and ``disc`` only."""
+
+
+class Rewards(_Part):
+    """What an agent is paid; a step's reward is the sum of what applies (thesis, Table 4.2, scenario 1)."""
+
+    step: float = -0.5
+    """Each step flown."""
+    discovered: float = 1.0
+    """Each cell that the agent's own lidar was the first to tell it about."""
+    received: float = 0.0
+    """Each cell first heard of by radio; the thesis paid these like discoveries."""
+    collision: float = -400.0
+    """A move into an obstacle."""
+    out_of_bounds: float = -400.0
+    """A move off the map."""
+    stuck: float = -400.0
+    """Being ended by the stuck rule."""
+    goal: float = 400.0
+    """Reaching the goal coverage."""
+
+
+class Stuck(_Part):
+    """When an agent is ended for going nowhere."""
+
+    rule: Literal["off", "no-discovery", "oscillation"] = "off"
+    """``no-discovery``: no new cell for H*W steps; ``oscillation``: one cell too often among the last ones."""
+    window: int = Field(50, ge=2, le=10_000)
+    """Positions that ``oscillation`` looks back on."""
+    repeats: int = Field(20, ge=2)
+    """How often the most frequent of them must appear (the thesis's text: 20, its settings file: 10)."""
+
+
+class Scenario(_Part):
+    """Describe one task completely; equal scenarios have equal fingerprints."""
+
+    name: str = Field("custom", min_length=1, max_length=80)
+    """Shown in tables and figures."""
+    map: Annotated[MapSource, Field(discriminator="source")] = ThesisMaps()
+    """Where maps come from."""
+    team: int = Field(1, ge=1, le=256)
+    """UAVs."""
+    spawn: Literal["random", "clustered"] | tuple[tuple[int, int], ...] = "random"
+    """Where UAVs start: anywhere, next to each other, or at listed (row, column) cells."""
+    lidar: Lidar = Lidar()
+    radio: Radio = Radio()
+    rewards: Rewards = Rewards()
+    stuck: Stuck = Stuck()
+    on_collision: Literal["end", "block"] = "end"
+    """What a move into an obstacle or off the map does to the agent: ends it (the thesis) or costs the step."""
+    goal: float = Field(0.9, gt=0.0, le=1.0)
+    """Coverage that ends the episode, as a share of the denominator."""
+    goal_of: Literal["agent", "team"] = "agent"
+    """Whose coverage: each agent's own map (the thesis), or the union of the team's; a team goal pays everyone."""
+    denominator: Literal["reachable", "map"] = "reachable"
+    """Coverage counts free cells reachable from the spawns, or all cells of the map (the thesis)."""
+    budget: int | None = Field(None, ge=1, le=10_000_000)
+    """Steps before the episode is cut; None: half the map's reachable cells, at least 200."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scenario:
+        if isinstance(self.spawn, tuple) and len(self.spawn) != self.team:
+            raise ValueError(f"spawn lists {len(self.spawn)} cells for a team of {self.team}; list one for each UAV")
+        if self.stuck.repeats > self.stuck.window:
+            raise ValueError(
+                f"stuck.repeats is {self.stuck.repeats}, more than stuck.window {self.stuck.window}; lower it"
+            )
+        return self
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A short canonical hash of the task; the name and where map files lie do not matter, their cells do."""
+        facts = self.model_dump(mode="json", exclude={"name", "map"}) | {"map": self.map.identity()}
+        return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
+
+    def budget_for(self, reachable: int) -> int:
+        """Return the step budget on a map with that many reachable free cells."""
+        return self.budget if self.budget is not None else max(200, reachable // 2)
+
+    def for_evaluation(self) -> Scenario:
+        """Return the task as comparisons run it: on to full team coverage or the budget, nobody ended as stuck."""
+        return self.with_settings({"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"})
+
+    def with_settings(self, settings: Mapping[str, Any]) -> Scenario:
+        """Return a copy with dotted keys replaced, such as ``{"lidar.range": 5, "team": 2}``."""
+        data = self.model_dump()
+        for key, value in settings.items():
+            *parents, leaf = key.split(".")
+            place: Any = data
+            for depth, parent in enumerate(parents):
+                if not isinstance(place.get(parent), dict):
+                    known = [name for name, entry in place.items() if isinstance(entry, dict)]
+                    raise InputError(f"no setting {'.'.join(parents[: depth + 1])!r}{did_you_mean(parent, known)}")
+                place = place[parent]
+            if leaf not in place:
+                raise InputError(f"no setting {key!r}{did_you_mean(leaf, place)}")
+            place[leaf] = value
+        return validated(Scenario, data, "scenario")
+
+    @classmethod
+    def load(cls, path: str | Path) -> Scenario:
+        """Read a scenario from a TOML file; it may name a ``preset`` to start from."""
+        path = Path(path)
+        data = read_toml(path)
+        base = data.pop("preset", None)
+        data.setdefault("name", path.stem)
+        if base is None:
+            return validated(cls, data, str(path))
+        if not isinstance(base, str):
+            raise InputError(f"{path}: expected preset to be the name of a scenario, got {base!r}")
+        try:
+            return scenario(base).with_settings(_flattened(data))
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from error
+
+    def to_toml(self) -> str:
+        """Print the scenario as TOML that :meth:`load` reads back."""
+        import tomli_w
+
+        return tomli_w.dumps(self.model_dump(mode="json", exclude_none=True))
+
+
+def _flattened(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for key, value in data.items():
+        if isinstance(value, dict) and key != "map":
+            flat |= _flattened(value, f"{prefix}{key}.")
+        else:
+            flat[prefix + key] = value
+    return flat
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Read a TOML file, with one clear line for everything that can go wrong."""
+    try:
+        if path.stat().st_size > 1_000_000:
+            raise InputError(f"{path}: expected a TOML file of at most 1 MB, got {path.stat().st_size} bytes")
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise InputError(f"{path}: expected TOML, got {error}") from error
+
+
+def validated(model: type[Model], data: Mapping[str, Any], where: str) -> Model:
+    """Build a pydantic model, turning its first error into one line with a did-you-mean."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        if first["type"] == "extra_forbidden":
+            key = str(first["loc"][-1])
+            raise InputError(
+                f"{where}: unknown key {place!r}{did_you_mean(key, _known_keys(model, first['loc'][:-1]))}"
+            ) from error
+        message = first["msg"].removeprefix("Value error, ")
+        received = f", got {first['input']!r}" if place and len(repr(first["input"])) < 80 else ""
+        raise InputError(f"{where}: {place + ': ' if place else ''}{message}{received}") from error
+
+
+def _known_keys(model: type[BaseModel], where: tuple[int | str, ...]) -> list[str]:
+    """List the field names of the (possibly nested) model at an error's location."""
+    from typing import get_args
+
+    here: Any = model
+    for part in where:
+        annotation = here.model_fields[part].annotation if part in here.model_fields else here
+        options = [
+            kind
+            for kind in (annotation, *get_args(annotation))
+            if isinstance(kind, type) and issubclass(kind, BaseModel)
+        ]
+        tagged = [
+            kind for kind in options if "source" in kind.model_fields and kind.model_fields["source"].default == part
+        ]
+        here = (tagged or options or [here])[0]
+    return list(here.model_fields)
+
+
+def scenario(name: str) -> Scenario:
+    """Return the preset scenario of that name."""
+    if name not in PRESETS:
+        raise InputError(f"unknown scenario {name!r}{did_you_mean(name, PRESETS)}")
+    return PRESETS[name]
+
+
+def _thesis(name: str, *, obstacles: int, team: int = 1, radio: float = 0.0) -> Scenario:
+    """A room of the thesis: 16x16, lidar 3, 400 steps, 90 % of the whole map, ended for oscillating."""
+    return Scenario(
+        name=name,
+        map=ThesisMaps(obstacles=obstacles),
+        team=team,
+        radio=Radio(model="square", range=radio) if team > 1 else Radio(),
+        stuck=Stuck(rule="oscillation"),
+        denominator="map",
+        budget=400,
+    )
+
+
+#: Scenarios with a name.
+PRESETS: dict[str, Scenario] = {
+    preset.name: preset
+    for preset in (
+        _thesis("thesis-open", obstacles=0),
+        _thesis("thesis-obstacles", obstacles=5),
+        _thesis("thesis-team-2", obstacles=5, team=2, radio=3.0),
+        _thesis("thesis-team-4", obstacles=5, team=4, radio=3.0),
+        Scenario(
+            name="office",
+            map=OfficeMap(),
+            team=2,
+            spawn="clustered",
+            lidar=Lidar(range=10.0),
+            radio=Radio(model="disc", range=15.0),
+            on_collision="block",
+            goal=0.99,
+            goal_of="team",
+            budget=1000,
+        ),
+    )
+}
+
+
+def on_files(paths: tuple[str, ...], resolution: float | None) -> Scenario:
+    """Return the scenario for maps from files when none is named: office-like sensing, a budget by map size."""
+    return PRESETS["office"].model_copy(
+        update={
+            "name": Path(paths[0]).stem if len(paths) == 1 else f"{len(paths)} maps",
+            "map": FileMaps(paths=paths, resolution=resolution),
+            "team": 1,
+            "budget": None,
+        }
+    )

@@ -1,0 +1,1 @@
+"""Classical planners: frontier-based, sampling-based and swarm."""

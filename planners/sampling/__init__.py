@@ -1,0 +1,1 @@
+"""Sampling-based exploration on OMPL."""

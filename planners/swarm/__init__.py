@@ -1,0 +1,1 @@
+"""Swarm-based exploration."""
