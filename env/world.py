@@ -193,6 +193,11 @@ def draw_floorplan(scenario: Scenario, seed: int, index: int = 0) -> Floorplan:
         floorplan = scenario.map.floorplan(index, seed, attempt)
         if attainable(scenario, floorplan):
             return floorplan
+    if (room := int(floorplan.main_part().sum())) < scenario.team:
+        raise InputError(
+            f"{floorplan.name}: expected room for {scenario.team} UAVs, got {room} connected free cells; "
+            "use a smaller team or a larger map"
+        )
     raise InputError(
         f"scenario {scenario.name!r}: {scenario.goal:.0%} of the map's cells can never be seen on {floorplan.name}; "
         "lower goal, use fewer obstacles, or denominator = 'reachable'"
@@ -224,11 +229,6 @@ def draw_spawns(scenario: Scenario, floorplan: Floorplan, seed: int) -> list[Cel
     if not isinstance(scenario.spawn, str):
         return _listed_spawns(scenario.spawn, floorplan)
     cells = np.argwhere(floorplan.main_part())
-    if len(cells) < scenario.team:
-        raise InputError(
-            f"{floorplan.name}: expected room for {scenario.team} UAVs, got {len(cells)} connected free cells; "
-            "use a smaller --team or a larger map"
-        )
     rng = generator(seed, Stream.SPAWN)
     if scenario.spawn == "random":
         chosen = cells[rng.choice(len(cells), scenario.team, replace=False)]

@@ -1,0 +1,148 @@
+"""The command line: ``indoor-explorers compare | report | train | policies | scenarios | maps | check``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import sys
+import tomllib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from indoor_explorers.env import InputError, PolicyError
+from indoor_explorers.evaluation import commands
+
+#: Exit statuses.
+OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message}; see {self.prog} --help")
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    """Read ``key=value``; the value is TOML where it is TOML, else a plain word."""
+    key, equals, value = text.partition("=")
+    if not equals or not key:
+        raise argparse.ArgumentTypeError(f"expected key=value such as goal=0.9, got {text!r}")
+    try:
+        return key, tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return key, value
+
+
+def _names(text: str) -> list[str]:
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    if not names:
+        raise argparse.ArgumentTypeError("expected names separated by commas, got none")
+    return names
+
+
+def _number(kind: type, least: float, what: str) -> Callable[[str], Any]:
+    def read(text: str) -> Any:
+        try:
+            value = kind(text)
+        except ValueError:
+            value = None
+        if value is None or not least <= value < float("inf"):
+            raise argparse.ArgumentTypeError(f"expected {what}, got {text!r}")
+        return value
+
+    return read
+
+
+_count = _number(int, 1, "a whole number of at least 1")
+_natural = _number(int, 0, "a whole number of at least 0")
+_metres = _number(float, 1e-6, "a number of metres above 0")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of the whole command."""
+    parser = _Parser(prog="indoor-explorers", description="Compare exploration policies for teams of UAVs.")
+    commands_ = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=_Parser)
+    _add_compare(commands_.add_parser("compare", help="fly policies on the same tasks and write a report"))
+    _add_report(commands_.add_parser("report", help="rebuild a report, or combine several results"))
+    _add_train(commands_.add_parser("train", help="train a DDDQN"))
+    listing = commands_.add_parser("policies", help="list the installed policies")
+    listing.set_defaults(run=commands.list_policies)
+    listing = commands_.add_parser("scenarios", help="list the preset scenarios")
+    listing.set_defaults(run=commands.list_scenarios)
+    shown = commands_.add_parser("maps", help="show map files and their facts")
+    shown.add_argument("paths", nargs="+", metavar="PATH", help="ROS map_server YAML or image files")
+    shown.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample to")
+    shown.set_defaults(run=commands.show_maps)
+    check = commands_.add_parser("check", help="run the conformance suite on a policy")
+    check.add_argument("policy", metavar="MODULE:CLASS", help="or the name of an installed policy")
+    check.set_defaults(run=commands.check)
+    return parser
+
+
+def _add_compare(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--experiment", metavar="FILE.toml", help="policies, scenarios, episodes, seed and settings")
+    parser.add_argument("--policies", type=_names, metavar="a,b,...", help="names, or module:Class")
+    parser.add_argument("--scenario", type=_names, metavar="PRESET|FILE.toml", help="one, or several with commas")
+    parser.add_argument("--maps", nargs="+", default=[], metavar="PATH", help="map files to explore instead")
+    parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample maps to")
+    parser.add_argument("--team", type=_count, metavar="N", help="UAVs")
+    parser.add_argument("--episodes", type=_count, metavar="N", help="seeds flown on each map (default 30)")
+    parser.add_argument("--seed", type=_natural, metavar="S", help="first seed (default 0)")
+    parser.add_argument("--workers", type=_natural, metavar="N", help="processes (default: all cores; 0: this one)")
+    parser.add_argument("--engine", choices=["local"], default="local", help="where episodes are flown")
+    parser.add_argument(
+        "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value",
+        help="scenario settings such as goal=0.9 or radio.range=3",
+    )  # fmt: skip
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="results; resumed when it exists")
+    parser.set_defaults(run=commands.run_compare)
+
+
+def _add_report(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folders", type=Path, nargs="+", metavar="DIR", help="folders that compare has written")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE.html", help="the page to write")
+    parser.set_defaults(run=commands.run_report)
+
+
+def _add_train(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--scenario", default="thesis-obstacles", metavar="PRESET|FILE.toml", help="what to train on")
+    parser.add_argument(
+        "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value",
+        help="hyperparameters of the training",
+    )  # fmt: skip
+    parser.add_argument("--seed", type=_natural, default=1, metavar="S", help="makes the whole training (default 1)")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="checkpoints, weights and history")
+    parser.add_argument("--resume", action="store_true", help="go on from the checkpoint in DIR")
+    parser.set_defaults(run=commands.run_train)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit status."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    debug = bool(os.environ.get("INDOOR_EXPLORERS_DEBUG"))
+    try:
+        arguments = build_parser().parse_args(words)
+        arguments.words = shlex.join(["indoor-explorers", *words])
+        status: int = arguments.run(arguments)
+    except (InputError, PolicyError) as error:
+        if debug:
+            raise
+        line = " ".join(str(error).split())
+        sys.stderr.write(f"indoor-explorers: {line}\n")
+        return FAILED if isinstance(error, PolicyError) else USAGE
+    except KeyboardInterrupt:
+        sys.stderr.write(
+            "indoor-explorers: interrupted; what is finished is kept, and the same command goes on from there\n"
+        )
+        return INTERRUPTED
+    except BrokenPipeError:
+        sys.stderr.close()
+        return FAILED
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,163 @@
+"""What each command of the command line does."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from indoor_explorers.evaluation.report.table import headline_table
+from rich.console import Console
+from rich.table import Table
+
+from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
+from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.env.grid import FREE
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.registry import policy_entry_points
+from indoor_explorers.evaluation.compare import plan, run
+from indoor_explorers.evaluation.experiment import named_scenario
+from indoor_explorers.evaluation.progress import ProgressBar
+from indoor_explorers.evaluation.record import Outcome
+from indoor_explorers.evaluation.report import write_report
+from indoor_explorers.evaluation.results import Results
+
+
+def run_compare(arguments: argparse.Namespace) -> int:
+    """Fly what is missing and print the headline table."""
+    console = Console()
+    experiment = plan(
+        policies=arguments.policies,
+        scenario=arguments.scenario,
+        experiment=arguments.experiment,
+        maps=arguments.maps,
+        resolution=arguments.resolution,
+        team=arguments.team,
+        episodes=arguments.episodes,
+        seed=arguments.seed,
+        settings=dict(arguments.settings),
+    )
+    with ProgressBar(console) as bar:
+        results = run(experiment, arguments.out, workers=arguments.workers, watcher=bar, command=arguments.words)
+    console.print(headline_table(results))
+    console.print(f"Report: {arguments.out / 'report.html'}", highlight=False, soft_wrap=True)
+    return _status(results, console)
+
+
+def _status(results: Results, console: Console) -> int:
+    failed = [record for record in results.records if record.outcome is Outcome.FAILED]
+    for record in failed[:3]:
+        console.print(
+            f"failed: {record.policy} on {record.task.scenario}, seed {record.task.seed}: {record.reason}",
+            style="red",
+            markup=False,
+            soft_wrap=True,
+        )
+    if len(failed) > 3:
+        console.print(f"... and {len(failed) - 3} more failed episodes; the report lists them")
+    return 1 if failed else 0
+
+
+def run_report(arguments: argparse.Namespace) -> int:
+    """Rebuild a report from one folder, or combine several."""
+    results = Results.combined([Results.load(folder) for folder in arguments.folders])
+    try:
+        arguments.out.parent.mkdir(parents=True, exist_ok=True)
+        write_report(results, arguments.out)
+    except OSError as error:
+        raise InputError(f"{arguments.out}: cannot be written: {error.strerror}; choose another --out") from error
+    Console().print(f"Report: {arguments.out}", highlight=False, soft_wrap=True)
+    return 0
+
+
+def run_train(arguments: argparse.Namespace) -> int:
+    """Train a DDDQN."""
+    from indoor_explorers.evaluation.training import run_training
+
+    return run_training(
+        named_scenario(arguments.scenario),
+        dict(arguments.settings),
+        out=arguments.out,
+        seed=arguments.seed,
+        resume=arguments.resume,
+        command=arguments.words,
+    )
+
+
+def list_policies(arguments: argparse.Namespace) -> int:
+    """Print the installed policies."""
+    table = Table("policy", "what it is", "from", box=None, header_style="bold")
+    for name, entry in policy_entry_points().items():
+        try:
+            about = (entry.load().__doc__ or "").strip().partition("\n")[0]
+        except ModuleNotFoundError as error:
+            about = f"needs {error.name}: install indoor-explorers[rl]"
+        table.add_row(name, about, entry.dist.name if entry.dist else "")
+    Console().print(table)
+    return 0
+
+
+def list_scenarios(arguments: argparse.Namespace) -> int:
+    """Print the preset scenarios."""
+    table = Table("scenario", "map", "UAVs", "lidar", "radio", "goal", "steps", box=None, header_style="bold")
+    for name, preset in PRESETS.items():
+        world = World(preset)
+        world.begin(0, 0)
+        rows, cols = world.state.truth.shape[1:]
+        radio = preset.radio.model + (f" {preset.radio.range:g}" if preset.radio.model in {"square", "disc"} else "")
+        table.add_row(
+            *(name, f"{rows} x {cols}", str(preset.team), f"{preset.lidar.range:g} cells", radio),
+            *(f"{preset.goal:.0%} of {preset.denominator}", str(preset.budget)),
+        )
+    Console().print(table)
+    return 0
+
+
+def show_maps(arguments: argparse.Namespace) -> int:
+    """Print the facts and a picture of map files."""
+    from indoor_explorers.env.maps.files import read_map
+
+    console = Console()
+    for path in arguments.paths:
+        floorplan = read_map(Path(path), arguments.resolution)
+        console.print(picture(floorplan, console.width), highlight=False, markup=False)
+        console.print(facts(floorplan), highlight=False, markup=False, soft_wrap=True)
+    return 0
+
+
+def facts(floorplan: Floorplan) -> str:
+    """Return one line on a map: size, free area, reachable part, resolution."""
+    free = floorplan.truth == FREE
+    part = floorplan.main_part()
+    scale = f"{floorplan.resolution:g} m a cell" if floorplan.resolution else "no scale"
+    return (
+        f"{floorplan.name}: {floorplan.shape[0]} x {floorplan.shape[1]} cells, {scale}, {free.sum()} free, "
+        f"{part.sum() / free.sum():.1%} of them connected; {floorplan.kept:.1%} of the source's free area kept"
+    )
+
+
+def picture(floorplan: Floorplan, width: int) -> str:
+    """Return a map as text of at most ``width`` characters a line, two rows of cells to a line."""
+    free = floorplan.truth == FREE
+    scale = -(-free.shape[1] // max(width - 1, 1))
+    rows, cols = (-(-side // scale) for side in free.shape)
+    padded = np.zeros((2 * -(-rows // 2) * scale, cols * scale), np.bool_)
+    padded[: free.shape[0], : free.shape[1]] = free
+    shares = padded.reshape(-1, scale, cols, scale).mean(axis=(1, 3)) >= 0.5
+    return "\n".join(
+        "".join(" ▄▀█"[2 * int(not upper) + int(not lower)] for upper, lower in zip(*pair, strict=True))
+        for pair in zip(shares[::2], shares[1::2], strict=True)
+    )
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """Run the conformance suite on a policy and print what it found."""
+    known = policy_entry_points()
+    if ":" not in arguments.policy and arguments.policy not in known:
+        raise InputError(f"unknown policy {arguments.policy!r}{did_you_mean(arguments.policy, known)}")
+    report = check_policy(make_policy(arguments.policy))
+    table = Table("check", "result", box=None, header_style="bold", title=arguments.policy, title_justify="left")
+    for name, finding in report.items():
+        table.add_row(name, finding)
+    Console().print(table)
+    return 0

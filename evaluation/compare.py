@@ -1,0 +1,190 @@
+"""Run a comparison: fly what is missing, store it, and write the table, the figures and the report."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+import pandas as pd
+from indoor_explorers.evaluation.report.figures import write_figures
+
+from indoor_explorers.env import InputError, Policy, Scenario
+from indoor_explorers.env.scenario import on_files
+from indoor_explorers.evaluation.experiment import Experiment, Task, build_experiment, named_scenario, read_experiment
+from indoor_explorers.evaluation.local import Job, fly_jobs
+from indoor_explorers.evaluation.provenance import run_facts
+from indoor_explorers.evaluation.record import Record
+from indoor_explorers.evaluation.report import write_report
+from indoor_explorers.evaluation.results import Results, write_summary
+from indoor_explorers.evaluation.store import Store
+
+#: Compared when nothing else is asked for: chance and the four families.
+DEFAULT_POLICIES = ("random", "frontier-nearest", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
+DEFAULT_SCENARIO = "thesis-obstacles"
+#: The most episodes of a job: what is lost at most, per worker, when a run is killed.
+JOB_EPISODES = 10
+
+
+class Watcher(Protocol):
+    """Is told about the progress of a run."""
+
+    def begin(self, total: int, missing: int) -> None:
+        """Be told how many episodes there are, and how many of them are not in the store yet."""
+
+    def flown(self, records: Sequence[Record]) -> None:
+        """Be told of newly stored episodes."""
+
+
+def compare(
+    out: str | Path,
+    *,
+    policies: Sequence[Any] | None = None,
+    scenario: str | Scenario | Sequence[str | Scenario] | None = None,
+    experiment: str | Path | None = None,
+    maps: Sequence[str | Path] = (),
+    resolution: float | None = None,
+    team: int | None = None,
+    episodes: int | None = None,
+    seed: int | None = None,
+    workers: int | None = None,
+    settings: Mapping[str, Any] | None = None,
+    watcher: Watcher | None = None,
+    command: str = "",
+) -> pd.DataFrame:
+    """Compare policies and return the summary as a table with the columns of ``summary.csv``.
+
+    Takes the arguments of ``indoor-explorers compare``. Writes ``out/results.db``, ``report.html``,
+    ``summary.csv`` and ``figures/``; episodes that ``out/results.db`` holds already are not flown again.
+
+    Raises:
+        InputError: something asked for does not exist or does not fit together.
+
+    """
+    planned = plan(
+        policies=policies,
+        scenario=scenario,
+        experiment=experiment,
+        maps=maps,
+        resolution=resolution,
+        team=team,
+        episodes=episodes,
+        seed=seed,
+        settings=settings,
+    )
+    results = run(planned, Path(out), workers=workers, watcher=watcher, command=command)
+    return results.summary()
+
+
+def plan(
+    *,
+    policies: Sequence[Any] | None = None,
+    scenario: str | Scenario | Sequence[str | Scenario] | None = None,
+    experiment: str | Path | None = None,
+    maps: Sequence[str | Path] = (),
+    resolution: float | None = None,
+    team: int | None = None,
+    episodes: int | None = None,
+    seed: int | None = None,
+    settings: Mapping[str, Any] | None = None,
+) -> Experiment:
+    """Put an experiment together from a file and what overrides it; see :func:`compare`."""
+    base = read_experiment(Path(experiment)) if experiment is not None else {}
+    here = Path(experiment).parent if experiment is not None else Path()
+    asked = scenario if scenario is not None else base.get("scenarios")
+    chosen = _scenarios(asked, here, tuple(str(path) for path in maps), resolution)
+    overrides = dict(base.get("set", {})) | dict(settings or {}) | ({"team": team} if team is not None else {})
+    return build_experiment(
+        policies if policies is not None else base.get("policies", DEFAULT_POLICIES),
+        chosen,
+        episodes=episodes if episodes is not None else base.get("episodes", 30),
+        seed=seed if seed is not None else base.get("seed", 0),
+        settings=overrides,
+    )
+
+
+def _scenarios(asked: Any, here: Path, maps: tuple[str, ...], resolution: float | None) -> list[Scenario]:
+    if resolution is not None and not maps:
+        raise InputError("expected --maps with --resolution, got none; name the map files to resample")
+    if asked is None:
+        return [on_files(maps, resolution)] if maps else [named_scenario(DEFAULT_SCENARIO)]
+    names = [asked] if isinstance(asked, (str, Scenario)) else list(asked)
+    chosen = [name if isinstance(name, Scenario) else named_scenario(str(name), here) for name in names]
+    if not maps:
+        return chosen
+    files = on_files(maps, resolution)
+    return [
+        each.model_copy(update={"name": f"{each.name} on {files.name}", "map": files.map, "budget": None})
+        for each in chosen
+    ]
+
+
+def run(
+    experiment: Experiment,
+    out: Path,
+    *,
+    workers: int | None = None,
+    watcher: Watcher | None = None,
+    command: str = "",
+) -> Results:
+    """Fly what ``out`` does not hold yet and write everything that is made from it."""
+    workers = workers if workers is not None else os.cpu_count() or 1
+    about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
+    for scenario in experiment.scenarios:
+        for index in range(scenario.map.count):
+            scenario.map.floorplan(index, experiment.seed)
+    _make_folder(out)
+    with Store(out / "results.db") as store:
+        number = store.begin_run(experiment, about, run_facts(command, workers))
+        finished = store.finished()
+        jobs = list(missing_jobs(experiment, finished))
+        if watcher is not None:
+            missing = sum(len(job.tasks) for job in jobs)
+            watcher.begin(len(experiment.policies) * len(experiment.tasks()), missing)
+        for records in fly_jobs(jobs, workers) if jobs else ():
+            for record in records:
+                store.add(record, number)
+            if watcher is not None:
+                watcher.flown(records)
+    return write_outputs(out)
+
+
+def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]]) -> Iterator[Job]:
+    """Yield the episodes that are not finished, in jobs of one policy and scenario."""
+    tasks = experiment.tasks()
+    for scenario in experiment.scenarios:
+        for choice in experiment.policies:
+            missing = [t for t in tasks if t.scenario == scenario.name and (choice.name, t) not in finished]
+            for start in range(0, len(missing), JOB_EPISODES):
+                yield Job(choice, scenario, tuple(missing[start : start + JOB_EPISODES]))
+
+
+def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
+    """Return what results say about a policy: where it comes from and its parameters."""
+    parameters = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
+    return {
+        "use": use,
+        "class": f"{type(policy).__module__}:{type(policy).__qualname__}",
+        "privileged": policy.privileged,
+        "parameters": {name: repr(value) for name, value in parameters.items()},
+    }
+
+
+def _make_folder(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{out}: the folder cannot be made: {error.strerror}; choose another --out") from error
+    if not os.access(out, os.W_OK):
+        raise InputError(f"{out}: expected a folder that can be written, got a read-only one; choose another --out")
+
+
+def write_outputs(out: Path) -> Results:
+    """Write summary.csv, figures and report from ``out/results.db``."""
+    results = Results.load(out)
+    write_summary(results, out / "summary.csv")
+    write_figures(results, out / "figures")
+    write_report(results, out / "report.html")
+    return results

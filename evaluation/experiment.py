@@ -1,0 +1,125 @@
+"""An experiment: policies x scenarios x maps x seeds, all policies on the same maps, spawns and seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from indoor_explorers.env import InputError, Policy, Scenario, make_policy, scenario
+from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.env.scenario import PRESETS, read_toml, validated
+
+
+class Task(NamedTuple):
+    """One episode to be flown by every policy."""
+
+    scenario: str
+    """Name of the scenario."""
+    map_index: int
+    """Which of the scenario's map files; 0 for generators."""
+    seed: int
+    """Makes the generated map, the spawns, the order of moves and the pilots' draws."""
+
+
+class PolicyChoice(BaseModel):
+    """A policy by registry name or ``module:Class``, its parameters, and the name it goes by in results."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+    use: str = Field(min_length=1)
+    """Registry name or ``module:Class``."""
+    name: str = Field("", max_length=80)
+    """Name in tables and figures; the registry name when left out."""
+    parameters: dict[str, Any] = {}
+    """Arguments of the policy's constructor."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_name(cls, data: Any) -> Any:
+        data = {"use": data} if isinstance(data, str) else data
+        return data | {"name": data.get("name") or data.get("use", "")} if isinstance(data, dict) else data
+
+    def make(self) -> Policy:
+        """Make the policy."""
+        return make_policy(self.use, **self.parameters)
+
+
+class Experiment(BaseModel):
+    """Describe a comparison completely."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+    policies: tuple[PolicyChoice, ...] = Field(min_length=1)
+    """The policies compared, in the order of tables."""
+    scenarios: tuple[Scenario, ...] = Field(min_length=1)
+    """The tasks, as they are flown."""
+    episodes: int = Field(30, ge=1, le=1_000_000)
+    """Seeds flown on each map."""
+    seed: int = Field(0, ge=0, lt=2**63)
+    """First seed; episode k has seed + k."""
+
+    @field_validator("policies", "scenarios")
+    @classmethod
+    def _names_differ(cls, entries: tuple[Any, ...]) -> tuple[Any, ...]:
+        names = [entry.name for entry in entries]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"the name {twice[0]!r} appears twice; give each its own name")
+        return entries
+
+    def tasks(self) -> list[Task]:
+        """List the episodes that every policy flies."""
+        return [
+            Task(scenario.name, index, self.seed + k)
+            for scenario in self.scenarios
+            for index in range(scenario.map.count)
+            for k in range(self.episodes)
+        ]
+
+    def scenario(self, name: str) -> Scenario:
+        """Return the scenario of that name."""
+        return next(scenario for scenario in self.scenarios if scenario.name == name)
+
+
+#: Keys of an experiment file.
+KEYS = ("policies", "scenarios", "episodes", "seed", "set")
+
+
+def read_experiment(path: Path) -> dict[str, Any]:
+    """Read an experiment file into a mapping of :data:`KEYS`, not yet validated."""
+    data = read_toml(path)
+    for key in data:
+        if key not in KEYS:
+            raise InputError(f"{path}: unknown key {key!r}{did_you_mean(key, KEYS)}")
+    for key in ("policies", "scenarios"):
+        if key in data and not isinstance(data[key], list):
+            raise InputError(f"{path}: expected {key} to be a list, got {data[key]!r}")
+    if not isinstance(data.get("set", {}), dict):
+        raise InputError(f"{path}: expected [set] to be a table of settings, got {data['set']!r}")
+    return data
+
+
+def named_scenario(name: str, relative_to: Path = Path()) -> Scenario:
+    """Return a preset by name, or the scenario of a TOML file."""
+    if name.endswith(".toml"):
+        return Scenario.load(relative_to / name)
+    if name not in PRESETS:
+        raise InputError(f"unknown scenario {name!r}{did_you_mean(name, PRESETS)}; or give a .toml file")
+    return scenario(name)
+
+
+def build_experiment(
+    policies: Sequence[Any],
+    scenarios: Sequence[Scenario],
+    *,
+    episodes: int,
+    seed: int,
+    settings: Mapping[str, Any],
+) -> Experiment:
+    """Put an experiment together: scenarios in the form comparisons run, then ``settings`` on each of them."""
+    flown = [scenario.for_evaluation().with_settings(settings) for scenario in scenarios]
+    data = {"policies": tuple(policies), "scenarios": tuple(flown), "episodes": episodes, "seed": seed}
+    return validated(Experiment, data, "experiment")

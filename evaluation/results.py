@@ -1,0 +1,174 @@
+"""Results as tables: what the command returns, what summary.csv holds, and what the report is drawn from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from indoor_explorers.env import InputError
+from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.metrics import LEVELS, MEASURES, extended
+from indoor_explorers.evaluation.record import Outcome, Record
+from indoor_explorers.evaluation.statistics import bootstrap_mean, interquartile_mean
+from indoor_explorers.evaluation.store import Store
+
+SUMMARY_COLUMNS = ("policy", "scenario", "team", "metric", "episodes", "mean", "iqm", "low", "high", "success")
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Everything a store holds, loaded."""
+
+    policies: dict[str, dict[str, Any]]
+    """Facts of each policy by name, in table order."""
+    scenarios: dict[str, dict[str, Any]]
+    """Settings of each scenario by name, in table order."""
+    runs: list[dict[str, Any]]
+    """Facts of each run, oldest first."""
+    records: list[Record]
+
+    @classmethod
+    def load(cls, folder: Path) -> Results:
+        """Read ``folder/results.db``."""
+        path = folder / "results.db"
+        if not path.is_file():
+            raise InputError(f"{folder}: expected a folder with a results.db in it, got none; fly compare --out first")
+        with Store(path) as store:
+            return cls(store.policies(), store.scenarios(), store.runs(), list(store.records()))
+
+    @classmethod
+    def combined(cls, parts: Sequence[Results]) -> Results:
+        """Put several results together, when they are about the same tasks.
+
+        Raises:
+            InputError: tasks differ; the message names the fields.
+
+        """
+        whole = parts[0]
+        for part in parts[1:]:
+            whole = _joined(whole, part)
+        return whole
+
+    @cached_property
+    def groups(self) -> dict[tuple[str, str], list[Record]]:
+        """The records by (scenario, policy), each list ordered by task."""
+        groups: dict[tuple[str, str], list[Record]] = {
+            (scenario, policy): [] for scenario in self.scenarios for policy in self.policies
+        }
+        for record in self.records:
+            groups[record.task.scenario, record.policy].append(record)
+        return {key: records for key, records in groups.items() if records}
+
+    def tasks(self, scenario: str) -> set[Task]:
+        """Return the tasks of a scenario that any policy has flown."""
+        return {record.task for (name, _), records in self.groups.items() if name == scenario for record in records}
+
+    def curves(self, scenario: str, policy: str, who: str = "team") -> NDArray[np.float64]:
+        """Return (E, T + 1) coverage by step, each curve constant after its end.
+
+        ``who`` is ``team`` (the union of what the UAVs know), ``mean`` or ``worst`` (over the UAVs' own maps).
+        """
+        records = self.groups[scenario, policy]
+        length = 1 + max(record.budget for record in records)
+        return np.stack([extended(_coverage(record, who), length) for record in records])
+
+    def values(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
+        """Return (E,) values of a metric; NaN where missing; T_q never reached counts as the budget."""
+        records = self.groups[scenario, policy]
+        return np.array([_value(record, metric) for record in records], np.float64)
+
+    def success(self, scenario: str, policy: str, metric: str) -> float:
+        """Return the share of episodes that reached T_q, or for other metrics the scenario's goal."""
+        records = self.groups[scenario, policy]
+        if metric in LEVELS:
+            return float(np.mean([record.metrics[metric] is not None for record in records]))
+        return float(np.mean([record.outcome is Outcome.COMPLETE for record in records]))
+
+    def summary(self) -> pd.DataFrame:
+        """Return one row per scenario, policy and metric with the columns of summary.csv."""
+        return pd.DataFrame(self._summary_rows(), columns=list(SUMMARY_COLUMNS))
+
+    def _summary_rows(self) -> Iterator[tuple[Any, ...]]:
+        for (scenario, policy), records in self.groups.items():
+            extra = sorted({name for record in records for name in record.metrics} - set(MEASURES))
+            for metric in (*MEASURES, *extra):
+                values = self.values(scenario, policy, metric)
+                values = values[~np.isnan(values)]
+                if not len(values):
+                    continue
+                mean, low, high = bootstrap_mean(values)
+                yield (
+                    *(policy, scenario, records[0].team, metric, len(values), mean, interquartile_mean(values)),
+                    *(low, high, self.success(scenario, policy, metric)),
+                )
+
+    def episodes(self) -> pd.DataFrame:
+        """Return one row per episode: its task, outcome, steps and metrics."""
+        return pd.DataFrame(
+            {
+                "policy": record.policy,
+                "scenario": record.task.scenario,
+                "map": record.floorplan.name,
+                "map_index": record.task.map_index,
+                "seed": record.task.seed,
+                "team": record.team,
+                "budget": record.budget,
+                "outcome": str(record.outcome),
+                "reason": record.reason,
+                "steps": record.steps,
+                **record.metrics,
+            }
+            for record in self.records
+        )
+
+
+def _joined(one: Results, other: Results) -> Results:
+    for name in set(one.scenarios) & set(other.scenarios):
+        if one.scenarios[name]["fingerprint"] != other.scenarios[name]["fingerprint"]:
+            fields = _differing(one.scenarios[name], other.scenarios[name]) - {"fingerprint"}
+            what = ", ".join(sorted(fields)) or "the cells of its maps"
+            raise InputError(f"scenario {name!r} is not the same task in both results; what differs: {what}")
+        if one.tasks(name) != other.tasks(name):
+            raise InputError(
+                f"scenario {name!r} was not flown on the same seeds in both results ({len(one.tasks(name))} and "
+                f"{len(other.tasks(name))} tasks); finish both, with the same --seed and --episodes"
+            )
+    for name in set(one.policies) & set(other.policies):
+        if one.policies[name] != other.policies[name]:
+            raise InputError(f"policy {name!r} has other parameters in the other results; rename it in one of them")
+    held = {(record.policy, record.task) for record in one.records}
+    return Results(
+        one.policies | other.policies,
+        one.scenarios | other.scenarios,
+        one.runs + other.runs,
+        one.records + [record for record in other.records if (record.policy, record.task) not in held],
+    )
+
+
+def _differing(one: dict[str, Any], other: dict[str, Any]) -> set[str]:
+    return {key for key in {*one, *other} if one.get(key) != other.get(key)}
+
+
+def _coverage(record: Record, who: str) -> NDArray[np.float64]:
+    own = record.covered[:, 1:]
+    counted = {"team": record.covered[:, 0], "mean": own.mean(axis=1), "worst": own.min(axis=1)}[who]
+    return np.asarray(counted / record.reachable)
+
+
+def _value(record: Record, metric: str) -> float:
+    value = record.metrics.get(metric)
+    if value is None:
+        return float(record.budget) if metric in LEVELS else np.nan
+    return value
+
+
+def write_summary(results: Results, path: Path) -> None:
+    """Write summary.csv; equal results give equal bytes."""
+    results.summary().to_csv(path, index=False, float_format="%.6g", lineterminator="\n")
