@@ -162,7 +162,7 @@ class Scenario(_Part):
 def _flattened(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for key, value in data.items():
-        if isinstance(value, dict) and key != "map":
+        if isinstance(value, dict) and "source" not in value:  # a map table that names its source is whole
             flat |= _flattened(value, f"{prefix}{key}.")
         else:
             flat[prefix + key] = value

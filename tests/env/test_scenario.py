@@ -1,0 +1,80 @@
+"""Scenarios: validation, settings, TOML, fingerprints."""
+
+import pytest
+
+from indoor_explorers.env import PRESETS, InputError, Scenario, scenario
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_prints_itself_and_is_read_back(name, tmp_path):
+    path = tmp_path / "task.toml"
+    path.write_text(PRESETS[name].to_toml())
+    again = Scenario.load(path)
+    assert again == PRESETS[name]
+    assert again.fingerprint == PRESETS[name].fingerprint
+
+
+def test_a_file_may_start_from_a_preset(tmp_path):
+    path = tmp_path / "far.toml"
+    path.write_text(
+        'preset = "thesis-team-2"\nteam = 3\n[radio]\nrange = 6.0\n[map]\nsource = "thesis"\nobstacles = 9\n'
+    )
+    task = Scenario.load(path)
+    assert (task.name, task.team, task.radio.range, task.radio.model) == ("far", 3, 6.0, "square")
+    assert task.map.obstacles == 9
+    assert task.stuck == PRESETS["thesis-team-2"].stuck
+
+
+@pytest.mark.parametrize(
+    ("toml", "message"),
+    [
+        ("taem = 2", "unknown key 'taem'; did you mean 'team'"),
+        ("[lidar]\nrnage = 2", "unknown key 'lidar.rnage'; did you mean 'range'"),
+        ('[map]\nsource = "thesis"\nobstacels = 2', "did you mean 'obstacles'"),
+        ("team = 0", "team: .*greater than or equal to 1.*got 0"),
+        ("goal = nan", "goal"),
+        ("team = 2\nspawn = [[0, 0]]", "spawn lists 1 cells for a team of 2"),
+        ('preset = "thesis-opne"', "unknown scenario 'thesis-opne'; did you mean 'thesis-open'"),
+        ("team = ", "expected TOML"),
+        ("preset = 3", "expected preset to be the name"),
+    ],
+)
+def test_bad_files_give_one_clear_line(toml, message, tmp_path):
+    path = tmp_path / "bad.toml"
+    path.write_text(toml)
+    with pytest.raises(InputError, match=message) as caught:
+        Scenario.load(path)
+    assert "\n" not in str(caught.value)
+    assert "bad.toml" in str(caught.value)
+
+
+def test_settings_are_dotted_and_checked():
+    changed = scenario("thesis-open").with_settings({"lidar.range": 5, "goal": 0.5})
+    assert (changed.lidar.range, changed.goal) == (5.0, 0.5)
+    with pytest.raises(InputError, match=r"no setting 'lidar\.rang'; did you mean 'range'"):
+        scenario("thesis-open").with_settings({"lidar.rang": 5})
+    with pytest.raises(InputError, match=r"no setting 'radoi'; did you mean 'radio'"):
+        scenario("thesis-open").with_settings({"radoi.range": 5})
+
+
+def test_the_fingerprint_is_of_the_task_and_not_of_its_name():
+    task = scenario("thesis-open")
+    assert task.with_settings({"name": "other"}).fingerprint == task.fingerprint
+    assert task.with_settings({"lidar.range": 4}).fingerprint != task.fingerprint
+
+
+def test_evaluation_runs_to_full_reachable_team_coverage():
+    flown = scenario("thesis-team-2").for_evaluation()
+    assert (flown.goal, flown.goal_of, flown.denominator, flown.stuck.rule) == (1.0, "team", "reachable", "off")
+    assert (flown.budget, flown.team, flown.lidar.range) == (400, 2, 3.0)
+
+
+def test_the_thesis_presets_are_the_thesis():
+    for name, obstacles, team in (("thesis-open", 0, 1), ("thesis-obstacles", 5, 1), ("thesis-team-4", 5, 4)):
+        task = scenario(name)
+        assert (task.map.height, task.map.width, task.map.obstacles, task.team) == (16, 16, obstacles, team)
+        assert (task.lidar.range, task.budget, task.goal, task.denominator) == (3.0, 400, 0.9, "map")
+        assert (task.rewards.step, task.rewards.discovered, task.rewards.collision, task.rewards.goal) == (
+            *(-0.5, 1.0),
+            *(-400.0, 400.0),
+        )

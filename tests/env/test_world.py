@@ -1,0 +1,297 @@
+"""Laws of the world, on random scenarios, maps and actions."""
+
+import networkx as nx
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from indoor_explorers.env import PRESETS, InputError, Scenario, World
+from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.lidar import scan
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.radio import CELL_BYTES, POSITION_BYTES
+from indoor_explorers.env.state import End
+from indoor_explorers.env.world import reachable_cells
+
+from .worlds import begun, floorplans, random_actions, scenarios
+
+seeds = st.integers(0, 2**32)
+examples = settings(max_examples=80, deadline=None)
+
+
+def snapshot(world):
+    return {name: array.copy() for name, array in world.state._asdict().items()}
+
+
+def flight(world, seed, steps=25):
+    """Yield (state before, actions, state after) of a random flight."""
+    rng = np.random.default_rng(seed)
+    for _ in range(steps):
+        if not world.flying.any():
+            return
+        before = snapshot(world)
+        actions = random_actions(rng, world)
+        world.step(actions)
+        yield before, actions[0], snapshot(world)
+
+
+@examples
+@given(scenarios(), floorplans(), seeds)
+def test_beliefs_never_contradict_the_truth_and_never_shrink(scenario, floorplan, seed):
+    world = begun(scenario, floorplan, seed)
+    for before, _, after in flight(world, seed):
+        known = after["belief"][0] != UNKNOWN
+        assert (after["belief"][0][known] == np.broadcast_to(floorplan.truth, known.shape)[known]).all()
+        assert (known | (before["belief"][0] == UNKNOWN)).all()
+        assert (after["team_covered"] >= before["team_covered"]).all()
+        assert ((after["union"][0] != UNKNOWN) == known.any(axis=0)).all()
+
+
+@examples
+@given(scenarios(), floorplans(), seeds)
+def test_counts_equal_recounts(scenario, floorplan, seed):
+    world = begun(scenario, floorplan, seed)
+    for _, _, after in flight(world, seed):
+        counts = after["counts"][0]
+        assert after["covered"][0].tolist() == [int((b[counts] != UNKNOWN).sum()) for b in after["belief"][0]]
+        assert after["team_covered"][0] == (after["union"][0][counts] != UNKNOWN).sum()
+        assert after["sensed_count"][0].tolist() == [int(seen[counts].sum()) for seen in after["sensed"][0]]
+        assert after["known"][0].tolist() == [int((b != UNKNOWN).sum()) for b in after["belief"][0]]
+
+
+@examples
+@given(scenarios(), floorplans(), seeds)
+def test_nobody_enters_a_wall_or_a_mate_and_moves_are_one_cell(scenario, floorplan, seed):
+    world = begun(scenario, floorplan, seed)
+    for before, actions, after in flight(world, seed):
+        cells = after["cell"][0]
+        assert (floorplan.truth[cells[:, 0], cells[:, 1]] == FREE).all()
+        flying = before["end"][0] == End.FLYING
+        airborne = cells[flying & ~np.isin(after["end"][0], [End.COLLISION, End.OUT_OF_BOUNDS])]
+        assert len({tuple(cell) for cell in airborne.tolist()}) == len(airborne)
+        moved = np.abs(cells - before["cell"][0]).sum(axis=1)
+        assert (moved <= (flying & (actions != 4))).all()
+
+
+@examples
+@given(scenarios(), floorplans(), seeds)
+def test_knowledge_is_own_scans_and_the_union_within_each_radio_component(scenario, floorplan, seed):
+    """The whole of sensing and merging against sets and networkx."""
+    world = begun(scenario, floorplan, seed)
+    known = [set() for _ in range(scenario.team)]
+
+    def sense_and_merge(state, flew):
+        cells = [tuple(cell) for cell in state["cell"][0].tolist()]
+        for n in np.flatnonzero(flew):
+            belief = scan(floorplan.truth, cells[n], scenario.lidar.range)
+            known[n] |= set(np.flatnonzero(belief != UNKNOWN).tolist())
+        crashed = np.isin(state["end"][0], [End.COLLISION, End.OUT_OF_BOUNDS])
+        graph = nx.Graph()
+        graph.add_nodes_from(np.flatnonzero(flew & ~crashed).tolist())
+        graph.add_edges_from(
+            (i, j) for i in graph for j in graph if i < j and linked(scenario.radio, cells[i], cells[j])
+        )
+        for component in nx.connected_components(graph):
+            together = set.union(*(known[n] for n in component))
+            for n in component:
+                known[n] = set(together)
+        for n, belief in enumerate(state["belief"][0]):
+            assert set(np.flatnonzero(belief != UNKNOWN).tolist()) == known[n]
+
+    sense_and_merge(snapshot(world), np.ones(scenario.team, bool))
+    for before, _, after in flight(world, seed):
+        sense_and_merge(after, before["end"][0] == End.FLYING)
+
+
+def linked(radio, a, b):
+    rows, cols = abs(a[0] - b[0]), abs(a[1] - b[1])
+    return {
+        "none": False,
+        "square": max(rows, cols) <= radio.range,
+        "disc": np.hypot(rows, cols) <= radio.range,
+        "unlimited": True,
+    }[radio.model]
+
+
+@examples
+@given(scenarios(), floorplans(), seeds)
+def test_rewards_add_up(scenario, floorplan, seed):
+    world = begun(scenario, floorplan, seed)
+    pay = scenario.rewards
+    for before, _, after in flight(world, seed):
+        for n in range(scenario.team):
+            if before["end"][0, n] != End.FLYING:
+                assert after["reward"][0, n] == 0
+                continue
+            crashes = int(after["collisions"][0, n] - before["collisions"][0, n])
+            ended = after["end"][0, n]
+            expected = pay.step + crashes * pay.collision
+            if ended not in (End.COLLISION, End.OUT_OF_BOUNDS):
+                expected += pay.discovered * after["discovered"][0, n] + pay.received * after["received"][0, n]
+            expected += {End.GOAL: pay.goal, End.STUCK: pay.stuck}.get(End(int(ended)), 0.0)
+            assert after["reward"][0, n] == pytest.approx(expected)
+
+
+@examples
+@given(scenarios(), floorplans(), seeds)
+def test_own_and_received_discoveries_are_kept_apart(scenario, floorplan, seed):
+    world = begun(scenario, floorplan, seed)
+    for before, _, after in flight(world, seed):
+        grown = after["known"][0] - before["known"][0]
+        assert (grown == after["discovered"][0] + after["received"][0]).all()
+        if scenario.radio.model == "none" or scenario.team == 1:
+            assert not after["received"].any()
+            assert not after["sent_bytes"].any()
+
+
+@examples
+@given(scenarios(), floorplans(), seeds)
+def test_an_ended_agent_stays_ended_and_every_end_has_its_cause(scenario, floorplan, seed):
+    world = begun(scenario, floorplan, seed)
+    for before, _, after in flight(world, seed, steps=70):
+        was, now = before["end"][0], after["end"][0]
+        assert (now[was != End.FLYING] == was[was != End.FLYING]).all()
+        covered = after["team_covered"][0] if scenario.goal_of == "team" else after["covered"][0]
+        reached = np.broadcast_to(covered >= after["needed"][0], now.shape)
+        fresh = was == End.FLYING
+        assert (reached[fresh & (now == End.GOAL)]).all()
+        assert not (reached & fresh & np.isin(now, [End.FLYING, End.BUDGET, End.STUCK])).any()
+        if after["step"][0] >= scenario.budget:
+            assert (now != End.FLYING).all()
+        assert ((now == End.BUDGET) & fresh).any() <= (after["step"][0] >= scenario.budget)
+
+
+def test_same_seed_same_episode_in_any_batch():
+    scenario = PRESETS["thesis-team-4"]
+    rng = np.random.default_rng(5)
+    actions = rng.integers(0, 5, (40, 6, 4))
+    together = World(scenario.with_settings({"on_collision": "block"}), 6)
+    together.reset(range(6))
+    alone = [World(together.scenario) for _ in range(6)]
+    for b, world in enumerate(alone):
+        world.reset([b])
+    for step in actions:
+        together.step(step)
+        for b, world in enumerate(alone):
+            world.step(step[b : b + 1])
+    for b, world in enumerate(alone):
+        for name, array in world.state._asdict().items():
+            np.testing.assert_array_equal(array[0], getattr(together.state, name)[b], err_msg=name)
+
+
+def test_the_order_of_moves_is_random_and_fair():
+    """Two UAVs want the same cell: each gets it about half of the time."""
+    truth = np.full((1, 3), FREE)
+    scenario = Scenario(team=2, spawn=((0, 0), (0, 2)), on_collision="block", budget=5, lidar={"range": 1.0})
+    first = 0
+    for seed in range(400):
+        world = begun(scenario, Floorplan(truth.astype(np.uint8), "corridor"), seed)
+        world.step(np.array([[3, 1]]))
+        first += tuple(world.state.cell[0, 0]) == (0, 1)
+        assert world.state.blocked[0].sum() == 1
+    assert 150 < first < 250
+
+
+def test_square_radio_reaches_its_range_and_not_twice_it():
+    truth = np.full((1, 12), FREE)
+    for distance, together in ((3, True), (4, False), (6, False)):
+        scenario = Scenario(team=2, spawn=((0, 0), (0, distance)), radio={"model": "square", "range": 3.0}, budget=9)
+        world = begun(scenario, Floorplan(truth.astype(np.uint8), "corridor"), 0)
+        assert bool(world.state.linked[0, 0, 1]) is together
+
+
+def test_a_message_arrives_and_ages():
+    truth = np.full((1, 30), FREE).astype(np.uint8)
+    scenario = Scenario(team=2, spawn=((0, 3), (0, 4)), radio={"model": "square", "range": 2.0}, budget=20)
+    world = begun(scenario, Floorplan(truth, "corridor"), 0)
+    assert world.view(0, 0).mates == ((1, (0, 4), 0, None),)
+    world.post(0, 1, (7.0, -1.5))
+    for _ in range(4):
+        world.step(np.array([[4, 3]]))
+    mate = world.view(0, 0).mates[0]
+    assert (mate.cell, mate.age, mate.message) == ((0, 5), 3, (7.0, -1.5))
+    assert world.view(0, 1).mates[0].age == 3
+
+
+def test_bytes_are_changed_cells_positions_and_numbers():
+    truth = np.full((1, 20), FREE).astype(np.uint8)
+    scenario = Scenario(team=2, spawn=((0, 0), (0, 9)), radio={"model": "disc", "range": 8.0}, budget=20)
+    world = begun(scenario, Floorplan(truth, "corridor"), 0)
+    assert not world.state.sent_bytes.any()
+    world.post(0, 0, (1.0, 2.0))
+    world.step(np.array([[3, 4]]))
+    first = 5 * CELL_BYTES + POSITION_BYTES + 2 * 8
+    second = 7 * CELL_BYTES + POSITION_BYTES
+    assert world.state.sent_bytes[0].tolist() == [first, second]
+    world.step(np.array([[4, 4]]))
+    assert world.state.sent_bytes[0].tolist() == [first + POSITION_BYTES + 16, second + POSITION_BYTES]
+
+
+def test_stuck_rules_end_at_their_numbers():
+    truth = np.full((2, 2), FREE).astype(np.uint8)
+    for stuck, expected in (
+        ({"rule": "oscillation", "window": 50, "repeats": 20}, 20),
+        ({"rule": "oscillation", "window": 50, "repeats": 10}, 10),
+        ({"rule": "no-discovery"}, 4),
+    ):
+        scenario = Scenario(stuck=stuck, budget=100, denominator="map", goal=1.0, lidar={"range": 1.0})
+        world = World(scenario)
+        world.begin(0, 0, floorplan=Floorplan(truth, "room"), spawns=[(0, 0)])
+        steps = 0
+        while world.flying.any():
+            world.step(np.array([[4]]))
+            steps += 1
+        assert steps == expected
+        assert world.state.end[0, 0] == End.STUCK
+
+
+def test_denominators():
+    truth = np.array([[1, 1, 2, 1], [1, 1, 2, 1]], np.uint8)
+    for denominator, total in (("reachable", 4), ("map", 8)):
+        scenario = Scenario(denominator=denominator, budget=5, spawn=((0, 0),), goal=0.5)
+        assert begun(scenario, Floorplan(truth, "split"), 0).state.total[0] == total
+    assert reachable_cells(truth, [(0, 0), (1, 3)]).sum() == 6
+
+
+def test_a_goal_that_can_never_be_reached_is_refused():
+    scenario = Scenario(map={"source": "thesis", "obstacles": 400}, denominator="map", goal=0.95)
+    with pytest.raises(InputError, match=r"can never be seen .* lower goal"):
+        World(scenario).reset([0])
+
+
+def test_spawns_are_free_connected_and_distinct():
+    for spawn in ("random", "clustered"):
+        world = World(PRESETS["thesis-team-4"].with_settings({"spawn": spawn, "team": 64}), 3)
+        world.reset([1, 2, 3])
+        for b in range(3):
+            cells = {tuple(cell) for cell in world.state.cell[b].tolist()}
+            assert len(cells) == 64
+            plan = world.floorplans[b]
+            assert plan is not None
+            assert all(plan.main_part()[cell] for cell in cells)
+
+
+@pytest.mark.parametrize(
+    ("actions", "message"), [([[0, 1]], r"expected actions of shape \(1, 1\)"), ([[5]], "expected actions from 0 to 4")]
+)
+def test_wrong_actions_are_refused(actions, message):
+    world = World(PRESETS["thesis-open"])
+    world.reset([0])
+    with pytest.raises(InputError, match=message):
+        world.step(np.array(actions))
+
+
+def test_too_many_uavs_for_the_map():
+    with pytest.raises(InputError, match="expected room for 200 UAVs"):
+        World(Scenario(map={"source": "thesis", "height": 4, "width": 4, "obstacles": 0}, team=200)).reset([0])
+
+
+def test_views_are_read_only():
+    world = World(PRESETS["thesis-open"])
+    world.reset([0])
+    view = world.view(0, 0)
+    with pytest.raises(ValueError, match="read-only"):
+        view.belief[0, 0] = OCCUPIED
+    with pytest.raises(ValueError, match="read-only"):
+        view.legal[0] = True
