@@ -20,7 +20,7 @@ def floorplans(draw, smallest=4, largest=12):
 
 
 @st.composite
-def scenarios(draw, most=5, **fixed):
+def scenarios(draw, /, most=5, **fixed):
     """A random scenario without a map: team, sensing, radio, rules."""
     settings = {
         "team": draw(st.integers(1, most)),

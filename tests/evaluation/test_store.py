@@ -1,0 +1,102 @@
+"""The store: round trip, growth, refusal of another experiment."""
+
+import sqlite3
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import PRESETS, InputError
+from indoor_explorers.evaluation.experiment import Task, build_experiment
+from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.evaluation.store import Store
+
+from .plugins import Wander
+
+POLICY = "tests.evaluation.plugins:Wander"
+
+
+def experiment(**changes):
+    settings = {"policies": [{"use": POLICY, "name": "w"}], "scenarios": [PRESETS["thesis-team-2"]]}
+    settings |= {"episodes": 3, "seed": 5, "settings": {}} | changes
+    return build_experiment(**settings)
+
+
+def about(planned):
+    return {choice.name: {"use": choice.use, "privileged": False} for choice in planned.policies}
+
+
+def filled(path):
+    planned = experiment()
+    with Store(path) as store:
+        run = store.begin_run(planned, about(planned), {"command": "x"})
+        records = list(fly(Wander(), "w", planned.scenarios[0], planned.tasks()))
+        for record in records:
+            store.add(record, run)
+            store.add(record, run)
+    return records
+
+
+def test_what_goes_in_comes_out(tmp_path):
+    records = filled(tmp_path / "results.db")
+    with Store(tmp_path / "results.db") as store:
+        again = list(store.records())
+        assert store.finished() == {("w", Task("thesis-team-2", 0, seed)) for seed in (5, 6, 7)}
+        assert store.runs() == [{"command": "x"}]
+    for record, copy in zip(records, again, strict=True):
+        np.testing.assert_array_equal(record.covered, copy.covered)
+        np.testing.assert_array_equal(record.cells, copy.cells)
+        np.testing.assert_array_equal(record.floorplan.truth, copy.floorplan.truth)
+        assert record.metrics == copy.metrics
+        assert (record.task, record.outcome, record.steps) == (copy.task, copy.outcome, copy.steps)
+
+
+def test_an_experiment_may_grow(tmp_path):
+    filled(tmp_path / "results.db")
+    grown = experiment(episodes=5, policies=[{"use": POLICY, "name": "w"}, {"use": POLICY, "name": "v"}])
+    with Store(tmp_path / "results.db") as store:
+        store.begin_run(grown, about(grown), {})
+        assert list(store.policies()) == ["w", "v"]
+        assert len(store.runs()) == 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"seed": 6}, r"seed \(5 there, 6 here\)"),
+        ({"scenarios": [PRESETS["thesis-open"]]}, r"scenarios \(thesis-team-2 there, thesis-open here\)"),
+        ({"settings": {"radio.range": 1.0}}, "the settings of scenario 'thesis-team-2'"),
+    ],
+)
+def test_another_experiment_is_refused(changes, message, tmp_path):
+    filled(tmp_path / "results.db")
+    other = experiment(**changes)
+    with Store(tmp_path / "results.db") as store, pytest.raises(InputError, match=message):
+        store.begin_run(other, about(other), {})
+
+
+def test_other_parameters_of_a_policy_are_refused(tmp_path):
+    filled(tmp_path / "results.db")
+    planned = experiment()
+    with Store(tmp_path / "results.db") as store, pytest.raises(InputError, match="the parameters of policy 'w'"):
+        store.begin_run(planned, {"w": {"use": POLICY, "privileged": True}}, {})
+
+
+def test_a_file_that_is_no_store_is_refused(tmp_path):
+    (tmp_path / "results.db").write_text("not a database at all, but long enough to be one of the pages" * 20)
+    with pytest.raises(InputError, match="expected a results store"):
+        Store(tmp_path / "results.db")
+    sqlite3.connect(tmp_path / "other.db").execute("CREATE TABLE meta (key, value)").connection.close()
+    with pytest.raises(InputError, match="expected a store of format 1"):
+        Store(tmp_path / "other.db")
+
+
+def test_results_of_unlike_tasks_are_not_combined(tmp_path):
+    filled(tmp_path / "results.db")
+    one = Results.load(tmp_path)
+    assert len(Results.combined([one, one]).records) == 3
+    unlike = {"thesis-team-2": one.scenarios["thesis-team-2"] | {"fingerprint": "0", "budget": 9}}
+    with pytest.raises(InputError, match="not the same task in both results; what differs: budget"):
+        Results.combined([one, Results(one.policies, unlike, [], one.records)])
+    with pytest.raises(InputError, match=r"same seeds .* \(3 and 2 tasks\)"):
+        Results.combined([one, Results(one.policies, one.scenarios, [], one.records[:2])])
