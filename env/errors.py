@@ -18,6 +18,10 @@ class PolicyError(Exception):
     """Report a policy that breaks the contract of :mod:`indoor_explorers.env.policy`."""
 
 
+class RunError(RuntimeError):
+    """Report a run that cannot go on through no fault of its input, such as a worker that was killed."""
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"`` for the closest known word, else the list of what is known."""
     names = sorted(known)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from indoor_explorers.env import InputError, PolicyError
+from indoor_explorers.env.errors import RunError
 from indoor_explorers.evaluation import commands
 
 #: Exit statuses.
@@ -122,17 +123,18 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
     words = list(sys.argv[1:] if argv is None else argv)
+    sys.path.append(str(Path.cwd()))  # so that module:Class finds a file of the current folder, as python -m would
     debug = bool(os.environ.get("INDOOR_EXPLORERS_DEBUG"))
     try:
         arguments = build_parser().parse_args(words)
         arguments.words = shlex.join(["indoor-explorers", *words])
         status: int = arguments.run(arguments)
-    except (InputError, PolicyError) as error:
+    except (InputError, PolicyError, RunError) as error:
         if debug:
             raise
         line = " ".join(str(error).split())
         sys.stderr.write(f"indoor-explorers: {line}\n")
-        return FAILED if isinstance(error, PolicyError) else USAGE
+        return USAGE if isinstance(error, InputError) else FAILED
     except KeyboardInterrupt:
         sys.stderr.write(
             "indoor-explorers: interrupted; what is finished is kept, and the same command goes on from there\n"

@@ -5,12 +5,14 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import NamedTuple
 
-from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env import Scenario
+from indoor_explorers.env.errors import RunError
 from indoor_explorers.evaluation.experiment import PolicyChoice, Task
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.runner import fly
@@ -33,7 +35,7 @@ def fly_jobs(jobs: Sequence[Job], workers: int) -> Iterator[list[Record]]:
     """Yield the records of each job as it finishes; ``workers`` 0 flies them one by one in this process.
 
     Raises:
-        InputError: a worker process died; what was yielded before stays valid.
+        RunError: a worker process died; what was yielded before stays valid.
 
     """
     if workers == 0:
@@ -43,7 +45,7 @@ def fly_jobs(jobs: Sequence[Job], workers: int) -> Iterator[list[Record]]:
     try:
         yield from _as_completed(pool, list(jobs), in_flight=2 * workers)
     except BrokenProcessPool as error:
-        raise InputError(
+        raise RunError(
             "a worker process died before it finished its episodes (out of memory, or a policy ended it); "
             "the finished episodes are kept, and the same command goes on from there"
         ) from error
@@ -83,7 +85,15 @@ def _context() -> multiprocessing.context.BaseContext:
 
 
 def _prepare_worker() -> None:
-    """Leave Ctrl-C to the driver, and give every worker one thread: the processes are the parallelism."""
+    """Leave Ctrl-C to the driver, leave with it when it is killed, and give every worker one thread: the processes are the parallelism."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_leave_with_the_driver, daemon=True).start()
     for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ[name] = "1"
+
+
+def _leave_with_the_driver() -> None:
+    driver = multiprocessing.parent_process()
+    if driver is not None:
+        driver.join()
+        os._exit(1)

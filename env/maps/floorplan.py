@@ -25,7 +25,7 @@ class Floorplan:
     resolution: float | None = None
     """Metres a cell, None when the source does not say."""
     kept: float = 1.0
-    """Share of the source's largest connected free area that is still connected at this resolution."""
+    """Share of the source's free area that is still reached in this map; 1.0 means that no floor was lost."""
 
     def __post_init__(self) -> None:
         if self.truth.ndim != 2 or self.truth.size == 0:

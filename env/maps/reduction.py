@@ -1,0 +1,143 @@
+"""From a source's pixels to a map's cells: coarser by any factor, doors open, walls closed.
+
+What cannot be reached from the largest connected free part can never be explored, so it becomes solid.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage, sparse
+
+from indoor_explorers.env.arrays import Belief, Mask
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid import FREE, OCCUPIED, largest_part
+from indoor_explorers.env.maps.floorplan import Floorplan
+
+#: Occupied shares that make a cell solid, most careful first; 0 stands for any occupied pixel at all.
+LADDER = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
+#: A rung of the ladder will do when this share of the source's connected floor stays connected.
+ENOUGH = 0.95
+#: A cell is free only when at least this share of it is.
+FREE_SHARE = 0.5
+
+_STRIP = 64
+_SLACK = 1e-9
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Source:
+    """Hold the pixels of a map and what is known about them."""
+
+    name: str
+    """Names the map in tables."""
+    where: str
+    """Names the file in errors."""
+    cells: Belief
+    """(H, W) uint8: 0 unknown, 1 free, 2 occupied."""
+    resolution: float
+    """Metres a pixel."""
+
+
+def reduced(source: Source, resolution: float | None) -> Floorplan:
+    """Turn a source into a floor plan with cells of ``resolution`` metres; None keeps the source's pixels.
+
+    Only the largest connected free part stays free; unknown pixels count as solid. A cell is solid when the
+    occupied share of its area reaches a threshold, or when less than half of it is connected floor. The
+    threshold is the first of :data:`LADDER` that keeps :data:`ENOUGH` of the floor connected, else the one
+    that keeps most: a small one keeps thin walls closed, a larger one keeps doors open. ``Floorplan.kept``
+    is the share of all the source's free area that is still reached: in free cells, or in the solid ones
+    right beside them, where the rounding at walls leaves it.
+
+    Raises :class:`InputError` when the resolution is finer than the source's, or so coarse that no floor is left.
+    """
+    all_free = source.cells == FREE
+    main = largest_part(all_free)
+    if not main.any():
+        raise InputError(f"{source.where}: expected a map with free pixels, got none; check its thresholds, or negate")
+    share = float(main.sum() / all_free.sum())
+    factor = _factor(source, resolution)
+    if factor == 1.0:
+        return Floorplan.from_free(main, source.name, source.resolution, share)
+    free, connected = _best(area_share(source.cells == OCCUPIED, factor), area_share(main, factor))
+    if not free.any():
+        raise InputError(
+            f"{source.where}: expected some floor left, got none at a resolution of {resolution:g} m; "
+            f"ask for a finer one (the source has {source.resolution:g} m)"
+        )
+    return Floorplan.from_free(free, source.name, resolution, share * connected)
+
+
+def _factor(source: Source, resolution: float | None) -> float:
+    """Return pixels a cell along each side, at least 1; whole numbers are exact."""
+    if resolution is None:
+        return 1.0
+    if not (math.isfinite(resolution) and resolution > 0.0):
+        raise InputError(f"{source.where}: expected a resolution above 0 m, got {resolution}; correct it")
+    factor = resolution / source.resolution
+    factor = round(factor) if abs(factor - round(factor)) < 1e-6 * factor else factor
+    if factor < 1.0:
+        raise InputError(
+            f"{source.where}: expected a resolution of at least the source's {source.resolution:g} m, "
+            f"got {resolution:g} m; ask for that or coarser"
+        )
+    if factor > max(source.cells.shape):
+        raise InputError(
+            f"{source.where}: expected cells smaller than the map, got {resolution:g} m a cell; ask for a finer "
+            f"--resolution (the source has {source.resolution:g} m)"
+        )
+    return float(factor)
+
+
+def _best(occupied: NDArray[np.float64], floor: NDArray[np.float64]) -> tuple[Mask, float]:
+    """Return the free cells of the first threshold that will do, or of the best, and the share it keeps."""
+    results = []
+    for threshold in LADDER:
+        solid = occupied >= threshold - _SLACK if threshold else occupied > _SLACK
+        results.append(_connected(~solid & (floor >= FREE_SHARE - _SLACK), floor))
+        if results[-1][1] >= ENOUGH:
+            return results[-1]
+    return max(results, key=lambda result: result[1])
+
+
+def _connected(free: Mask, floor: NDArray[np.float64]) -> tuple[Mask, float]:
+    """Return the largest connected part of the free cells, and the share of the floor in it or right beside it."""
+    part = largest_part(free)
+    beside = ndimage.binary_dilation(part, np.ones((3, 3), np.bool_)) & ~free
+    return part, float(floor[part | beside].sum() / floor.sum())
+
+
+def area_share(mask: Mask, factor: float) -> NDArray[np.float64]:
+    """Return the share of each cell's area that is True in ``mask``.
+
+    A (H, W) bool mask becomes (ceil(H / factor), ceil(W / factor)) float64; cells start at the upper left
+    corner, a pixel across a border counts to both sides by area, and what lies beyond the mask is False.
+    """
+    down, across = _overlaps(mask.shape[0], factor), _overlaps(mask.shape[1], factor).T
+    strips = []
+    for start in range(0, down.shape[0], _STRIP):
+        stop = min(start + _STRIP, down.shape[0])
+        low, high = int(start * factor), min(math.ceil(stop * factor), mask.shape[0])
+        strips.append(np.asarray(down[start:stop, low:high] @ (mask[low:high].astype(np.float64) @ across)))
+    return np.vstack(strips)
+
+
+def _overlaps(pixels: int, factor: float) -> sparse.csr_array[np.float64]:
+    """Return the (cells, pixels) matrix of how much of each cell's length each pixel covers."""
+    cells = math.ceil(pixels / factor - _SLACK)
+    borders = np.minimum(np.arange(cells + 1) * factor, pixels)
+    cuts = np.unique(np.concatenate([np.arange(pixels + 1, dtype=np.float64), borders]))
+    middles = (cuts[1:] + cuts[:-1]) / 2.0
+    cell = np.minimum(middles / factor, cells - 1).astype(np.int64)
+    return sparse.csr_array((np.diff(cuts) / factor, (cell, middles.astype(np.int64))), shape=(cells, pixels))
+
+
+def cropped(plan: Floorplan) -> Floorplan:
+    """Cut a floor plan to its free cells and one solid cell on each side."""
+    free = plan.truth == FREE
+    rows, cols = np.flatnonzero(free.any(axis=1)), np.flatnonzero(free.any(axis=0))
+    inner = free[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]
+    return Floorplan.from_free(np.pad(inner, 1), plan.name, plan.resolution, plan.kept)

@@ -1,0 +1,106 @@
+"""The distribution holds what the tree holds, and works when it is installed from a wheel."""
+
+import re
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+FLOORS = ("env", "planners", "learners", "evaluation")
+
+
+@pytest.fixture(scope="module")
+def project():
+    return tomllib.loads((ROOT / "pyproject.toml").read_text())
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    out = tmp_path_factory.mktemp("wheel")
+    subprocess.run(
+        [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", out, ROOT],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    (found,) = out.glob("*.whl")
+    return found
+
+
+def test_every_package_of_the_tree_is_listed(project):
+    tree = {
+        "indoor_explorers." + ".".join(path.parent.relative_to(ROOT).parts)
+        for floor in FLOORS
+        for path in (ROOT / floor).rglob("__init__.py")
+    }
+    assert set(project["tool"]["setuptools"]["packages"]) == tree
+
+
+def test_every_module_has_a_package():
+    for floor in FLOORS:
+        for path in (ROOT / floor).rglob("*.py"):
+            assert (path.parent / "__init__.py").exists(), path
+
+
+def test_the_wheel_holds_every_module_and_data_file(wheel):
+    held = set(zipfile.ZipFile(wheel).namelist())
+    listed = subprocess.run(["git", "ls-files", *FLOORS], cwd=ROOT, capture_output=True, text=True, check=True)
+    missing = {f"indoor_explorers/{name}" for name in listed.stdout.splitlines()} - held
+    assert {name for name in missing if not name.endswith(".md")} == set()
+    tops = {name.split("/")[0] for name in held}
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"indoor_explorers"}
+
+
+def test_the_wheel_works_where_the_source_is_not(wheel, tmp_path):
+    """Unpacked beside nothing, it imports itself, finds its data, and flies."""
+    zipfile.ZipFile(wheel).extractall(tmp_path / "site")
+    code = """
+import sys
+sys.path = [p for p in sys.path if "indoor" not in p]
+sys.meta_path = [f for f in sys.meta_path if "editable" not in getattr(f, "__module__", "") + repr(f).lower()]
+sys.path.insert(0, "site")
+import indoor_explorers.env, indoor_explorers.evaluation
+assert indoor_explorers.env.__file__.startswith(sys.argv[1]), indoor_explorers.env.__file__
+from indoor_explorers.evaluation import compare
+table = compare("out", policies=["random"], scenario=["office", "thesis-open"], episodes=1, workers=0,
+                settings={"budget": 20})
+assert set(table.scenario) == {"office", "thesis-open"}
+"""
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", code, str(tmp_path)], cwd=tmp_path, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "report.html").stat().st_size > 10_000
+
+
+def test_no_floor_imports_what_lies_above_it():
+    below = {"env": set(), "planners": {"env"}, "learners": {"env"}, "evaluation": {"env"}}
+    for floor, allowed in below.items():
+        for path in (ROOT / floor).rglob("*.py"):
+            found = set(re.findall(r"^\s*(?:from|import) indoor_explorers\.(\w+)", path.read_text(), re.MULTILINE))
+            reached = found - allowed - {floor}
+            assert not reached, (path, reached)
+
+
+def test_importing_the_command_line_loads_neither_torch_nor_ompl():
+    code = "import sys, indoor_explorers.evaluation.cli; print(sorted({'torch', 'ompl'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_constraints_pin_everything_and_name_no_host(project):
+    lines = [line for line in (ROOT / "constraints.txt").read_text().splitlines() if line and not line.startswith("#")]
+    assert "torch==2.13.0" in lines
+    assert all(re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.]+", line) for line in lines)
+    pinned = {line.split("==")[0].lower().replace("_", "-") for line in lines}
+    extras = project["project"]["optional-dependencies"].values()
+    wanted = {
+        re.match(r"[A-Za-z0-9._-]+", need)[0].lower()
+        for needs in (project["project"]["dependencies"], *extras)
+        for need in needs
+    }
+    assert wanted - {"indoor-explorers"} <= pinned
