@@ -109,6 +109,7 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--learner", default="dddqn", metavar="NAME", help="what learns (default dddqn)")
     parser.add_argument("--scenario", default="thesis-obstacles", metavar="PRESET|FILE.toml", help="what to train on")
     parser.add_argument(
         "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value",

@@ -21,6 +21,7 @@ from indoor_explorers.evaluation.progress import ProgressBar
 from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.training import run_training
 
 
 def run_compare(arguments: argparse.Namespace) -> int:
@@ -71,16 +72,14 @@ def run_report(arguments: argparse.Namespace) -> int:
 
 
 def run_train(arguments: argparse.Namespace) -> int:
-    """Train a DDDQN."""
-    from indoor_explorers.evaluation.training import run_training
-
+    """Train a learner on a scenario."""
     return run_training(
+        arguments.learner,
         named_scenario(arguments.scenario),
         dict(arguments.settings),
         out=arguments.out,
         seed=arguments.seed,
         resume=arguments.resume,
-        command=arguments.words,
     )
 
 

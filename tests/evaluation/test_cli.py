@@ -125,7 +125,7 @@ def test_killing_and_running_again_gives_the_same_summary(tmp_path):
         assert 0 < stored(tmp_path / "killed") < 60
         if signal_ == signal.SIGINT:
             assert (running.returncode, errors.count("\n")) == (130, 1), errors
-            assert "finished episodes are kept" in errors
+            assert "what is finished is kept" in errors
     for out in ("killed", "whole"):
         running = start(*words, "--out", tmp_path / out)
         _, errors = running.communicate(timeout=300)

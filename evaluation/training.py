@@ -1,0 +1,64 @@
+"""The train command: a learner found by name, with a live line of its progress."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.env.scenario import validated
+
+#: Entry points of modules with a ``TrainingConfig`` and a ``train`` function, as those of the DDDQN.
+GROUP = "indoor_explorers.learners"
+
+
+def find_learner(name: str) -> Any:
+    """Return the training module of a learner by name.
+
+    Raises:
+        InputError: there is no such learner, or what it needs is not installed.
+    """
+    known = {entry.name: entry for entry in entry_points(group=GROUP)}
+    if name not in known:
+        raise InputError(f"unknown learner {name!r}{did_you_mean(name, known)}")
+    try:
+        return known[name].load()
+    except ModuleNotFoundError as error:
+        raise InputError(f"learner {name!r} needs {error.name}; install indoor-explorers[rl]") from error
+
+
+def run_training(
+    learner: str, scenario: Scenario, settings: Mapping[str, Any], *, out: Path, seed: int, resume: bool
+) -> int:
+    """Train, showing steps, speed, loss and the latest evaluation; returns the exit status."""
+    module = find_learner(learner)
+    config = validated(module.TrainingConfig, dict(settings), f"settings of learner {learner!r}")
+    console = Console()
+    columns = [TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn()]
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+        line = bar.add_task("warming up", total=None)
+        shown: list[Any] = []
+
+        def show(progress: Any) -> None:
+            bar.update(line, total=progress.total_steps, completed=progress.steps, description=_now(progress))
+            if progress.trial is not None and shown[-1:] != [progress.trial]:
+                shown.append(progress.trial)
+                figures = ", ".join(f"{name} {value:.3g}" for name, value in progress.trial._asdict().items())
+                console.print(f"evaluation: {figures}", highlight=False)
+
+        weights = module.train(config, scenario, out, seed=seed, resume=resume, report=show)
+    console.print(f"Weights: {weights}", highlight=False, soft_wrap=True)
+    return 0
+
+
+def _now(progress: Any) -> str:
+    return (
+        f"{progress.steps / 1e6:.2f} M steps, {progress.steps_per_second:,.0f}/s, "
+        f"loss {progress.loss:.4f}, epsilon {progress.epsilon:.2f}"
+    )
