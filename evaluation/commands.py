@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from indoor_explorers.evaluation.report.table import headline_table
 from rich.console import Console
 from rich.table import Table
 
@@ -20,6 +19,7 @@ from indoor_explorers.evaluation.experiment import named_scenario
 from indoor_explorers.evaluation.progress import ProgressBar
 from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.report import write_report
+from indoor_explorers.evaluation.report.table import headline_table
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.training import run_training
 

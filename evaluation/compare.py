@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import pandas as pd
-from indoor_explorers.evaluation.report.figures import write_figures
 
 from indoor_explorers.env import InputError, Policy, Scenario
 from indoor_explorers.env.scenario import on_files
@@ -18,6 +17,7 @@ from indoor_explorers.evaluation.local import Job, fly_jobs
 from indoor_explorers.evaluation.provenance import run_facts
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report import write_report
+from indoor_explorers.evaluation.report.figures import write_figures
 from indoor_explorers.evaluation.results import Results, write_summary
 from indoor_explorers.evaluation.store import Store
 

@@ -85,7 +85,10 @@ def _context() -> multiprocessing.context.BaseContext:
 
 
 def _prepare_worker() -> None:
-    """Leave Ctrl-C to the driver, leave with it when it is killed, and give every worker one thread: the processes are the parallelism."""
+    """Leave Ctrl-C to the driver, leave with it when it is killed, and keep to one thread.
+
+    The processes are the parallelism.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_the_driver, daemon=True).start()
     for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
