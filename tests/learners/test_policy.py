@@ -63,7 +63,8 @@ def test_the_guarded_share_is_tallied(untrained: str) -> None:
 
 
 def test_it_never_flies_into_a_wall(untrained: str) -> None:
-    world = fly(Dddqn(weights=untrained), PRESETS["thesis-obstacles"].for_evaluation(), 3)
+    scenario = PRESETS["thesis-obstacles"].for_evaluation().with_settings({"budget": 20_000})
+    world = fly(Dddqn(weights=untrained), scenario, 3)
     assert world.state.collisions.sum() == 0
     assert world.team_coverage[0] == 1.0
 

@@ -1,0 +1,97 @@
+"""The sentence above a scenario: who was first, by how much, and whether that was shown."""
+
+from __future__ import annotations
+
+from markupsafe import Markup
+
+from indoor_explorers.evaluation.report.comparison import Comparison, Paired
+from indoor_explorers.evaluation.report.numbers import counted, fixed, percent, with_interval
+from indoor_explorers.evaluation.statistics import FEWEST
+
+NAME = Markup("<b>{}</b>")
+
+
+def headline(comparison: Comparison) -> Markup:
+    """Return the sentences, names escaped."""
+    if not comparison.groups:
+        return Markup("No episode of this scenario has been flown yet.")
+    first = comparison.contestants[0]
+    if not any(comparison.results.success(comparison.scenario, name, "t99") for name in comparison.contestants):
+        parts = [_nobody(comparison)]
+    elif len(comparison.contestants) == 1:
+        parts = [_alone(comparison, first)]
+    else:
+        parts = [_winner(comparison, first), _lead(comparison, first)]
+    yardsticks = [name for name in comparison.ranking if comparison.privileged(name) and name != first]
+    return Markup(" ").join(part for part in (*parts, *(_yardstick(comparison, name) for name in yardsticks)) if part)
+
+
+def _steps(comparison: Comparison, policy: str) -> str:
+    return f"{with_interval(comparison.estimate(policy, 't99'))} steps"
+
+
+def _over(comparison: Comparison, policy: str) -> str:
+    """Return over how many episodes, and in how many of them 99 % was missed."""
+    records = comparison.groups[policy]
+    missed = sum(record.metrics.get("t99") is None for record in records)
+    text = f"over {counted(len(records), 'episode')}"
+    if len(records) < FEWEST:
+        text += ", too few for an interval"
+    if missed:
+        text += f" ({missed} of them never got there and {'count' if missed > 1 else 'counts'} as the whole budget)"
+    return text
+
+
+def _winner(comparison: Comparison, first: str) -> Markup:
+    mean = comparison.estimate(first, "t99").mean
+    second = comparison.contestants[1]
+    if mean == comparison.estimate(second, "t99").mean:
+        text = "{} and {} share the lowest mean T99: {} {}."
+        return Markup(text).format(
+            NAME.format(first), NAME.format(second), _steps(comparison, first), _over(comparison, first)
+        )
+    text = "{} reached 99 % coverage first on average: mean T99 {} {}."
+    return Markup(text).format(NAME.format(first), _steps(comparison, first), _over(comparison, first))
+
+
+def _lead(comparison: Comparison, first: str) -> Markup:
+    paired = comparison.paired(first, comparison.contestants[1])
+    if not len(paired.differences):
+        return Markup("It has no episode in common with the runner-up {}.").format(NAME.format(paired.baseline))
+    return Markup("{} the runner-up {}, {}.").format(_compared(paired), NAME.format(paired.baseline), _verdict(paired))
+
+
+def _compared(paired: Paired) -> str:
+    pairs = counted(len(paired.differences), "episode")
+    return f"Paired over the same {pairs}, that is {with_interval(paired.estimate, sign=True)} steps against"
+
+
+def _verdict(paired: Paired) -> str:
+    if paired.estimate.low is None:
+        return "without an interval, so nothing is claimed about the difference"
+    if not paired.shown:
+        return "an interval that contains 0: no difference between the two was shown"
+    return "an interval that leaves out 0"
+
+
+def _alone(comparison: Comparison, first: str) -> Markup:
+    text = "{} reached 99 % coverage after {} on average, {}. There is no other policy to compare it with."
+    return Markup(text).format(NAME.format(first), _steps(comparison, first), _over(comparison, first))
+
+
+def _nobody(comparison: Comparison) -> Markup:
+    final = {
+        name: float(comparison.results.curves(comparison.scenario, name)[:, -1].mean())
+        for name in comparison.contestants
+    }
+    best = max(final, key=lambda name: final[name])
+    text = "No policy reached 99 % coverage within the budget. {} covered most by its end: {} on average, {}."
+    episodes = f"over {counted(len(comparison.groups[best]), 'episode')}"
+    return Markup(text).format(NAME.format(best), percent(final[best], 1), episodes)
+
+
+def _yardstick(comparison: Comparison, policy: str) -> Markup:
+    mean = comparison.estimate(policy, "t99").mean
+    return Markup("The yardstick {}, which is given the true map, took {} steps.").format(
+        NAME.format(policy), fixed(mean, 1)
+    )

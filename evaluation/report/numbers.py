@@ -1,0 +1,52 @@
+"""Numbers and intervals as a reader wants to see them."""
+
+from __future__ import annotations
+
+import math
+
+from indoor_explorers.evaluation.statistics import Estimate
+
+MINUS, THIN_SPACE, EN_DASH = "\u2212", "\u202f", "\u2013"
+
+
+def fixed(value: float | None, decimals: int, *, sign: bool = False) -> str:
+    """Format with that many decimals, a real minus and thin spaces from 10 000 on; missing is a dash."""
+    if value is None or math.isnan(value):
+        return EN_DASH
+    text = f"{abs(value):,.{decimals}f}".replace(",", THIN_SPACE if abs(value) >= 10_000 else "")
+    zero = not any(digit in "123456789" for digit in text)
+    return ("" if zero else MINUS if value < 0 else "+" if sign else "") + text
+
+
+def decimals_for(largest: float, most: int = 1) -> int:
+    """Return how many decimals a column needs whose largest value is this: three or four digits in all."""
+    if largest >= 1000:
+        return 0
+    return min(most, 1 if largest >= 10 else 2)
+
+
+def percent(share: float, decimals: int = 0) -> str:
+    """Format a share; only all is ``100 %`` and only none is ``0 %``."""
+    nearly = 100 - 10**-decimals
+    value = 100 * share
+    if 0 < share < 1:
+        value = min(max(value, 10**-decimals), nearly)
+    return f"{value:.{decimals}f}{THIN_SPACE}%"
+
+
+def interval(estimate: Estimate, decimals: int, *, sign: bool = False) -> str:
+    """Format ``[low, high]``; empty where there are too few episodes for one."""
+    if estimate.low is None:
+        return ""
+    return f"[{fixed(estimate.low, decimals, sign=sign)}, {fixed(estimate.high, decimals, sign=sign)}]"
+
+
+def with_interval(estimate: Estimate, decimals: int = 1, *, sign: bool = False) -> str:
+    """Format ``mean [low, high]``, or the mean alone."""
+    return f"{fixed(estimate.mean, decimals, sign=sign)} {interval(estimate, decimals, sign=sign)}".strip()
+
+
+def counted(number: int, noun: str) -> str:
+    """Return ``1 episode``, ``2 episodes``."""
+    plural = noun[:-1] + "ies" if noun.endswith("y") else noun + "s"
+    return f"{number} {noun if number == 1 else plural}"

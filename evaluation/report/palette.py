@@ -1,0 +1,77 @@
+"""How policies and UAVs look: colour-blind safe colours, each with its own dash and marker.
+
+The colours are those of Okabe and Ito (2008), the yellow left out because it vanishes on white, each
+with a lighter twin for dark backgrounds. Colours, dashes and markers run through cycles of different
+length, so that no two of the first 35 policies share colour and dash.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+#: (on white, on black), by name of the hue: blue, vermillion, green, purple, orange, sky, grey.
+COLOURS = (
+    ("#0072b2", "#4aa8e0"),
+    ("#d55e00", "#f2854a"),
+    ("#008f68", "#2fc597"),
+    ("#b8578e", "#e093be"),
+    ("#c98a00", "#f0b429"),
+    ("#3d9fd6", "#8fd0f5"),
+    ("#6b6b6b", "#b5b5b5"),
+)
+#: On and off lengths; empty is a solid line.
+DASHES: tuple[tuple[float, ...], ...] = ((), (7, 3), (2, 2), (9, 3, 2, 3), (4, 2))
+#: Plotly's name and matplotlib's letter.
+MARKERS = (
+    ("circle", "o"),
+    ("square", "s"),
+    ("diamond", "D"),
+    ("triangle-up", "^"),
+    ("cross", "P"),
+    ("x", "X"),
+    ("triangle-down", "v"),
+    ("star", "*"),
+)
+#: The same markers as SVG paths around (0, 0), about 7 wide.
+MARKER_PATHS = (
+    "M-3.2 0a3.2 3.2 0 1 0 6.4 0a3.2 3.2 0 1 0-6.4 0z",
+    "M-3-3h6v6h-6z",
+    "M0-4 4 0 0 4-4 0z",
+    "M0-4 3.8 3h-7.6z",
+    "M-1.3-3.9h2.6v2.6h2.6v2.6h-2.6v2.6h-2.6v-2.6h-2.6v-2.6h2.6z",
+    "M-3.7-1.8-1.8-3.7 0-1.9 1.8-3.7 3.7-1.8 1.9 0 3.7 1.8 1.8 3.7 0 1.9-1.8 3.7-3.7 1.8-1.9 0z",
+    "M0 4-3.8-3h7.6z",
+    "M0-4.4 1.1-1.4 4.2-1.3 1.7.6 2.6 3.6 0 1.8-2.6 3.6-1.7.6-4.2-1.3-1.1-1.4z",
+)
+
+
+class Style(NamedTuple):
+    """The look of one policy, as places in the cycles above."""
+
+    colour: int
+    dash: int
+    marker: int
+
+    @property
+    def hex(self) -> str:
+        """The colour on white."""
+        return COLOURS[self.colour][0]
+
+    @property
+    def variable(self) -> str:
+        """The page's CSS variable of the colour, which follows the theme."""
+        return f"var(--c{self.colour})"
+
+    @property
+    def pattern(self) -> str:
+        """The dash as SVG and plotly write it, ``solid`` for none."""
+        return ",".join(f"{length:g}px" for length in DASHES[self.dash]) or "solid"
+
+
+def styles(policies: Iterable[str]) -> dict[str, Style]:
+    """Return the look of each policy, by its place in the experiment."""
+    return {
+        name: Style(place % len(COLOURS), place % len(DASHES), place % len(MARKERS))
+        for place, name in enumerate(policies)
+    }

@@ -1,0 +1,60 @@
+"""The results in short, for a terminal."""
+
+from __future__ import annotations
+
+import math
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.numbers import fixed, percent, with_interval
+from indoor_explorers.evaluation.report.tables import failed
+from indoor_explorers.evaluation.results import Results
+
+HEADINGS = ("T90 [steps]", "T99 [steps]", "99 % reached", "AUC", "failed", "decision p50")
+
+
+def headline_table(results: Results) -> Table:
+    """Return one row per scenario and policy: T90 and T99 with interval, success, AUC, failures, latency."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("policy", overflow="fold")
+    for heading in HEADINGS:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for scenario in results.scenarios:
+        if len(results.scenarios) > 1:
+            table.add_row(Text(scenario, "bold"))
+        for row in _rows(Comparison(results, scenario)):
+            table.add_row(*row)
+        table.add_section()
+    return table
+
+
+def _rows(comparison: Comparison) -> list[list[Text]]:
+    return [_row(comparison, policy) for policy in comparison.groups]
+
+
+def _row(comparison: Comparison, policy: str) -> list[Text]:
+    best = policy == comparison.contestants[0] and len(comparison.contestants) > 1
+    failures = len(failed(comparison.groups[policy]))
+    name = f"{policy} (knows the map)" if comparison.privileged(policy) else policy
+    return [
+        Text(name, "dim" if comparison.privileged(policy) else ""),
+        Text(with_interval(comparison.estimate(policy, "t90"))),
+        Text(with_interval(comparison.estimate(policy, "t99")), "bold" if best else ""),
+        Text(percent(comparison.results.success(comparison.scenario, policy, "t99"))),
+        Text(fixed(comparison.estimate(policy, "auc").mean, 3)),
+        Text(str(failures), "bold red" if failures else ""),
+        Text(latency(comparison.estimate(policy, "latency_p50_us").mean)),
+    ]
+
+
+def latency(microseconds: float) -> str:
+    """Format a time in the unit that suits it."""
+    if math.isnan(microseconds):
+        return fixed(None, 0)
+    for unit, size in (("s", 1e6), ("ms", 1e3)):
+        if microseconds >= size:
+            return f"{fixed(microseconds / size, 1)} {unit}"
+    return f"{fixed(microseconds, 0)} µs"

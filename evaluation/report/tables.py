@@ -1,0 +1,213 @@
+"""The tables of a scenario: results by policy, paired differences, results by map, failures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from markupsafe import Markup
+
+from indoor_explorers.evaluation.record import Outcome, Record
+from indoor_explorers.evaluation.report.comparison import Comparison, Paired
+from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, interval, percent, with_interval
+from indoor_explorers.evaluation.report.palette import Style
+from indoor_explorers.evaluation.report.strips import Scale, difference_scale, difference_strip, episode_strip
+from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean
+
+#: The most failures that are listed, and the most maps.
+LISTED = 60
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the results table."""
+
+    key: str
+    title: str
+    unit: str = ""
+    lower_is_better: bool = True
+    ranked: bool = True
+    """Whether the best value is emphasised."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One figure of a table."""
+
+    text: str
+    value: float | None = None
+    """The figure unrounded."""
+    detail: str | Markup = ""
+    best: bool = False
+    bad: bool = False
+
+
+COLUMNS = (
+    Column("t90", "T90", "steps"),
+    Column("t90_reached", "reached 90 %", "", False),
+    Column("t99", "T99", "steps"),
+    Column("t99_reached", "reached 99 %", "", False),
+    Column("t99_strip", "T99 by episode", "steps", ranked=False),
+    Column("auc", "AUC", "", False),
+    Column("path_length", "path length", "cells"),
+    Column("overlap", "overlap"),
+    Column("collisions", "collisions"),
+    Column("failures", "failed episodes", ranked=False),
+    Column("messages_bytes", "messages", "kB"),
+    Column("latency_p50_us", "decision p50", "ms"),
+    Column("latency_p99_us", "decision p99", "ms"),
+)
+#: What a stored unit is divided by for the table.
+DIVISOR = {"messages_bytes": 1000.0, "latency_p50_us": 1000.0, "latency_p99_us": 1000.0}
+#: Decimals of columns whose size is known.
+DECIMALS = {"auc": 3, "overlap": 2, "collisions": 2}
+WITH_INTERVAL = ("t90", "t99", "auc", "path_length")
+
+
+def results_table(comparison: Comparison, looks: Mapping[str, Style]) -> list[tuple[str, list[Cell]]]:
+    """Return the cells of each policy, in the order of :data:`COLUMNS`; rows in the experiment's order."""
+    columns = [_column(comparison, column, looks) for column in COLUMNS]
+    return [(policy, [cells[policy] for cells in columns]) for policy in comparison.groups]
+
+
+def _column(comparison: Comparison, column: Column, looks: Mapping[str, Style]) -> dict[str, Cell]:
+    special: dict[str, Callable[[Comparison], dict[str, Cell]]] = {
+        "t90_reached": partial(_reached, metric="t90"),
+        "t99_reached": partial(_reached, metric="t99"),
+        "t99_strip": partial(_strips, looks=looks),
+        "failures": _failures,
+    }
+    make = special.get(column.key, partial(_measured, metric=column.key))
+    cells = make(comparison)
+    return _emphasised(comparison, column, cells) if column.ranked else cells
+
+
+def _measured(comparison: Comparison, metric: str) -> dict[str, Cell]:
+    estimates = {policy: comparison.estimate(policy, metric) for policy in comparison.groups}
+    largest = max((each.mean for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
+    divisor = DIVISOR.get(metric, 1.0)
+    usual = decimals_for(largest / divisor, most=1 if metric in ("t90", "t99") else 2)
+    decimals = DECIMALS.get(metric, usual) if largest else 0
+    return {policy: _figure(each, metric, divisor, decimals) for policy, each in estimates.items()}
+
+
+def _figure(estimate: Estimate, metric: str, divisor: float, decimals: int) -> Cell:
+    mean = estimate.mean / divisor
+    if math.isnan(mean):
+        return Cell(fixed(None, 0))
+    digits = max(decimals, _needed(mean)) if divisor != 1.0 else decimals
+    return Cell(fixed(mean, digits), estimate.mean, interval(estimate, decimals) if metric in WITH_INTERVAL else "")
+
+
+def _needed(value: float) -> int:
+    """Return how many decimals keep two significant digits, three at most."""
+    return 0 if value >= 10 or value == 0 else min(3, 1 - math.floor(math.log10(value)))
+
+
+def _reached(comparison: Comparison, metric: str) -> dict[str, Cell]:
+    cells = {}
+    for policy, records in comparison.groups.items():
+        share = comparison.results.success(comparison.scenario, policy, metric)
+        cells[policy] = Cell(percent(share), share, f"{round(share * len(records))}/{len(records)}")
+    return cells
+
+
+def _strips(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, Cell]:
+    values = {policy: comparison.results.values(comparison.scenario, policy, "t99") for policy in comparison.groups}
+    scale = Scale(0.0, max(float(each.max()) for each in values.values()), 110)
+    return {
+        policy: Cell("", None, episode_strip(each, bootstrap_mean(each), scale, looks[policy]))
+        for policy, each in values.items()
+    }
+
+
+def _failures(comparison: Comparison) -> dict[str, Cell]:
+    counts = {policy: len(failed(records)) for policy, records in comparison.groups.items()}
+    return {policy: Cell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
+
+
+def _emphasised(comparison: Comparison, column: Column, cells: dict[str, Cell]) -> dict[str, Cell]:
+    """Mark the best cells among the policies that do not know the map; none when all are the same."""
+    rated = {policy: value for policy in comparison.contestants if (value := cells[policy].value) is not None}
+    if len(rated) < 2:
+        return cells
+    best = min(rated.values()) if column.lower_is_better else max(rated.values())
+    look = next(cells[policy].text for policy, value in rated.items() if value == best)
+    winners = {policy for policy in rated if cells[policy].text == look}
+    if len(winners) == len(rated):
+        return cells
+    return {policy: replace(cell, best=policy in winners) for policy, cell in cells.items()}
+
+
+@dataclass(frozen=True)
+class PairedRow:
+    """One row of the table of paired differences."""
+
+    policy: str
+    difference: str
+    value: float
+    pairs: int
+    tally: tuple[int, int, int]
+    verdict: str
+    strip: Markup
+
+
+def paired_table(comparison: Comparison, looks: Mapping[str, Style]) -> tuple[str, list[PairedRow]]:
+    """Return the baseline, which is the best-ranked policy, and the others' T99 differences to it."""
+    baseline, *others = comparison.contestants
+    others += [policy for policy in comparison.ranking if policy not in comparison.contestants]
+    rows = [paired for policy in others if len((paired := comparison.paired(policy, baseline)).differences)]
+    scale = difference_scale(rows)
+    return baseline, [_paired_row(each, scale, looks[each.policy]) for each in rows]
+
+
+def _paired_row(paired: Paired, scale: Scale, style: Style) -> PairedRow:
+    slower = "slower" if paired.estimate.mean > 0 else "faster"
+    verdict = (
+        slower if paired.shown else "no difference shown" if paired.estimate.low is not None else "too few episodes"
+    )
+    strip = difference_strip(paired, scale, style)
+    difference = with_interval(paired.estimate, sign=True)
+    return PairedRow(
+        paired.policy, difference, paired.estimate.mean, len(paired.differences), paired.tally, verdict, strip
+    )
+
+
+def map_table(comparison: Comparison) -> list[tuple[str, list[Cell]]]:
+    """Return mean T99 by map, a cell for each policy; empty when the scenario has a single map."""
+    maps = sorted({(r.task.map_index, r.floorplan.name) for rs in comparison.groups.values() for r in rs})
+    indices = list(dict.fromkeys(index for index, _ in maps))
+    if len(indices) < 2:
+        return []
+    names = dict(reversed(maps))
+    return [(names[index], _map_row(comparison, index)) for index in indices[:LISTED]]
+
+
+def _map_row(comparison: Comparison, index: int) -> list[Cell]:
+    cells = []
+    for policy, records in comparison.groups.items():
+        values = comparison.results.values(comparison.scenario, policy, "t99")
+        here = np.array([record.task.map_index == index for record in records])
+        if not here.any():
+            cells.append(Cell(fixed(None, 0)))
+            continue
+        estimate = bootstrap_mean(values[here])
+        reached = sum(record.metrics.get("t99") is not None for record in records if record.task.map_index == index)
+        detail = f"{interval(estimate, 1)} {reached}/{int(here.sum())}".strip()
+        cells.append(Cell(fixed(estimate.mean, 1), estimate.mean, detail))
+    return cells
+
+
+def failed(records: list[Record]) -> list[Record]:
+    """Return the episodes in which the policy broke."""
+    return [record for record in records if record.outcome is Outcome.FAILED]
+
+
+def troubles(comparison: Comparison) -> list[Record]:
+    """Return the episodes that ended before goal and budget: failed ones first, then crashes."""
+    records = [record for group in comparison.groups.values() for record in group]
+    ended = [record for record in records if record.outcome is Outcome.ENDED]
+    return [*failed(records), *ended]

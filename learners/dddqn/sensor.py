@@ -1,0 +1,75 @@
+"""Constants of one lidar range and scratch arrays of one map shape for the compiled observation."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.lidar import CENTRE, Beams, beams
+
+#: The lidar range, in cells, that distances and areas are measured in: the thesis's.
+REFERENCE_RANGE = 3.0
+#: Discounts a step, at the reference range, of the gain ahead.
+DISCOUNTS = (0.7, 0.85, 0.95)
+
+
+class Sensor(NamedTuple):
+    """What the observation needs to know about a lidar range; lengths are scaled by ``range / 3``."""
+
+    beams: Beams
+    """The lidar's sight lines."""
+    reach: int
+    """Cells: the largest row or column offset in range."""
+    disc: float
+    """Cells in range, the own left out: the most that one scan can reveal."""
+    scale: int
+    """Cells: side of one pixel of the fine map, odd; also the spacing of the places whose gain is computed."""
+    rate: float
+    """Reference steps a step: 3 / range."""
+    decay: NDArray[np.float64]
+    """(3,) discounts of the gain ahead for one step."""
+
+
+class Scratch(NamedTuple):
+    """Arrays that one observation works in, for maps of one shape."""
+
+    gain: NDArray[np.int32]
+    """(H, W) cells that a scan could reveal."""
+    steps: NDArray[np.int32]
+    """(H, W) distances."""
+    queue: NDArray[np.int32]
+    """(H*W,) flood queue."""
+    unknown: NDArray[np.int64]
+    """(H + 1, W + 1) summed-area table of unknown cells."""
+    free: NDArray[np.int64]
+    """(H + 1, W + 1) summed-area table of known free cells."""
+
+
+@lru_cache(maxsize=32)
+def sensor(lidar_range: float) -> Sensor:
+    """Return the constants of a lidar range in cells."""
+    lines = beams(lidar_range)
+    rate = REFERENCE_RANGE / lidar_range
+    return Sensor(
+        beams=lines,
+        reach=int(np.floor(lidar_range + 1e-9)),
+        disc=float((lines.kind == CENTRE).sum()),
+        scale=2 * int(lidar_range / (2 * REFERENCE_RANGE)) + 1,
+        rate=rate,
+        decay=np.array(DISCOUNTS) ** rate,
+    )
+
+
+def scratch(shape: tuple[int, int]) -> Scratch:
+    """Allocate the arrays for maps of a (H, W) shape."""
+    height, width = shape
+    return Scratch(
+        gain=np.zeros(shape, np.int32),
+        steps=np.empty(shape, np.int32),
+        queue=np.empty(height * width, np.int32),
+        unknown=np.zeros((height + 1, width + 1), np.int64),
+        free=np.zeros((height + 1, width + 1), np.int64),
+    )

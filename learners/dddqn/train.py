@@ -1,0 +1,186 @@
+"""Train a DDDQN: the loop around :class:`indoor_explorers.learners.dddqn.training.Training`."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import numpy as np
+import torch
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.learners.dddqn.config import TrainingConfig
+from indoor_explorers.learners.dddqn.provenance import commit, versions
+from indoor_explorers.learners.dddqn.training import Training
+from indoor_explorers.learners.dddqn.trial import Trial
+from indoor_explorers.learners.dddqn.weights import write_tensors
+
+CHECKPOINT, WEIGHTS, RECORD = "checkpoint.safetensors", "weights.safetensors", "training.json"
+#: Ticks between two reports.
+REPORT_EVERY = 50
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """How far a training is."""
+
+    steps: int
+    """Moves made, all environments together."""
+    total_steps: int
+    """Moves to make."""
+    episodes: int
+    """Episodes begun."""
+    epsilon: float
+    """Probability of a random move now."""
+    loss: float
+    """Mean loss since the last report; not a number before the first update."""
+    steps_per_second: float
+    """Moves a second since the training was started or resumed, evaluations included."""
+    trial: Trial | None
+    """The latest evaluation."""
+
+
+def train(
+    config: TrainingConfig,
+    scenario: Scenario,
+    out: Path,
+    *,
+    seed: int,
+    resume: bool = False,
+    report: Callable[[Progress], None] | None = None,
+) -> Path:
+    """Train on a scenario and return the path of the weights in the folder ``out``.
+
+    Writes ``weights.safetensors`` (the averaged weights that did best in evaluation), ``training.json``
+    (configuration, seed, versions, commit, evaluations) and ``checkpoint.safetensors`` (everything, to
+    resume from). Ctrl-C finishes the tick, writes a checkpoint and raises :class:`KeyboardInterrupt`; a
+    second one stops at once. The same seed gives the same weights, resumed or not: torch runs on one thread.
+
+    Raises:
+        InputError: ``out`` holds another training, or one that was not asked to be resumed.
+
+    """
+    training = Training(config, scenario, seed)
+    _open_folder(training, out, resume)
+    with _one_thread(), _patience() as interrupted:
+        _loop(training, scenario, out, report or (lambda progress: None), interrupted)
+    return out / WEIGHTS
+
+
+def _open_folder(training: Training, out: Path, resume: bool) -> None:
+    checkpoint = out / CHECKPOINT
+    if checkpoint.exists() and not resume:
+        raise InputError(f"{out} already holds a training; give --resume to go on with it, or another --out")
+    if checkpoint.exists():
+        training.load(checkpoint)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{out}: cannot be made a folder for the training: {error.strerror}") from error
+
+
+def _loop(
+    training: Training,
+    scenario: Scenario,
+    out: Path,
+    report: Callable[[Progress], None],
+    interrupted: threading.Event,
+) -> None:
+    config = training.config
+    began, first, ticks = time.monotonic(), training.steps, 0
+    while not training.done:
+        before = training.steps
+        training.tick()
+        ticks += 1
+        if _passed(before, training.steps, config.evaluation_every) or training.done:
+            training.take_trial()
+        if _passed(before, training.steps, config.checkpoint_every) or training.done or interrupted.is_set():
+            _write(training, scenario, out)
+        if interrupted.is_set():
+            raise KeyboardInterrupt
+        if ticks % REPORT_EVERY == 0 or training.done:
+            report(_progress(training, (training.steps - first) / (time.monotonic() - began)))
+    _write(training, scenario, out)
+
+
+def _passed(before: int, after: int, every: int) -> bool:
+    return before // every < after // every
+
+
+def _progress(training: Training, speed: float) -> Progress:
+    loss = float(np.mean(training.losses)) if training.losses else float("nan")
+    training.losses.clear()
+    return Progress(
+        steps=training.steps,
+        total_steps=training.config.total_steps,
+        episodes=training.episodes,
+        epsilon=training.config.epsilon(training.share),
+        loss=loss,
+        steps_per_second=speed,
+        trial=training.trials[-1] if training.trials else None,
+    )
+
+
+def _write(training: Training, scenario: Scenario, out: Path) -> None:
+    """Write checkpoint, weights and record, each in one go."""
+    training.save(out / CHECKPOINT)
+    best = training.learner.best if training.trials else training.learner.average
+    write_tensors(out / WEIGHTS, {name: value.numpy() for name, value in best.state_dict().items()})
+    partial = out / f"{RECORD}.partial"
+    partial.write_text(json.dumps(_record(training, scenario), indent=2) + "\n", encoding="utf-8")
+    os.replace(partial, out / RECORD)  # noqa: PTH105
+
+
+def _record(training: Training, scenario: Scenario) -> dict[str, Any]:
+    return {
+        "policy": "dddqn",
+        "seed": training.seed,
+        "scenario": scenario.model_dump(mode="json"),
+        "fingerprint": scenario.fingerprint,
+        "config": training.config.model_dump(mode="json"),
+        "versions": versions(),
+        "commit": commit(),
+        "steps": training.steps,
+        "episodes": training.episodes,
+        "evaluations": [trial._asdict() for trial in training.trials],
+    }
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)
+
+
+@contextmanager
+def _patience() -> Iterator[threading.Event]:
+    """Turn the first Ctrl-C into an event, so that a tick is never cut in half."""
+    interrupted = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield interrupted
+        return
+
+    def note(number: int, frame: FrameType | None) -> None:
+        if interrupted.is_set():
+            raise KeyboardInterrupt
+        interrupted.set()
+
+    previous = signal.signal(signal.SIGINT, note)
+    try:
+        yield interrupted
+    finally:
+        signal.signal(signal.SIGINT, previous)

@@ -1,0 +1,42 @@
+"""Evaluation during training: greedy episodes, apart from those that are learned from."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.learners.dddqn.flock import Flock
+from indoor_explorers.learners.dddqn.learner import greedy
+from indoor_explorers.learners.dddqn.network import DuelingNetwork
+
+
+class Trial(NamedTuple):
+    """How the averaged weights did at one moment of the training; the guard is off."""
+
+    steps: int
+    """Moves made in training by then."""
+    t90: float
+    """Mean steps to 90 % of the reachable cells, the budget where it was not reached."""
+    t_goal: float
+    """The same for the goal of the training."""
+    missed: float
+    """Share of the episodes that never reached the goal."""
+
+
+def evaluate(network: DuelingNetwork, task: Scenario, episodes: int, first_seed: int, steps: int) -> Trial:
+    """Fly ``episodes`` episodes of the task with seeds from ``first_seed`` on, greedily."""
+    seeds = iter(range(first_seed, first_seed + episodes))
+    flock = Flock(task, episodes, lambda: next(seeds))
+    world = flock.world
+    reached = np.where(world.team_coverage >= 0.9, 0, world.state.budget)
+    while len(flying := np.flatnonzero(~flock.over)):
+        flock.observe(flying)
+        action = np.full(flock.columns, 4)
+        action[flying] = greedy(network, flock.scene[flying], flock.moves[flying])
+        flock.step(action)
+        reached = np.where(world.team_coverage >= 0.9, np.minimum(reached, world.state.step), reached)
+    missed = world.state.team_covered < world.state.needed
+    t_goal = np.where(missed, world.state.budget, world.state.step)
+    return Trial(steps, float(reached.mean()), float(t_goal.mean()), float(missed.mean()))

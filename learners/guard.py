@@ -1,0 +1,146 @@
+"""The oscillation guard: hands over to the nearest frontier when a learned policy goes nowhere.
+
+A greedy network can dither between two cells for good. The guard lets it have its way while it gains new
+cells; when the gain has stopped for longer than twice the way to the nearest frontier was then (at least
+:data:`PATIENCE` steps), it flies to the nearest frontier (Yamauchi 1997) until a new cell is known. Every
+such flight ends in a gain, so an episode ends. Each handover is a strike: with every strike, the next one
+comes sooner and the guard then flies on for longer, so that a network far from what it was trained on costs
+little more than the nearest frontier alone. Gains of its own win the network's credit back.
+
+A team-mate in the way is met by random back-off: draws that grow with every bump, so that two UAVs in a
+corridor do not wait for each other for ever.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, Action, distances_from, step_towards
+from indoor_explorers.env.view import View
+
+#: Steps without a new cell that are always granted.
+PATIENCE = 8
+#: Strikes that still make a difference.
+MOST_STRIKES = 9
+#: Steps with a gain, under the policy's own control, that take a strike back.
+AMENDS = 16
+#: Bumps into a team-mate, since the last gain, before the UAV backs off.
+BUMPS = 2
+
+
+@njit(cache=True, nogil=True)
+def nearest_frontier(belief: np.ndarray, row: int, col: int, queue: np.ndarray, steps: np.ndarray) -> int:
+    """Return the flat index of the nearest known free cell next to an unknown one, -1 when none is in reach.
+
+    Fills ``steps`` (H, W) int32 with the distances from (row, col); ``queue`` (H*W,) int32 is scratch.
+    """
+    height, width = belief.shape
+    for i in range(distances_from(belief, row, col, queue, steps)):
+        r, c = divmod(queue[i], width)
+        for k in range(4):
+            rr, cc = r + MOVES[k, 0], c + MOVES[k, 1]
+            if 0 <= rr < height and 0 <= cc < width and belief[rr, cc] == UNKNOWN:
+                return int(queue[i])
+    return -1
+
+
+class Guard:
+    """Watch one UAV for one episode and replace its moves when they lead nowhere."""
+
+    def __init__(self, shape: tuple[int, int], rng: np.random.Generator) -> None:
+        self.guarded = self.decisions = 0
+        self._rng = rng
+        self._steps = np.empty(shape, np.int32)
+        self._queue = np.empty(shape[0] * shape[1], np.int32)
+        self._known = self._idle = self._limit = self._bumps = 0
+        self._strikes = self._tenure = self._amends = 0
+        self._last: tuple[Cell, int] | None = None
+        self._refuge: Cell | None = None
+        self._detour = 0
+
+    @property
+    def share(self) -> float:
+        """Share of the decisions that were not the policy's own."""
+        return self.guarded / max(self.decisions, 1)
+
+    def review(self, view: View, known: int, proposal: int) -> int:
+        """Return the move to make: ``proposal``, or a better one; ``known`` counts the known cells."""
+        self.decisions += 1
+        self._note_progress(view, known)
+        if self._was_blocked(view):
+            self._bumps += 1
+            if self._bumps >= BUMPS:
+                self._back_off(view)
+        action = self._own_move(view)
+        self.guarded += action is not None
+        chosen = proposal if action is None else action
+        self._last = view.cell, chosen
+        return chosen
+
+    def rest(self) -> None:
+        """Note that the UAV stays where it is because nothing within its reach is unknown."""
+        self._last = None
+
+    def _note_progress(self, view: View, known: int) -> None:
+        if known > self._known:
+            self._known, self._idle, self._bumps, self._detour = known, 0, 0, 0
+            self._make_amends()
+            return
+        self._idle += 1
+        if self._idle == 1:
+            goal = self._frontier(view)
+            way = 2 * int(self._steps.flat[goal]) if goal >= 0 else 0
+            self._limit = max(PATIENCE, way >> self._strikes)
+        elif self._idle == self._limit + 1 and self._tenure == 0:
+            self._strikes = min(self._strikes + 1, MOST_STRIKES)
+            self._tenure = 2**self._strikes - 2
+
+    def _make_amends(self) -> None:
+        """Count a gain that the policy made itself; enough of them take a strike back."""
+        if self._tenure > 0:
+            return
+        self._amends += 1
+        if self._amends >= AMENDS:
+            self._strikes, self._amends = max(self._strikes - 1, 0), 0
+
+    def _was_blocked(self, view: View) -> bool:
+        return self._last is not None and self._last[1] != Action.STAY and self._last[0] == view.cell
+
+    def _own_move(self, view: View) -> int | None:
+        """Return the guard's move, None while the policy has its way."""
+        if self._detour > 0:
+            self._detour -= 1
+            return self._towards_refuge(view)
+        if self._idle > self._limit:
+            return self._towards_frontier(view)
+        if self._tenure > 0:
+            self._tenure -= 1
+            return self._towards_frontier(view)
+        return None
+
+    def _frontier(self, view: View) -> int:
+        return int(nearest_frontier(view.belief, *view.cell, self._queue, self._steps))
+
+    def _towards_frontier(self, view: View) -> int:
+        goal = self._frontier(view)
+        return int(step_towards(self._steps, *divmod(goal, view.belief.shape[1]))) if goal >= 0 else Action.STAY
+
+    def _back_off(self, view: View) -> None:
+        """Draw a place to make room at, not behind the team-mate in the way, and for how long to go there."""
+        assert self._last is not None
+        row, col = np.array(view.cell) + MOVES[self._last[1]]
+        around = view.belief.copy()
+        around[row, col] = np.uint8(UNKNOWN)
+        reached = distances_from(around, *view.cell, self._queue, self._steps)
+        self._refuge = divmod(int(self._queue[self._rng.integers(reached)]), view.belief.shape[1])
+        longest = min(2**self._bumps, sum(view.belief.shape))
+        self._detour = int(self._rng.integers(1, longest + 1))
+
+    def _towards_refuge(self, view: View) -> int:
+        """Move towards the refuge, and wait there."""
+        if self._refuge is None or view.belief[self._refuge] != FREE:
+            return Action.STAY
+        distances_from(view.belief, *view.cell, self._queue, self._steps)
+        return int(step_towards(self._steps, *self._refuge))

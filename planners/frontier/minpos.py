@@ -1,0 +1,62 @@
+"""MinPos: each UAV goes where it ranks first among the UAVs (Bautin, Simonin & Charpillet 2012)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.planners.teammates import remembered
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontierMinPos(Policy):
+    """Fly to the frontier cluster that the fewest UAVs are nearer to, the nearest of those.
+
+    Needs no messages: the merged map and the teammates' last-known positions are all it reads.
+
+    A. Bautin, O. Simonin, F. Charpillet, "MinPos: a novel frontier allocation algorithm for multi-robot
+    exploration", ICIRA 2012, doi:10.1007/978-3-642-33515-0_49.
+    """
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return MinPosPilot(briefing)
+
+
+class MinPosPilot(GoalPilot):
+    """Rank the UAVs for every cluster and take the cluster where this one ranks best."""
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the nearest cell of the cluster with the lowest (rank, distance)."""
+        clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
+        field = self.paths.field(view.belief, view.cell)
+        cells, own = nearest_cells(field, clusters)
+        own[self.shunned(view, cells)] = UNREACHABLE
+        if not (own < UNREACHABLE).any():
+            return None
+        mates = remembered(view, self.briefing)
+        others = [nearest_cells(self.paths.field(view.belief, mate.cell), clusters)[1] for mate in mates]
+        order = np.lexsort((own, ranks(own, others, [mate.agent < self.briefing.agent for mate in mates])))
+        best = next(k for k in order.tolist() if own[k] < UNREACHABLE)
+        return divmod(int(cells[best]), self.paths.width)
+
+
+def ranks(own: NDArray[np.int32], others: Sequence[NDArray[np.int32]], first: Sequence[bool]) -> NDArray[np.int64]:
+    """Return for each of K clusters how many UAVs come before this one.
+
+    ``own`` and each of ``others`` are (K,) distances in steps; ``first`` tells which of the others go
+    first at equal distance. Unreachable clusters rank last.
+    """
+    rank = np.where(own < UNREACHABLE, 0, len(others) + 1)
+    for steps, wins in zip(others, first, strict=True):
+        rank += (steps <= own) if wins else (steps < own)
+    return rank

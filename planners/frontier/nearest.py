@@ -1,0 +1,32 @@
+"""Nearest frontier: the classic, uncoordinated baseline (Yamauchi 1997)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.goals import GoalPilot
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontierNearest(Policy):
+    """Fly to the frontier cell with the shortest known path, drawn among equals; ignore the teammates.
+
+    B. Yamauchi, "A frontier-based approach for autonomous exploration", CIRA 1997,
+    doi:10.1109/CIRA.1997.613851.
+    """
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return NearestPilot(briefing)
+
+
+class NearestPilot(GoalPilot):
+    """Keep the nearest frontier cell as goal until it is one no longer."""
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the nearest frontier cell."""
+        path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
+        return path[-1] if path else None

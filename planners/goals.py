@@ -1,0 +1,139 @@
+"""A pilot that keeps a goal and flies the shortest known path to it; planners only choose the goals."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Cell, Mask
+from indoor_explorers.env.grid import MOVES
+from indoor_explorers.env.policy import Pilot
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.paths import Paths, count_known, near_any, on_frontier
+from indoor_explorers.planners.yielding import Yielding
+
+#: Steps for which a goal that could not be reached is left alone.
+BAN_STEPS = 50
+#: A way round a teammate may be this many times as long as the straight way, and so many cells longer.
+DETOUR_FACTOR, DETOUR_CELLS = 1.5, 4
+
+_ACTIONS = {(int(row), int(col)): action for action, (row, col) in enumerate(MOVES)}
+
+
+def action_between(cell: Cell, following: Cell) -> int:
+    """Return the action that leads from a cell to the same or an adjacent one."""
+    return _ACTIONS[following[0] - cell[0], following[1] - cell[1]]
+
+
+class GoalPilot(Pilot):
+    """Fly to goals that a subclass chooses.
+
+    A goal is kept until it is no longer a frontier cell. As a UAV always sees its four neighbours, a goal
+    that is reached is one no longer, and as long as a frontier cell can be reached there is a goal: so every
+    reachable cell gets known. A goal that is not reached within ``max(8, 2 d)`` steps, d its distance at
+    first, because teammates are in the way, is left alone for a while.
+    """
+
+    def __init__(self, briefing: Briefing) -> None:
+        self.briefing = briefing
+        self.rng = briefing.rng
+        self.paths = Paths(briefing.shape)
+        self.goal: Cell | None = None
+        self._path: list[Cell] = []
+        self._at = 0
+        self._known = -1
+        self._deadline = 0
+        self._bans: dict[Cell, int] = {}
+        self._yielding = Yielding(self.paths, briefing.rng)
+        self._guarded = 0
+
+    @abstractmethod
+    def choose(self, view: View) -> Cell | None:
+        """Return the frontier cell to fly to next, none near :meth:`avoided`; None when none is reachable."""
+
+    def reconsider(self, view: View) -> bool:
+        """Tell whether to choose again although the goal is still good; asked at every step."""
+        return False
+
+    def act(self, view: View) -> int:
+        """Follow the path to the goal, choosing another goal when it is due."""
+        changed = self._map_changed(view)
+        if self._goal_is_due(view, changed):
+            self._take(view, self.choose_again(view))
+        elif changed or self._off_path(view):
+            self._route(view)
+        if self._yielding.should_make_way(view):
+            self._make_way(view)
+        following = self._yielding.next_cell(view) if self._yielding.retreating else self._next_cell(view)
+        action = action_between(view.cell, following)
+        self._yielding.expect(view.cell, action)
+        return action
+
+    def tally(self) -> dict[str, float]:
+        """Return how many goals were given up because teammates kept them from being reached."""
+        return {"goals_given_up": float(self._guarded)}
+
+    def avoided(self, view: View) -> list[Cell]:
+        """Return the goals that are left alone for now."""
+        self._bans = {cell: until for cell, until in self._bans.items() if until > view.step}
+        return list(self._bans)
+
+    def shunned(self, view: View, cells: NDArray[np.int32]) -> Mask:
+        """Return which of (K,) flat cells are too near to a goal that is left alone, (K,) bool."""
+        return near_any(cells, self.paths.flat(self.avoided(view)), self.paths.width)
+
+    def choose_again(self, view: View) -> Cell | None:
+        """Choose a goal, one of those left alone when there is no other."""
+        goal = self.choose(view)
+        if goal is None and self._bans:
+            self._bans = {}
+            goal = self.choose(view)
+        return goal
+
+    def _map_changed(self, view: View) -> bool:
+        known = count_known(view.belief)
+        changed, self._known = known != self._known, known
+        return changed
+
+    def _goal_is_due(self, view: View, changed: bool) -> bool:
+        if self.goal is None:
+            return changed
+        if not on_frontier(view.belief, self.goal[0] * self.paths.width + self.goal[1]):
+            return True
+        if view.step > self._deadline:
+            self._guarded += 1
+            self._bans[self.goal] = view.step + BAN_STEPS
+            return True
+        return self.reconsider(view)
+
+    def _take(self, view: View, goal: Cell | None) -> None:
+        kept = goal is not None and goal == self.goal
+        self.goal = goal
+        self._route(view)
+        if not kept or view.step > self._deadline:
+            self._deadline = view.step + max(8, 2 * (len(self._path) - 1))
+
+    def _route(self, view: View, barred: list[Cell] | None = None) -> None:
+        path = self.paths.to(view.belief, view.cell, self.goal, barred or ()) if self.goal else None
+        self._path, self._at = path or [], 0
+
+    def _off_path(self, view: View) -> bool:
+        path, at = self._path, self._at
+        if at + 1 < len(path) and path[at + 1] == view.cell:
+            self._at += 1
+            return False
+        return at >= len(path) or path[at] != view.cell
+
+    def _next_cell(self, view: View) -> Cell:
+        return self._path[self._at + 1] if self._at + 1 < len(self._path) else view.cell
+
+    def _make_way(self, view: View) -> None:
+        straight = len(self._path) - self._at
+        if self.goal and not self._yielding.retreating:
+            around = self.paths.to(view.belief, view.cell, self.goal, self._yielding.barred(view))
+            if around and len(around) <= DETOUR_FACTOR * straight + DETOUR_CELLS:
+                self._path, self._at = around, 0
+                return
+        self._yielding.retreat(view)

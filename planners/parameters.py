@@ -1,0 +1,20 @@
+"""Checks of planners' parameters when they are made, so that a mistake does not surface in mid-flight."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from indoor_explorers.env.errors import InputError
+
+
+def at_least(parameters: object, least: float, *names: str) -> None:
+    """Require finite fields of a parameter object to be ``least`` or more.
+
+    Raises:
+        InputError: one of them is not.
+
+    """
+    for name in names:
+        value = getattr(parameters, name)
+        if not isinstance(value, int | float) or not isfinite(value) or value < least:
+            raise InputError(f"{type(parameters).__name__}: expected {name} of at least {least:g}, got {value!r}")

@@ -1,0 +1,242 @@
+"""Shortest paths over what is known: breadth-first searches that stop early and keep their buffers.
+
+Cells are flat indices (row * width + column) inside compiled code and (row, column) outside. ``barred``
+lists flat cells that a search must not enter, such as the cell of a teammate in the way; ``avoid`` lists
+flat cells near which no frontier is wanted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Belief, Cell, Distances
+from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from
+from indoor_explorers.env.randomness import draw
+
+#: (K,) flat cells.
+Cells = NDArray[np.int32]
+#: How near to an avoided cell a frontier is unwanted, in cells (Chebyshev).
+AVOID_RADIUS = 2
+
+
+class Scratch(NamedTuple):
+    """Buffers of one pilot's searches on a map of H*W cells."""
+
+    queue: Cells
+    """(H*W,) cells in the order they were reached."""
+    parent: Cells
+    """(H*W,) the cell from which each one was reached, -1 for the start."""
+    mark: Cells
+    """(H*W,) the number of the search that reached a cell last, so that nothing needs clearing."""
+
+
+@njit(cache=True, nogil=True)
+def on_frontier(belief: np.ndarray, cell: int) -> bool:
+    """Tell whether a flat cell is free and 4-adjacent to unknown (Yamauchi 1997)."""
+    height, width = belief.shape
+    row, col = divmod(cell, width)
+    if belief[row, col] != FREE:
+        return False
+    return bool(
+        (row > 0 and belief[row - 1, col] == UNKNOWN)
+        or (col > 0 and belief[row, col - 1] == UNKNOWN)
+        or (row + 1 < height and belief[row + 1, col] == UNKNOWN)
+        or (col + 1 < width and belief[row, col + 1] == UNKNOWN)
+    )
+
+
+@njit(cache=True, nogil=True)
+def frontier_cells(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Return which of (K,) flat cells are on the frontier, (K,) bool."""
+    on = np.empty(cells.shape[0], np.bool_)
+    for k in range(cells.shape[0]):
+        on[k] = on_frontier(belief, cells[k])
+    return on
+
+
+@njit(cache=True, nogil=True)
+def _start(cell: int, barred: np.ndarray, scratch: Scratch, number: int) -> None:
+    for k in range(barred.shape[0]):
+        scratch.mark[barred[k]] = number
+    scratch.mark[cell] = number
+    scratch.parent[cell] = -1
+    scratch.queue[0] = cell
+
+
+@njit(cache=True, nogil=True)
+def _spread(belief: np.ndarray, cell: int, scratch: Scratch, number: int, tail: int) -> int:
+    """Append the free neighbours of ``cell`` that search ``number`` has not reached; return the new tail."""
+    height, width = belief.shape
+    row, col = divmod(cell, width)
+    for k in range(4):
+        r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+        if 0 <= r < height and 0 <= c < width and belief[r, c] == FREE:
+            neighbour = r * width + c
+            if scratch.mark[neighbour] != number:
+                scratch.mark[neighbour] = number
+                scratch.parent[neighbour] = cell
+                scratch.queue[tail] = neighbour
+                tail += 1
+    return tail
+
+
+@njit(cache=True, nogil=True)
+def search(belief: np.ndarray, start: int, goal: int, barred: np.ndarray, scratch: Scratch, number: int) -> bool:
+    """Search from ``start`` until ``goal`` is reached; return whether it was."""
+    _start(start, barred, scratch, number)
+    head, tail = 0, 1
+    while head < tail and scratch.mark[goal] != number:
+        tail = _spread(belief, scratch.queue[head], scratch, number, tail)
+        head += 1
+    return bool(scratch.mark[goal] == number and (goal == start or not np.any(barred == goal)))
+
+
+@njit(cache=True, nogil=True)
+def _shunned(cell: int, width: int, avoid: np.ndarray) -> bool:
+    row, col = divmod(cell, width)
+    for k in range(avoid.shape[0]):
+        r, c = divmod(avoid[k], width)
+        if abs(row - r) <= AVOID_RADIUS and abs(col - c) <= AVOID_RADIUS:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def near_any(cells: np.ndarray, avoid: np.ndarray, width: int) -> np.ndarray:
+    """Return which of (K,) flat cells are within ``AVOID_RADIUS`` of one of ``avoid``, (K,) bool."""
+    near = np.zeros(cells.shape[0], np.bool_)
+    for k in range(cells.shape[0]):
+        near[k] = _shunned(cells[k], width, avoid)
+    return near
+
+
+@njit(cache=True, nogil=True)
+def search_frontier(
+    belief: np.ndarray,
+    start: int,
+    avoid: np.ndarray,
+    ties: np.uint64,
+    scratch: Scratch,
+    number: int,
+) -> int:
+    """Return the frontier cell nearest to ``start``, -1 for none; among equals the one that ``ties`` picks.
+
+    ``ties`` is 64 random bits.
+    """
+    width = belief.shape[1]
+    _start(start, avoid[:0], scratch, number)
+    head, tail, layer_end = 0, 1, 1
+    best, best_rank = -1, np.uint64(0)
+    while head < tail:
+        cell = scratch.queue[head]
+        if head == layer_end:
+            if best >= 0:
+                break
+            layer_end = tail
+        if on_frontier(belief, cell) and not _shunned(cell, width, avoid):
+            rank = draw(ties, np.uint64(cell))
+            if best < 0 or rank < best_rank:
+                best, best_rank = cell, rank
+        tail = _spread(belief, cell, scratch, number, tail)
+        head += 1
+    return best
+
+
+@njit(cache=True, nogil=True)
+def search_within(belief: np.ndarray, start: int, reach: int, barred: np.ndarray, scratch: Scratch, number: int) -> int:
+    """Fill ``scratch.queue`` with the cells at most ``reach`` steps from ``start``, nearest first; return how many."""
+    _start(start, barred, scratch, number)
+    head, tail, steps = 0, 1, 0
+    while head < tail and steps < reach:
+        layer_end = tail
+        while head < layer_end:
+            tail = _spread(belief, scratch.queue[head], scratch, number, tail)
+            head += 1
+        steps += 1
+    return tail
+
+
+@njit(cache=True, nogil=True)
+def traced(parent: np.ndarray, goal: int) -> np.ndarray:
+    """Return the cells from the start of the last search to ``goal``, both included."""
+    length, cell = 0, goal
+    while cell >= 0:
+        length += 1
+        cell = parent[cell]
+    path = np.empty(length, np.int32)
+    cell = goal
+    for k in range(length - 1, -1, -1):
+        path[k] = cell
+        cell = parent[cell]
+    return path
+
+
+@njit(cache=True, nogil=True)
+def count_known(belief: np.ndarray) -> int:
+    """Count the known cells: as knowledge only grows, an equal count means an unchanged map."""
+    known = 0
+    for value in belief.flat:
+        known += value != UNKNOWN
+    return known
+
+
+class Paths:
+    """Answer one pilot's path questions on maps of one shape, with buffers that are kept."""
+
+    def __init__(self, shape: tuple[int, int]) -> None:
+        size = shape[0] * shape[1]
+        self.width = shape[1]
+        self._scratch = Scratch(np.empty(size, np.int32), np.empty(size, np.int32), np.zeros(size, np.int32))
+        self._number = 0
+
+    def flat(self, cells: Iterable[Cell]) -> Cells:
+        """Return (row, column) cells as flat indices."""
+        return np.array([row * self.width + col for row, col in cells], np.int32)
+
+    def _next(self) -> int:
+        self._number += 1
+        return self._number
+
+    def to(self, belief: Belief, cell: Cell, goal: Cell, barred: Iterable[Cell] = ()) -> list[Cell] | None:
+        """Return a shortest known path from ``cell`` to ``goal``, both included; None when there is none."""
+        start, end = cell[0] * self.width + cell[1], goal[0] * self.width + goal[1]
+        if not search(belief, start, end, self.flat(barred), self._scratch, self._next()):
+            return None
+        return self._traced(end)
+
+    def to_frontier(
+        self, belief: Belief, cell: Cell, rng: np.random.Generator, avoid: Iterable[Cell] = ()
+    ) -> list[Cell] | None:
+        """Return a shortest path to the nearest frontier cell, drawn among equals; None when none is reachable."""
+        ties = rng.integers(2**64, dtype=np.uint64)
+        start = cell[0] * self.width + cell[1]
+        end = search_frontier(belief, start, self.flat(avoid), ties, self._scratch, self._next())
+        return self._traced(end) if end >= 0 else None
+
+    def to_anywhere(
+        self, belief: Belief, cell: Cell, reach: int, rng: np.random.Generator, barred: Iterable[Cell] = ()
+    ) -> list[Cell] | None:
+        """Return a path to a random other cell at most ``reach`` steps away; None when walled in.
+
+        The farther half of what can be reached is drawn from.
+        """
+        start = cell[0] * self.width + cell[1]
+        found = search_within(belief, start, reach, self.flat(barred), self._scratch, self._next())
+        if found < 2:
+            return None
+        return self._traced(int(self._scratch.queue[int(rng.integers(max(1, found // 2), found))]))
+
+    def field(self, belief: Belief, cell: Cell) -> Distances:
+        """Return the (H, W) int32 field of steps from ``cell`` through known free cells."""
+        out = np.empty(belief.shape, np.int32)
+        distances_from(belief, cell[0], cell[1], self._scratch.queue, out)
+        return out
+
+    def _traced(self, end: int) -> list[Cell]:
+        flat = traced(self._scratch.parent, end).tolist()
+        return [divmod(place, self.width) for place in flat]

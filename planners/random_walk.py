@@ -1,0 +1,32 @@
+"""The random walk: the floor that every planner must beat."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from indoor_explorers.env.grid import Action
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+
+
+@dataclass(frozen=True, kw_only=True)
+class RandomWalk(Policy):
+    """Move to a free neighbouring cell drawn uniformly; stay only when walled in."""
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return RandomWalkPilot(briefing.rng)
+
+
+class RandomWalkPilot(Pilot):
+    """Draw each move from the pilot's own generator."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+
+    def act(self, view: View) -> int:
+        """Draw one of the legal moves."""
+        moves = np.flatnonzero(view.legal[: Action.STAY])
+        return int(moves[self._rng.integers(len(moves))]) if len(moves) else Action.STAY

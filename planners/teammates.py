@@ -1,0 +1,64 @@
+"""Which teammates to reckon with, from what was last heard of them."""
+
+from __future__ import annotations
+
+from math import hypot, inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.scenario import Radio
+from indoor_explorers.env.view import Briefing, Mate, View
+
+#: A teammate silent for longer is forgotten (Bautin 2012 keeps last-known positions for ever), in steps.
+MEMORY = 60
+#: A goal claimed by a teammate that has been silent for longer counts no more, in steps.
+CLAIM_STEPS = 30
+
+
+def certain_distance(radio: Radio, cell: Cell, mate: Mate) -> float:
+    """Return how far away a teammate can be at most, by the radio's own measure.
+
+    A teammate silent for some steps is within as many steps of where it was.
+    """
+    rows, cols = abs(cell[0] - mate.cell[0]), abs(cell[1] - mate.cell[1])
+    away = max(rows, cols) if radio.model == "square" else hypot(rows, cols)
+    return away + mate.age
+
+
+def should_be_linked(radio: Radio, cell: Cell, mate: Mate) -> bool:
+    """Tell whether a teammate, if it still flew, would have to be in radio range."""
+    reach = {"none": -1.0, "unlimited": inf}.get(radio.model, radio.range)
+    return certain_distance(radio, cell, mate) <= reach
+
+
+def remembered(view: View, briefing: Briefing) -> list[Mate]:
+    """Return the teammates to reckon with: linked, or silent for a while but possibly still there.
+
+    One that is silent although it would have to be in range has ended (IR2's rule).
+    """
+    radio = briefing.scenario.radio
+    return [
+        mate
+        for mate in view.mates
+        if mate.age == 0 or (mate.age <= MEMORY and not should_be_linked(radio, view.cell, mate))
+    ]
+
+
+def claims(view: View, briefing: Briefing) -> NDArray[np.float64]:
+    """Return the goals that teammates have told and not had time to forget, (M, 2) rows and columns.
+
+    A message's first two numbers are the goal. Claims expire, so that a lost UAV does not keep its cells.
+    """
+    told = [
+        mate.message[:2]
+        for mate in remembered(view, briefing)
+        if mate.message is not None and len(mate.message) >= 2 and mate.age <= CLAIM_STEPS
+    ]
+    return np.array(told, np.float64).reshape(-1, 2)
+
+
+def linked(view: View) -> list[Mate]:
+    """Return the teammates that are linked now, directly or through others."""
+    return [mate for mate in view.mates if mate.age == 0]

@@ -1,0 +1,68 @@
+"""Golden episodes: what each policy did yesterday it does today, on every machine.
+
+After a change that is meant to change episodes, run this file as a program to write them anew, and say so in the
+changelog.
+"""
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import PRESETS, World, make_policy
+from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.runner import fly
+
+GOLDEN = Path(__file__).parent / "golden.json"
+POLICIES = ("random", "frontier-nearest", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
+SCENARIOS = ("thesis-open", "thesis-team-2")
+
+
+def digest(*arrays):
+    """A short hash of integer arrays."""
+    return hashlib.sha256(b"".join(np.ascontiguousarray(array, np.int64).tobytes() for array in arrays)).hexdigest()[:16]
+
+
+def flown(policy, scenario):
+    task = PRESETS[scenario].for_evaluation()
+    records = fly(make_policy(policy), policy, task, [Task(task.name, 0, seed) for seed in (1, 2, 3)])
+    return [{"steps": r.steps, "t90": r.metrics["t90"], "digest": digest(r.covered, r.cells)} for r in records]
+
+
+def world_alone():
+    """The world without policies: seeded actions on every preset."""
+    found = {}
+    for name, scenario in PRESETS.items():
+        world = World(scenario.with_settings({"on_collision": "block"}), 2)
+        world.reset([41, 42])
+        actions = np.random.default_rng(0).integers(0, 5, (60, 2, scenario.team))
+        for step in actions:
+            world.step(step)
+        state = world.state
+        found[name] = digest(state.cell, state.belief, state.covered, state.end, (state.reward * 1000).round())
+    return found
+
+
+def everything():
+    return {"world": world_alone()} | {f"{p} {s}": flown(p, s) for p in POLICIES for s in SCENARIOS}
+
+
+@pytest.fixture(scope="module")
+def golden():
+    return json.loads(GOLDEN.read_text())
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+@pytest.mark.parametrize("policy", POLICIES)
+def test_a_policy_flies_its_golden_episodes(policy, scenario, golden):
+    assert flown(policy, scenario) == golden[f"{policy} {scenario}"]
+
+
+def test_the_world_alone_is_what_it_was(golden):
+    assert world_alone() == golden["world"]
+
+
+if __name__ == "__main__":
+    GOLDEN.write_text(json.dumps(everything(), indent=1) + "\n")
