@@ -24,9 +24,18 @@ from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.training import run_training
 
 
+#: Characters of a line where the output is no terminal.
+PLAIN_WIDTH = 120
+
+
+def _console() -> Console:
+    console = Console()
+    return console if console.is_terminal else Console(width=PLAIN_WIDTH)
+
+
 def run_compare(arguments: argparse.Namespace) -> int:
     """Fly what is missing and print the headline table."""
-    console = Console()
+    console = _console()
     experiment = plan(
         policies=arguments.policies,
         scenario=arguments.scenario,
@@ -67,7 +76,7 @@ def run_report(arguments: argparse.Namespace) -> int:
         write_report(results, arguments.out)
     except OSError as error:
         raise InputError(f"{arguments.out}: cannot be written: {error.strerror}; choose another --out") from error
-    Console().print(f"Report: {arguments.out}", highlight=False, soft_wrap=True)
+    _console().print(f"Report: {arguments.out}", highlight=False, soft_wrap=True)
     return 0
 
 
@@ -92,7 +101,7 @@ def list_policies(arguments: argparse.Namespace) -> int:
         except ModuleNotFoundError as error:
             about = f"needs {error.name}: install indoor-explorers[rl]"
         table.add_row(name, about, entry.dist.name if entry.dist else "")
-    Console().print(table)
+    _console().print(table)
     return 0
 
 
@@ -108,7 +117,7 @@ def list_scenarios(arguments: argparse.Namespace) -> int:
             *(name, f"{rows} x {cols}", str(preset.team), f"{preset.lidar.range:g} cells", radio),
             *(f"{preset.goal:.0%} of {preset.denominator}", str(preset.budget)),
         )
-    Console().print(table)
+    _console().print(table)
     return 0
 
 
@@ -116,7 +125,7 @@ def show_maps(arguments: argparse.Namespace) -> int:
     """Print the facts and a picture of map files."""
     from indoor_explorers.env.maps.files import read_map
 
-    console = Console()
+    console = _console()
     for path in arguments.paths:
         floorplan = read_map(Path(path), arguments.resolution)
         console.print(picture(floorplan, console.width), highlight=False, markup=False)
@@ -158,5 +167,5 @@ def check(arguments: argparse.Namespace) -> int:
     table = Table("check", "result", box=None, header_style="bold", title=arguments.policy, title_justify="left")
     for name, finding in report.items():
         table.add_row(name, finding)
-    Console().print(table)
+    _console().print(table)
     return 0

@@ -41,7 +41,8 @@ class ProgressBar:
     def begin(self, total: int, missing: int) -> None:
         """Show how much there is to do."""
         if missing < total:
-            self._console.print(f"{total - missing} of {total} episodes are there already; flying the rest")
+            rest = f"; flying {missing}" if missing else ""
+            self._console.print(f"{total - missing} of {total} episodes are there already{rest}")
         elif not self._console.is_terminal:
             self._console.print(f"flying {total} episodes")
         self._bar.update(self._task, total=missing)

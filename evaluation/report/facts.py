@@ -27,7 +27,7 @@ def denominator(settings: Mapping[str, Any]) -> str:
 def summary_line(settings: Mapping[str, Any], budgets: Sequence[int], shapes: Sequence[tuple[int, int]]) -> list[str]:
     """Describe a scenario in a few short phrases."""
     lidar, radio = settings["lidar"], settings.get("radio", {})
-    phrases = [_span([f"{height} × {width}" for height, width in shapes], "cells")]
+    phrases = [_span([f"{height} by {width}" for height, width in shapes], "cells")]
     phrases.append(counted(settings["team"], "UAV"))
     phrases.append(f"lidar {lidar['range']:g} cells")
     if settings["team"] > 1:

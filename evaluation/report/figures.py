@@ -32,7 +32,7 @@ FORMATS: Mapping[str, dict[str, Any]] = {
     "png": {"metadata": {"Software": None}, "dpi": 200},
     "pdf": {"metadata": {"CreationDate": None}},
 }
-LOOK = {
+LOOK: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
     "axes.labelsize": 8.5,
@@ -52,8 +52,6 @@ LOOK = {
     "svg.hashsalt": "indoor-explorers",
     "pdf.fonttype": 42,
 }
-#: Policies a figure's plot area and legend have room for beside each other.
-ROOM = 14
 
 
 def write_figures(results: Results, folder: Path) -> list[Path]:
@@ -169,7 +167,7 @@ def _time(axes: Axes, comparison: Comparison, policy: str, metric: str, place: i
     values = comparison.results.values(comparison.scenario, policy, metric)
     estimate = comparison.estimate(policy, metric)
     missed = np.array([record.metrics.get(metric) is None for record in comparison.groups[policy]])
-    dots = {"s": 7, "color": look.hex, "alpha": 0.4, "linewidths": 0.5}
+    dots: dict[str, Any] = {"s": 7, "color": look.hex, "alpha": 0.4, "linewidths": 0.5}
     below = place + 0.2
     axes.scatter(values[~missed], np.full(int((~missed).sum()), below), marker="o", **dots)
     axes.scatter(values[missed], np.full(int(missed.sum()), below), marker="o", facecolors="none", **_rim(dots))
