@@ -86,7 +86,7 @@ class CoverageChart {
       margin: this.narrow ? { l: 44, r: 12, t: 12, b: 44 } : { l: 52, r: 16, t: 14, b: 46 },
       xaxis: {
         title: { text: "step", standoff: 8 }, range: [0, limit], gridcolor: line, zeroline: false, linecolor: soft,
-        ticks: "outside", tickcolor: soft, ticklen: 4, showline: true, unifiedhovertitle: { text: "step %{x}" },
+        ticks: "outside", tickcolor: soft, ticklen: 4, showline: true, unifiedhovertitle: { text: "step %{x}" }, spikecolor: soft, spikethickness: 1, spikedash: "dot",
       },
       yaxis: {
         title: this.narrow ? undefined : { text: "coverage", standoff: 8 }, range: [0, 1.02],

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.metrics import first_step
+from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.packing import shares
 from indoor_explorers.evaluation.report.palette import Style
@@ -33,27 +33,36 @@ def focus_step(comparison: Comparison) -> int:
 
     Policies whose mean never gets there do not count, unless none does: then it is the budget.
     """
-    reached = []
-    budget = 1
-    for policy, records in comparison.groups.items():
-        mean = comparison.results.curves(comparison.scenario, policy).mean(axis=0)
-        budget = max(budget, *(record.budget for record in records))
-        step = first_step(mean, 0.99)
-        if step is not None:
-            reached.append(step)
+    budget = max(record.budget for records in comparison.groups.values() for record in records)
+    reached = [step for records in comparison.groups.values() if (step := _mean_reaches(records, 0.99)) is not None]
     return min(budget, int(np.ceil(max(reached) * 1.15)) + 1) if reached else budget
 
 
-def band(
-    comparison: Comparison, policy: str, steps: NDArray[np.int64], who: str = "team"
-) -> tuple[NDArray[np.float64], ...]:
-    """Return (mean, low, high) coverage at ``steps``; low and high are NaN below :data:`FEWEST` episodes."""
-    return curve_band(_at(comparison, policy, steps, who))
+def _mean_reaches(records: Sequence[Record], level: float) -> int | None:
+    """Return the first step at which the mean team coverage is at ``level``; coverage never falls, so halve."""
+
+    def there(step: int) -> bool:
+        return float(coverage_at(records, np.array([step])).mean()) >= level - 1e-12
+
+    low, high = 0, max(record.steps for record in records)
+    if not there(high):
+        return None
+    while low < high:
+        middle = (low + high) // 2
+        low, high = (low, middle) if there(middle) else (middle + 1, high)
+    return low
 
 
-def _at(comparison: Comparison, policy: str, steps: NDArray[np.int64], who: str) -> NDArray[np.float64]:
-    curves = comparison.results.curves(comparison.scenario, policy, who)
-    return np.asarray(curves[:, np.minimum(steps, curves.shape[1] - 1)])
+def coverage_at(records: Sequence[Record], steps: NDArray[np.int64], who: str = "team") -> NDArray[np.float64]:
+    """Return (E, T) coverage at T ``steps``, each curve constant after its end, without unrolling the budget."""
+    return np.stack(
+        [_covered(record.covered[np.minimum(steps, record.steps)], who) / record.reachable for record in records]
+    )
+
+
+def _covered(rows: NDArray[np.int32], who: str) -> NDArray[np.float64]:
+    own = rows[:, 1:]
+    return np.asarray({"team": rows[:, 0], "mean": own.mean(axis=1), "worst": own.min(axis=1)}[who], np.float64)
 
 
 def chart_data(comparison: Comparison, looks: Mapping[str, Style], points: int = 360) -> dict[str, Any]:
@@ -79,7 +88,7 @@ def chart_data(comparison: Comparison, looks: Mapping[str, Style], points: int =
 
 
 def _curves(comparison: Comparison, policy: str, steps: NDArray[np.int64], who: str) -> dict[str, Any]:
-    curves = _at(comparison, policy, steps, who)
+    curves = coverage_at(comparison.groups[policy], steps, who)
     if len(curves) < FEWEST:
         return {"mean": shares(curves.mean(axis=0)), "each": [shares(curve) for curve in curves]}
     mean, low, high = curve_band(curves)

@@ -52,10 +52,8 @@ class Comparison:
     @cached_property
     def groups(self) -> dict[str, list[Record]]:
         """The records by policy, policies without any left out."""
-        return {policy: records for (scenario, policy), records in self.results.groups.items() if self._mine(scenario)}
-
-    def _mine(self, scenario: str) -> bool:
-        return scenario == self.scenario
+        groups = self.results.groups.items()
+        return {policy: records for (scenario, policy), records in groups if scenario == self.scenario}
 
     def privileged(self, policy: str) -> bool:
         """Return whether the policy is given the true map."""
@@ -63,9 +61,22 @@ class Comparison:
 
     def estimate(self, policy: str, metric: str) -> Estimate:
         """Return the mean of a metric with its interval; a NaN mean where nothing was measured."""
-        values = self.results.values(self.scenario, policy, metric)
-        values = values[~np.isnan(values)]
-        return bootstrap_mean(values) if len(values) else Estimate(float("nan"), None, None)
+        if (policy, metric) not in self._estimates:
+            values = self.results.values(self.scenario, policy, metric)
+            values = values[~np.isnan(values)]
+            missing = Estimate(float("nan"), None, None)
+            self._estimates[policy, metric] = bootstrap_mean(values) if len(values) else missing
+        return self._estimates[policy, metric]
+
+    @cached_property
+    def _estimates(self) -> dict[tuple[str, str], Estimate]:
+        return {}
+
+    @property
+    def tallies(self) -> list[str]:
+        """The names of what the pilots tallied, such as ``pilot_guarded``."""
+        names = {name for records in self.groups.values() for record in records for name in record.metrics}
+        return sorted(name for name in names if name.startswith("pilot_"))
 
     @cached_property
     def ranking(self) -> list[str]:

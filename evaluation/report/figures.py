@@ -20,12 +20,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-from indoor_explorers.evaluation.report.charts import band, focus_step, sampled_steps
+from indoor_explorers.evaluation.report.charts import coverage_at, focus_step, sampled_steps
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.facts import denominator
 from indoor_explorers.evaluation.report.palette import DASHES, MARKERS, Style, styles
 from indoor_explorers.evaluation.results import Results
-from indoor_explorers.evaluation.statistics import FEWEST
+from indoor_explorers.evaluation.statistics import FEWEST, curve_band
 
 FORMATS: Mapping[str, dict[str, Any]] = {
     "svg": {"metadata": {"Date": None}},
@@ -114,14 +114,14 @@ def coverage_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figur
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     labels = [_label(comparison, policy) for policy in comparison.groups]
-    axes.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
-    _footnote(figure, comparison)
+    axes.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.04, 1.0), borderaxespad=0.0)
+    _footnote(axes, comparison)
     return figure
 
 
 def _curve(axes: Axes, comparison: Comparison, policy: str, steps: np.ndarray, limit: int, look: Style) -> Line2D:
     """Draw one policy's curve, its markers spread over the visible steps and offset from its neighbours'."""
-    mean, low, high = band(comparison, policy, steps)
+    mean, low, high = curve_band(coverage_at(comparison.groups[policy], steps))
     if not np.isnan(low).any():
         axes.fill_between(steps, low, high, color=look.hex, alpha=0.16, linewidth=0)
     visible = max(1, int((steps <= limit).sum()))
@@ -159,7 +159,7 @@ def times_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figure:
         axes.spines["left"].set_visible(False)
     pair[0].set_yticks(range(len(ranked)), [_label(comparison, policy) for policy in ranked])
     pair[0].set_title(_plain(comparison.scenario, 70))
-    _footnote(figure, comparison)
+    _footnote(pair[0], comparison, "; hollow dots never got there")
     return figure
 
 
@@ -180,14 +180,11 @@ def _rim(dots: dict[str, Any]) -> dict[str, Any]:
     return {("edgecolors" if key == "color" else key): value for key, value in dots.items()}
 
 
-def _footnote(figure: Figure, comparison: Comparison) -> None:
+def _footnote(axes: Axes, comparison: Comparison, more: str = "") -> None:
+    """Write below the axes what the figure is made of."""
     counts = [len(records) for records in comparison.groups.values()]
     span = f"{min(counts)}" if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
-    plural = "" if max(counts) == 1 else "s"
     how = "95 % bootstrap intervals" if min(counts) >= FEWEST else "too few for intervals"
-    text = (
-        f"Means over {span} episode{plural} a policy, {how}; hollow dots never got there."
-        if (len(figure.axes) > 1)
-        else f"Means over {span} episode{plural} a policy, {how}."
-    )
-    figure.text(0.125, -0.04 - 0.12 / figure.get_figheight(), text, fontsize=7, color="#666666", va="top")
+    text = f"Means over {span} episode{'' if max(counts) == 1 else 's'} a policy, {how}{more}."
+    offset: dict[str, Any] = {"xytext": (0, -38), "textcoords": "offset points", "annotation_clip": False}
+    axes.annotate(text, (0, 0), xycoords="axes fraction", fontsize=7, color="#666666", va="top", **offset)

@@ -81,7 +81,7 @@ def _alone(comparison: Comparison, first: str) -> Markup:
 
 def _nobody(comparison: Comparison) -> Markup:
     final = {
-        name: float(comparison.results.curves(comparison.scenario, name)[:, -1].mean())
+        name: sum(float(record.curve[-1]) for record in comparison.groups[name]) / len(comparison.groups[name])
         for name in comparison.contestants
     }
     best = max(final, key=lambda name: final[name])

@@ -22,7 +22,15 @@ from indoor_explorers.evaluation.report.numbers import counted, percent
 from indoor_explorers.evaluation.report.palette import COLOURS, Style, styles
 from indoor_explorers.evaluation.report.replay import ending, replay_data
 from indoor_explorers.evaluation.report.strips import swatch
-from indoor_explorers.evaluation.report.tables import COLUMNS, LISTED, map_table, paired_table, results_table, troubles
+from indoor_explorers.evaluation.report.tables import (
+    COLUMNS,
+    LISTED,
+    map_table,
+    paired_table,
+    results_table,
+    tally_table,
+    troubles,
+)
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, RESAMPLES
 
@@ -106,6 +114,8 @@ class Section:
     paired: list[Any]
     policies: list[str]
     maps: list[Any]
+    tallies: list[str]
+    tally_rows: list[Any]
     troubles: list[Record]
     setting_rows: list[tuple[str, str, str]]
     chart: dict[str, Any] | None
@@ -135,6 +145,8 @@ def _section(results: Results, name: str, number: int, looks: Mapping[str, Style
         paired=paired,
         policies=list(comparison.groups),
         maps=map_table(comparison),
+        tallies=comparison.tallies,
+        tally_rows=tally_table(comparison),
         troubles=troubles(comparison),
         setting_rows=facts.setting_rows(settings),
         chart=chart_data(comparison, looks, _points(results)) if flown else None,

@@ -138,7 +138,7 @@ class Panel {
       pen.beginPath();
       pen.arc(...this.at(frame, uav, scale), this.replay.data.range * scale, 0, 2 * Math.PI);
       pen.fillStyle = pen.strokeStyle = this.colour(uav);
-      pen.globalAlpha = 0.1;
+      pen.globalAlpha = 0.08;
       pen.fill();
       pen.globalAlpha = 0.55;
       pen.lineWidth = 1.2;

@@ -119,7 +119,7 @@ def _strips(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, Cel
     values = {policy: comparison.results.values(comparison.scenario, policy, "t99") for policy in comparison.groups}
     scale = Scale(0.0, max(float(each.max()) for each in values.values()), 110)
     return {
-        policy: Cell("", None, episode_strip(each, bootstrap_mean(each), scale, looks[policy]))
+        policy: Cell("", None, episode_strip(each, comparison.estimate(policy, "t99"), scale, looks[policy]))
         for policy, each in values.items()
     }
 
@@ -174,6 +174,16 @@ def _paired_row(paired: Paired, scale: Scale, style: Style) -> PairedRow:
     return PairedRow(
         paired.policy, difference, paired.estimate.mean, len(paired.differences), paired.tally, verdict, strip
     )
+
+
+def tally_table(comparison: Comparison) -> list[tuple[str, list[Cell]]]:
+    """Return the mean of each figure that pilots tallied, a row for each policy that has any."""
+    rows = []
+    for policy in comparison.groups:
+        means = [comparison.estimate(policy, name).mean for name in comparison.tallies]
+        if not all(math.isnan(mean) for mean in means):
+            rows.append((policy, [Cell(fixed(mean, 3), None if math.isnan(mean) else mean) for mean in means]))
+    return rows
 
 
 def map_table(comparison: Comparison) -> list[tuple[str, list[Cell]]]:

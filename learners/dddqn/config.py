@@ -12,7 +12,7 @@ class TrainingConfig(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
-    total_steps: int = Field(2_880_000, ge=1)
+    total_steps: int = Field(2_800_000, ge=1)
     """Moves made in training, all environments together."""
     environments: int = Field(64, ge=1, le=4096)
     """Episodes flown side by side; one update of the network follows each tick of all of them."""
@@ -28,9 +28,9 @@ class TrainingConfig(BaseModel):
     """Rewards summed before the network's own estimate takes over; fewer before an exploratory move."""
     gamma_first: float = Field(0.97, gt=0.0, le=1.0)
     """Discount a step at the beginning."""
-    gamma_last: float = Field(0.99, gt=0.0, le=1.0)
-    """Discount a step after ``gamma_share`` of the training."""
-    gamma_share: float = Field(0.6, gt=0.0, le=1.0)
+    gamma_last: float = Field(0.998, gt=0.0, le=1.0)
+    """Discount a step after ``gamma_share`` of the training; what lies far ahead decides about pockets left behind."""
+    gamma_share: float = Field(0.4, gt=0.0, le=1.0)
     """Share of the training over which the discount rises."""
     epsilon_first: float = Field(0.25, ge=0.0, le=1.0)
     """Probability of a random legal move at the beginning."""

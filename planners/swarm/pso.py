@@ -97,9 +97,9 @@ class PsoPilot(GoalPilot):
 
     def choose(self, view: View) -> Cell | None:
         """Return this UAV's part of the joint plan, its nearest frontier cell when there is none for it."""
-        group = self._group(view)
+        group = self.group(view)
         self._plan = (float(view.step), float(group[0].agent))
-        goal = self._joint(view, group)
+        goal = self.plan(view, group).get(self.briefing.agent)
         if goal is None or self.shunned(view, self.paths.flat([goal])).any():
             path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
             goal = path[-1] if path else None
@@ -114,27 +114,31 @@ class PsoPilot(GoalPilot):
         goal = int(message[0]) * self.paths.width + int(message[1]) if message[0] >= 0 else -1
         return Member(mate.agent, mate.cell, goal, message[2:])
 
-    def _group(self, view: View) -> list[Member]:
+    def group(self, view: View) -> list[Member]:
+        """Return the linked group, this UAV included, by number."""
         goal = self.goal[0] * self.paths.width + self.goal[1] if self.goal else -1
         own = Member(self.briefing.agent, view.cell, goal, self._plan)
         return sorted([own, *map(self._member, linked(view))])
 
-    def _joint(self, view: View, group: list[Member]) -> Cell | None:
-        """Compute the group's joint assignment and return this UAV's goal; None when it can reach no candidate."""
+    def plan(self, view: View, group: list[Member]) -> dict[int, Cell]:
+        """Return the goal of every UAV of the group that can reach a candidate, by number.
+
+        Every member works out the same from what all of them know.
+        """
         fields = np.stack([self.paths.field(view.belief, member.cell).ravel() for member in group])
         goals = np.array([member.goal for member in group], np.int32)
         goals = np.where((goals >= 0) & frontier_cells(view.belief, np.maximum(goals, 0)), goals, -1)
         cells = self._candidate_cells(view, fields, goals)
         able = np.asarray((fields[:, cells] < UNREACHABLE).any(axis=1))
-        me = [member.agent for member in group].index(self.briefing.agent)
-        if not able[me]:
-            return None
+        if not able.any():
+            return {}
         held = [int(np.flatnonzero(cells == goal)[0]) if goal in cells else -1 for goal in goals[able].tolist()]
         task = self._task(view, cells, fields[able], held)
         seeds = [by_hungarian(task), by_minpos(task), reachable_or_nearest(task, np.array(held, np.int64))]
         shared = np.random.default_rng([view.step, *(row * self.paths.width + col for _, (row, col), *_ in group)])
         best: Assignment = optimise(task, self._policy.swarm, seeds, shared)
-        return divmod(int(cells[best[able[:me].sum()]]), self.paths.width)
+        agents = [member.agent for member, can in zip(group, able.tolist(), strict=True) if can]
+        return {agent: divmod(int(cells[goal]), self.paths.width) for agent, goal in zip(agents, best, strict=True)}
 
     def _candidate_cells(self, view: View, fields: NDArray[np.int32], goals: NDArray[np.int32]) -> NDArray[np.int32]:
         """Return (K,) flat cells: each cluster's cell nearest to the group, and the goals that are held."""

@@ -89,7 +89,7 @@ def test_terminal_rewards_are_learned(bonus: float) -> None:
         moves_BAF,
     )
     learner = Learner(0, 0.02)
-    for _ in range(400):
+    for _ in range(250):
         learner.update(batch, rate=0.02, clip=10.0, target_rate=0.1, average_rate=0.1)
     q_B = learner.online(scene_BS, moves_BAF)[:, 0]
     assert torch.allclose(q_B, torch.full((8,), bonus), rtol=0.05)

@@ -141,7 +141,7 @@ def test_the_schedules_end_where_they_say() -> None:
     config = TrainingConfig()
     assert (config.epsilon(0.0), config.gamma(0.0), config.rate(0.0)) == (0.25, 0.97, 5e-4)
     assert config.epsilon(0.35) == pytest.approx(0.01)
-    assert config.gamma(0.6) == config.gamma(1.0) == pytest.approx(0.99)
+    assert config.gamma(0.4) == config.gamma(1.0) == pytest.approx(0.998)
     assert config.rate(1.0) == pytest.approx(2.5e-5)
 
 

@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import numpy as np
+
+from indoor_explorers.env import World, make_policy, scenario
+from indoor_explorers.env.grid import FREE, UNKNOWN
+from indoor_explorers.env.lidar import view_gain
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.view import View
+from indoor_explorers.planners.gains import unclaimed_gains
+from indoor_explorers.planners.sampling.rrt_frontier import merged
+from tests.planners.flights import fly, maze
+
+
+def test_near_candidates_are_merged() -> None:
+    cells = np.array([0, 1, 2, 3, 4, 9, 30], np.int32)
+    assert merged(cells, 3.0, 10).tolist() == [0, 3, 9, 30]
+    assert merged(cells[:0], 3.0, 10).tolist() == []
+
+
+def test_gains_near_claims_are_discounted() -> None:
+    belief = np.zeros((9, 20), np.uint8)
+    belief[:, :10] = FREE
+    cells = np.array([4 * 20 + 9, 0 * 20 + 9], np.int32)
+    nothing = np.empty((0, 2))
+    free = unclaimed_gains(belief, cells, nothing, 3.0)
+    assert free.tolist() == [view_gain(belief, (4, 9), 3.0), view_gain(belief, (0, 9), 3.0)]
+    claimed = unclaimed_gains(belief, cells, np.array([[4.0, 9.0]]), 3.0)
+    assert claimed[0] == 0
+    assert 0 < claimed[1] < free[1]
+
+
+def test_the_nearest_frontier_is_the_last_resort() -> None:
+    """In a long 1-wide corridor samples all over the map hardly ever find the frontier."""
+    flight = fly(make_policy("rrt-frontier", samples=1, edge=0.5), maze(4, 4, 0), budget=2000)
+    assert flight.complete
+    assert flight.pilots[0].tally()["fallbacks"] > 0
+
+
+def test_the_goal_is_told() -> None:
+    world = World(scenario("thesis-open"))
+    world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((9, 9), np.bool_), "open"))
+    pilot = make_policy("rrt-frontier").pilot(world.briefing(0, 0))
+    assert pilot.message is None
+    pilot.act(world.view(0, 0))
+    assert pilot.message is not None
+    row, col = map(int, pilot.message)
+    belief = world.view(0, 0).belief
+    assert belief[row, col] == FREE
+    assert (belief[max(0, row - 1) : row + 2, max(0, col - 1) : col + 2] == UNKNOWN).any()
+
+
+def test_a_known_map_needs_no_goal() -> None:
+    world = World(scenario("thesis-open"))
+    world.reset([0])
+    pilot = make_policy("rrt-frontier").pilot(world.briefing(0, 0))
+    assert pilot.act(View(np.ones((16, 16), np.uint8), (3, 3), np.ones(5, np.bool_), 0, 9, ())) == 4
+    assert pilot.message is None

@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env.arrays import Belief
+from indoor_explorers.planners.sampling.segments import BLOCKED, fly
+from indoor_explorers.planners.sampling.trees import Tree, grow_tree
+
+DIGEST = """
+import hashlib, sys
+import numpy as np
+from indoor_explorers.planners.sampling.trees import grow_tree
+belief = np.ones((30, 40), np.uint8)
+belief[np.random.default_rng(1).random((30, 40)) < 0.1] = 2
+belief[0, 0] = 1
+for seed in map(int, sys.argv[1:]):
+    samples = np.random.default_rng(seed).random((200, 2)) * (30, 40)
+    tree = grow_tree(belief, (0.5, 0.5), samples, 4.0)
+    print(seed, hashlib.sha256(tree.vertices.tobytes() + tree.parents.tobytes()).hexdigest())
+"""
+
+
+def some_belief() -> Belief:
+    belief = np.ones((30, 40), np.uint8)
+    belief[np.random.default_rng(1).random(belief.shape) < 0.1] = 2
+    belief[0, 0] = 1
+    return belief
+
+
+def some_tree(seed: int = 0) -> Tree:
+    samples = np.random.default_rng(seed).random((200, 2)) * (30, 40)
+    return grow_tree(some_belief(), (0.5, 0.5), samples, 4.0)
+
+
+def test_trees_do_not_depend_on_process_or_order() -> None:
+    def digests(*seeds: int) -> tuple[set[str], str]:
+        command = [sys.executable, "-c", DIGEST, *map(str, seeds)]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        return set(done.stdout.splitlines()), done.stderr
+
+    first, errors = digests(1, 2, 3)
+    second, _ = digests(3, 1, 2)
+    assert first == second
+    assert len(first) == 3
+    assert errors == ""
+
+
+def test_a_process_that_exits_in_flight_says_nothing() -> None:
+    script = """
+import functools, sys
+import numpy as np
+from indoor_explorers.env import World, make_policy, scenario
+world = World(scenario("thesis-obstacles"))
+world.reset([0])
+policy = make_policy("rrt-frontier")
+pilots = [policy.pilot(world.briefing(0, 0))]
+for _ in range(15):
+    world.step(np.array([policy.act(pilots, [world.view(0, 0)])]))
+keep = functools.lru_cache(lambda number: pilots)
+keep(0)
+sys.exit(0)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("", "")
+
+
+def test_edges_are_short_and_clear() -> None:
+    belief, tree = some_belief(), some_tree()
+    assert tree.parents[0] == -1
+    assert tree.vertices[0].tolist() == [0.5, 0.5]
+    assert len(tree.vertices) > 50
+    for vertex, parent in zip(tree.vertices[1:], tree.parents[1:].tolist(), strict=True):
+        assert np.hypot(*(vertex - tree.vertices[parent])) <= 4.0 + 1e-9
+        assert fly(belief, *tree.vertices[parent], *vertex) != BLOCKED
+
+
+def test_parents_come_first() -> None:
+    tree = some_tree()
+    assert (tree.parents < np.arange(len(tree.parents))).all()
+
+
+def test_other_samples_make_another_tree() -> None:
+    assert not np.array_equal(some_tree(0).vertices, some_tree(1).vertices)
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_few_samples(count: int) -> None:
+    tree = grow_tree(np.ones((5, 5), np.uint8), (0.5, 0.5), np.full((count, 2), 3.0), 10.0)
+    assert tree.vertices.tolist() == [[0.5, 0.5], [3.0, 3.0]][: count + 1]
+
+
+def test_a_walled_in_root_grows_nothing() -> None:
+    belief = np.full((3, 3), 2, np.uint8)
+    belief[1, 1] = 1
+    tree = grow_tree(belief, (1.5, 1.5), np.array([[0.5, 0.5], [2.5, 1.5]]), 5.0)
+    assert tree.vertices.tolist() == [[1.5, 1.5]]

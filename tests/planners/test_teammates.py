@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import Mate, View, World, scenario
+from indoor_explorers.planners.teammates import CLAIM_STEPS, MEMORY, claims, remembered
+
+
+def view_of(*mates: Mate) -> View:
+    return View(np.ones((40, 40), np.uint8), (20, 20), np.ones(5, np.bool_), 100, 1000, mates)
+
+
+@pytest.mark.parametrize(
+    ("model", "mate", "expected"),
+    [
+        ("disc", Mate(1, (20, 22), 0, None), True),
+        ("disc", Mate(1, (20, 22), 2, None), False),  # within 4 of here for certain, yet silent: it has ended
+        ("disc", Mate(1, (20, 22), 4, None), True),  # may have left the range of 5
+        ("disc", Mate(1, (24, 24), 0, None), True),
+        ("disc", Mate(1, (23, 23), 1, None), True),  # 4.2 + 1 > 5
+        ("square", Mate(1, (23, 23), 1, None), False),  # 3 + 1 <= 5
+        ("unlimited", Mate(1, (0, 0), 1, None), False),
+        ("disc", Mate(1, (0, 0), MEMORY, None), True),
+        ("disc", Mate(1, (0, 0), MEMORY + 1, None), False),
+    ],
+)
+def test_who_is_remembered(model: str, mate: Mate, expected: bool) -> None:
+    task = scenario("thesis-team-2").with_settings({"radio.model": model, "radio.range": 5.0})
+    world = World(task)
+    world.reset([0])
+    assert bool(remembered(view_of(mate), world.briefing(0, 0))) is expected
+
+
+def test_claims_expire() -> None:
+    world = World(scenario("thesis-team-2"))
+    world.reset([0])
+    fresh, stale = Mate(1, (0, 0), CLAIM_STEPS, (3.0, 4.0)), Mate(1, (0, 0), CLAIM_STEPS + 1, (5.0, 6.0))
+    briefing = world.briefing(0, 0)
+    assert claims(view_of(fresh), briefing).tolist() == [[3.0, 4.0]]
+    assert claims(view_of(stale), briefing).shape == (0, 2)
+    assert claims(view_of(Mate(1, (0, 0), 0, None)), briefing).shape == (0, 2)
