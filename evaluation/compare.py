@@ -163,7 +163,7 @@ def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]]) -> Ite
 
 def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     """Return what results say about a policy: where it comes from and its parameters."""
-    parameters = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
+    parameters: dict[str, Any] = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
     return {
         "use": use,
         "class": f"{type(policy).__module__}:{type(policy).__qualname__}",

@@ -22,7 +22,9 @@ SCENARIOS = ("thesis-open", "thesis-team-2")
 
 def digest(*arrays):
     """A short hash of integer arrays."""
-    return hashlib.sha256(b"".join(np.ascontiguousarray(array, np.int64).tobytes() for array in arrays)).hexdigest()[:16]
+    return hashlib.sha256(b"".join(np.ascontiguousarray(array, np.int64).tobytes() for array in arrays)).hexdigest()[
+        :16
+    ]
 
 
 def flown(policy, scenario):
