@@ -255,7 +255,7 @@ PRESETS: dict[str, Scenario] = {
             on_collision="block",
             goal=0.99,
             goal_of="team",
-            budget=1000,
+            budget=1500,
         ),
     )
 }

@@ -23,7 +23,6 @@ from indoor_explorers.evaluation.report.table import headline_table
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.training import run_training
 
-
 #: Characters of a line where the output is no terminal.
 PLAIN_WIDTH = 120
 
