@@ -25,7 +25,7 @@ PATIENCE = 8
 #: Strikes that still make a difference.
 MOST_STRIKES = 9
 #: Steps with a gain, under the policy's own control, that take a strike back.
-AMENDS = 16
+AMENDS = 64
 #: Bumps into a team-mate, since the last gain, before the UAV backs off.
 BUMPS = 2
 

@@ -104,7 +104,7 @@ def _loop(
         ticks += 1
         if _passed(before, training.steps, config.evaluation_every) or training.done:
             training.take_trial()
-        if _passed(before, training.steps, config.checkpoint_every) or training.done or interrupted.is_set():
+        if _passed(before, training.steps, config.checkpoint_every) or interrupted.is_set():
             _write(training, scenario, out)
         if interrupted.is_set():
             raise KeyboardInterrupt

@@ -28,6 +28,8 @@ class Training:
     """Train on the world's batch directly; every tick is a move of all UAVs and an update of the network."""
 
     def __init__(self, config: TrainingConfig, scenario: Scenario, seed: int) -> None:
+        if seed < 0:
+            raise InputError(f"expected a seed of at least 0, got {seed}")
         self.config, self.seed = config, seed
         self.task = config.task(scenario)
         self.steps = self.episodes = 0

@@ -66,7 +66,16 @@ def load_weights(path: Path) -> dict[str, NDArray[np.float32]]:
     return {name: array.astype(np.float32) for name, array in found.items()}
 
 
-@lru_cache(maxsize=8)
 def acting_weights(path: Path) -> Weights:
-    """Return a network's arrays arranged for acting, read once in each process."""
+    """Return a network's arrays arranged for acting; read once in each process, unless the file changes.
+
+    Raises:
+        InputError: as :func:`load_weights`.
+
+    """
+    return _read_once(path, path.stat().st_mtime_ns if path.is_file() else 0)
+
+
+@lru_cache(maxsize=8)
+def _read_once(path: Path, changed: int) -> Weights:
     return weights_from(load_weights(path))

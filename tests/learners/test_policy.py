@@ -75,6 +75,14 @@ def test_missing_weights_are_told_in_one_line(tmp_path: Path) -> None:
     assert "\n" not in str(error.value)
 
 
+def test_weights_written_anew_are_read_anew(tmp_path: Path) -> None:
+    path = tmp_path / "weights.safetensors"
+    policy = Dddqn(weights=write_network(path, 1))
+    first = path_flown(policy, [1], together=True)
+    write_network(path, 2)
+    assert not np.array_equal(first, path_flown(policy, [1], together=True))
+
+
 def test_other_files_are_refused_in_one_line(tmp_path: Path) -> None:
     bad = tmp_path / "bad.safetensors"
     bad.write_bytes(b"\x80\x04pickled")

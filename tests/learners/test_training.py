@@ -93,6 +93,11 @@ def test_too_short_a_replay_is_refused() -> None:
         Training(TINY.model_copy(update={"replay_steps": 40}), small_room(), 1)
 
 
+def test_a_negative_seed_is_refused() -> None:
+    with pytest.raises(InputError, match="expected a seed of at least 0, got -1"):
+        Training(TINY, small_room(), -1)
+
+
 def test_goals_are_terminal_and_budgets_are_not() -> None:
     training = Training(TINY.model_copy(update={"total_steps": 10**6, "goal": 0.5}), small_room(), 1)
     ends = []
