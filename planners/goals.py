@@ -53,6 +53,9 @@ class GoalPilot(Pilot):
     def choose(self, view: View) -> Cell | None:
         """Return the frontier cell to fly to next, none near :meth:`avoided`; None when none is reachable."""
 
+    def learned(self, view: View) -> None:  # noqa: B027  # a hook that most planners leave empty
+        """Take note that the map has grown; called before anything is chosen."""
+
     def reconsider(self, view: View) -> bool:
         """Tell whether to choose again although the goal is still good; asked at every step."""
         return False
@@ -60,6 +63,8 @@ class GoalPilot(Pilot):
     def act(self, view: View) -> int:
         """Follow the path to the goal, choosing another goal when it is due."""
         changed = self._map_changed(view)
+        if changed:
+            self.learned(view)
         if self._goal_is_due(view, changed):
             self._take(view, self.choose_again(view))
         elif changed or self._off_path(view):

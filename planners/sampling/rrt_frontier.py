@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.env.grid import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.gains import unclaimed_gains
@@ -37,12 +38,16 @@ class RrtFrontier(Policy):
     randomized trees", IROS 2017, doi:10.1109/IROS.2017.8202319.
     """
 
-    samples: int = 200
-    """Samples for a tree, half of them near the UAV (the paper's local tree), half all over the map."""
+    local_samples: int = 60
+    """Samples for the local tree, grown near the UAV whenever the map has."""
+    global_samples: int = 150
+    """Samples for the global tree, grown all over the map when a goal is chosen."""
+    bias: float = 0.5
+    """Share of the samples that are drawn from unknown cells next to known free ones, 0 to 1."""
     edge: float = 4.0
     """Longest edge of a tree in cells."""
-    local_ranges: float = 2.0
-    """Half the side of the square that local samples are drawn from, in lidar ranges."""
+    local_ranges: float = 1.0
+    """Half the side of the square around the UAV that the local tree stays in, in lidar ranges."""
     merge_distance: float = 3.0
     """Candidates are merged when they are nearer to each other, in cells."""
     gain_weight: float = 3.0
@@ -53,7 +58,7 @@ class RrtFrontier(Policy):
     """How near, in cells."""
 
     def __post_init__(self) -> None:
-        at_least(self, 1, "samples")
+        at_least(self, 1, "local_samples", "global_samples")
         at_least(self, 0.5, "edge", "local_ranges")
         at_least(self, 0.0, "merge_distance", "gain_weight", "hysteresis", "hysteresis_radius")
 
@@ -70,6 +75,12 @@ class RrtFrontierPilot(GoalPilot):
         self._policy = policy
         self._candidates = np.empty(0, np.int32)
         self._fallbacks = 0
+
+    def learned(self, view: View) -> None:
+        """Grow a local tree and add what it finds to the candidates."""
+        half = self._policy.local_ranges * self.briefing.lidar_range
+        centre, size = np.array(view.cell) + 0.5, np.array(view.belief.shape, np.float64)
+        self._grow(view, np.maximum(centre - half, 0.0), np.minimum(centre + half, size), self._policy.local_samples)
 
     def choose(self, view: View) -> Cell | None:
         """Return the candidate with the highest revenue, the nearest frontier cell when trees find none."""
@@ -89,30 +100,29 @@ class RrtFrontierPilot(GoalPilot):
         return super().tally() | {"fallbacks": float(self._fallbacks)}
 
     def _detected(self, view: View, field: NDArray[np.int32]) -> NDArray[np.int32]:
-        """Grow a tree, larger ones while nothing is found, and return (K,) flat cells to choose from."""
-        for doubling in range(DOUBLINGS + 1):
-            samples = self._draw(view, self._policy.samples << doubling)
-            tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), samples, self._policy.edge)
-            found = np.concatenate([self._candidates, entries(view.belief, *tree)])
-            found = np.unique(found[frontier_cells(view.belief, found)])
-            found = found[np.argsort(field.ravel()[found], kind="stable")]
-            self._candidates = merged(found, self._policy.merge_distance, self.paths.width)
-            cells = self._candidates[field.ravel()[self._candidates] < UNREACHABLE]
-            cells = cells[~self.shunned(view, cells)]
-            if len(cells):
-                break
-        return cells
-
-    def _draw(self, view: View, count: int) -> NDArray[np.float64]:
-        """Draw (count, 2) points, by turns near the UAV and all over the map."""
+        """Grow a global tree, larger ones while nothing is found, and return (K,) flat cells to choose from."""
         size = np.array(view.belief.shape, np.float64)
-        points = self.rng.random((count, 2))
-        half = self._policy.local_ranges * self.briefing.lidar_range
-        low = np.maximum(np.array(view.cell) + 0.5 - half, 0.0)
-        high = np.minimum(np.array(view.cell) + 0.5 + half, size)
-        points[::2] = low + points[::2] * (high - low)
-        points[1::2] *= size
-        return points
+        for doubling in range(DOUBLINGS + 1):
+            self._grow(view, np.zeros(2), size, self._policy.global_samples << doubling)
+            found = self._candidates[field.ravel()[self._candidates] < UNREACHABLE]
+            found = found[~self.shunned(view, found)]
+            if len(found):
+                break
+        nearest_first = found[np.argsort(field.ravel()[found], kind="stable")]
+        return merged(nearest_first, self._policy.merge_distance, self.paths.width)
+
+    def _grow(self, view: View, low: NDArray[np.float64], high: NDArray[np.float64], samples: int) -> None:
+        """Grow a tree from the UAV to samples between two corners; bring the candidates up to date."""
+        points = low + self.rng.random((samples, 2)) * (high - low)
+        edge_of_unknown = border_cells(view.belief, low.astype(np.int64), np.ceil(high).astype(np.int64))
+        if len(edge_of_unknown):
+            biased = int(self._policy.bias * samples)
+            drawn = edge_of_unknown[self.rng.integers(len(edge_of_unknown), size=biased)]
+            points[:biased] = drawn + self.rng.random((biased, 2))
+            points = self.rng.permutation(points)
+        tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), points, self._policy.edge)
+        found = np.union1d(self._candidates, entries(view.belief, *tree))
+        self._candidates = found[frontier_cells(view.belief, found)]
 
     def _revenue(self, view: View, cells: NDArray[np.int32], field: NDArray[np.int32]) -> NDArray[np.float64]:
         gains = unclaimed_gains(view.belief, cells, claims(view, self.briefing), self.briefing.lidar_range)
@@ -123,11 +133,37 @@ class RrtFrontierPilot(GoalPilot):
         return np.asarray(worth - field.ravel()[cells], np.float64)
 
 
-def merged(cells: NDArray[np.int32], distance: float, width: int) -> NDArray[np.int32]:
+@njit(cache=True, nogil=True)
+def merged(cells: np.ndarray, distance: float, width: int) -> np.ndarray:
     """Return (K,) flat cells without those nearer than ``distance`` cells to one before them that is kept."""
-    points = np.stack(np.divmod(cells, width), axis=1)
-    kept: list[int] = []
-    for k, point in enumerate(points):
-        if not kept or (np.hypot(*(points[kept] - point).T) >= distance).all():
-            kept.append(k)
-    return cells[kept]
+    kept = np.empty(cells.shape[0], np.int32)
+    size = 0
+    for cell in cells:
+        row, col = divmod(cell, width)
+        apart = True
+        for k in range(size):
+            rows, cols = row - kept[k] // width, col - kept[k] % width
+            apart &= rows * rows + cols * cols >= distance * distance
+        if apart:
+            kept[size] = cell
+            size += 1
+    return kept[:size]
+
+
+@njit(cache=True, nogil=True)
+def border_cells(belief: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return the unknown cells 4-adjacent to known free ones between two corners, (K, 2) rows and columns."""
+    height, width = belief.shape
+    found = np.empty(((high[0] - low[0]) * (high[1] - low[1]), 2), np.int64)
+    size = 0
+    for row in range(low[0], high[0]):
+        for col in range(low[1], high[1]):
+            if belief[row, col] == UNKNOWN and (
+                (row > 0 and belief[row - 1, col] == FREE)
+                or (col > 0 and belief[row, col - 1] == FREE)
+                or (row + 1 < height and belief[row + 1, col] == FREE)
+                or (col + 1 < width and belief[row, col + 1] == FREE)
+            ):
+                found[size] = row, col
+                size += 1
+    return found[:size]
