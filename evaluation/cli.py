@@ -136,14 +136,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         line = " ".join(str(error).split())
         sys.stderr.write(f"indoor-explorers: {line}\n")
         return USAGE if isinstance(error, InputError) else FAILED
+    except BrokenPipeError:
+        sys.stderr.close()
+        return FAILED
+    except OSError as error:
+        if debug:
+            raise
+        sys.stderr.write(f"indoor-explorers: {error.filename or 'the output'}: {error.strerror or error}\n")
+        return FAILED
     except KeyboardInterrupt:
         sys.stderr.write(
             "indoor-explorers: interrupted; what is finished is kept, and the same command goes on from there\n"
         )
         return INTERRUPTED
-    except BrokenPipeError:
-        sys.stderr.close()
-        return FAILED
     return status
 
 

@@ -12,6 +12,7 @@ import pandas as pd
 
 from indoor_explorers.env import InputError, Policy, Scenario
 from indoor_explorers.env.scenario import on_files
+from indoor_explorers.env.world import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.experiment import Experiment, Task, build_experiment, named_scenario, read_experiment
 from indoor_explorers.evaluation.local import Job, fly_jobs
 from indoor_explorers.evaluation.provenance import run_facts
@@ -24,8 +25,8 @@ from indoor_explorers.evaluation.store import Store
 #: Compared when nothing else is asked for: chance and the four families.
 DEFAULT_POLICIES = ("random", "frontier-nearest", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
 DEFAULT_SCENARIO = "thesis-obstacles"
-#: The most episodes of a job: what is lost at most, per worker, when a run is killed.
-JOB_EPISODES = 10
+#: The most episodes of a job, and its most cells x steps x UAVs: what a worker loses at most when a run is killed.
+JOB_EPISODES, JOB_WORK = 10, 40_000_000
 
 
 class Watcher(Protocol):
@@ -134,7 +135,7 @@ def run(
     about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
     for scenario in experiment.scenarios:
         for index in range(scenario.map.count):
-            scenario.map.floorplan(index, experiment.seed)
+            draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
     _make_folder(out)
     with Store(out / "results.db") as store:
         number = store.begin_run(experiment, about, run_facts(command, workers))
@@ -152,13 +153,21 @@ def run(
 
 
 def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]]) -> Iterator[Job]:
-    """Yield the episodes that are not finished, in jobs of one policy and scenario."""
+    """Yield the episodes that are not finished, in jobs of one policy and one map source."""
     tasks = experiment.tasks()
     for scenario in experiment.scenarios:
+        size = episodes_per_job(scenario, experiment.seed)
         for choice in experiment.policies:
             missing = [t for t in tasks if t.scenario == scenario.name and (choice.name, t) not in finished]
-            for start in range(0, len(missing), JOB_EPISODES):
-                yield Job(choice, scenario, tuple(missing[start : start + JOB_EPISODES]))
+            for start in range(0, len(missing), size):
+                yield Job(choice, scenario, tuple(missing[start : start + size]))
+
+
+def episodes_per_job(scenario: Scenario, seed: int) -> int:
+    """Return how many episodes make a job: fewer where they are long, so that progress shows and little is lost."""
+    cells = draw_floorplan(scenario, seed).truth.size
+    work = cells * scenario.budget_for(cells) * scenario.team
+    return max(1, min(JOB_EPISODES, JOB_WORK // work))
 
 
 def policy_facts(policy: Policy, use: str) -> dict[str, Any]:

@@ -58,7 +58,7 @@ class Experiment(BaseModel):
     """The tasks, as they are flown."""
     episodes: int = Field(30, ge=1, le=1_000_000)
     """Seeds flown on each map."""
-    seed: int = Field(0, ge=0, lt=2**63)
+    seed: int = Field(0, ge=0, lt=2**62)
     """First seed; episode k has seed + k."""
 
     @field_validator("policies", "scenarios")

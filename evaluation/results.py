@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.files import written_whole
 from indoor_explorers.evaluation.metrics import LEVELS, MEASURES, extended
 from indoor_explorers.evaluation.record import Outcome, Record
 from indoor_explorers.evaluation.statistics import bootstrap_mean, interquartile_mean
@@ -171,4 +172,5 @@ def _value(record: Record, metric: str) -> float:
 
 def write_summary(results: Results, path: Path) -> None:
     """Write summary.csv; equal results give equal bytes."""
-    results.summary().to_csv(path, index=False, float_format="%.6g", lineterminator="\n")
+    with written_whole(path) as partial:
+        results.summary().to_csv(partial, index=False, float_format="%.6g", lineterminator="\n")

@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
+from indoor_explorers.evaluation.files import written_whole
 from indoor_explorers.evaluation.report.charts import coverage_at, focus_step, sampled_steps
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.facts import denominator
@@ -79,7 +80,8 @@ def _save(figure: Figure, folder: Path, stem: str) -> list[Path]:
         paths.append(folder / f"{stem}.{ending}")
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-            figure.savefig(paths[-1], format=ending, bbox_inches="tight", **options)
+            with written_whole(paths[-1]) as partial:
+                figure.savefig(partial, format=ending, bbox_inches="tight", **options)
     return paths
 
 

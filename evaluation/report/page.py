@@ -13,6 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from indoor_explorers.evaluation.files import written_whole
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report import facts
 from indoor_explorers.evaluation.report.charts import WHO, chart_data
@@ -41,7 +42,8 @@ REPLAY_BYTES, CHART_BYTES = 3_000_000, 1_200_000
 def write_report(results: Results, path: Path, *, title: str | None = None) -> None:
     """Write one HTML file that shows ``results`` and needs nothing else, not even a network."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(render(results, title=title), encoding="utf-8", newline="\n")
+    with written_whole(path) as partial:
+        partial.write_text(render(results, title=title), encoding="utf-8", newline="\n")
 
 
 def render(results: Results, *, title: str | None = None) -> str:
