@@ -53,7 +53,7 @@ class GoalPilot(Pilot):
     def choose(self, view: View) -> Cell | None:
         """Return the frontier cell to fly to next, none near :meth:`avoided`; None when none is reachable."""
 
-    def learned(self, view: View) -> None:  # noqa: B027  # a hook that most planners leave empty
+    def learned(self, view: View) -> None:  # a hook that most planners leave empty
         """Take note that the map has grown; called before anything is chosen."""
 
     def reconsider(self, view: View) -> bool:

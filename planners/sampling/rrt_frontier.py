@@ -28,6 +28,9 @@ DOUBLINGS = 2
 class RrtFrontier(Policy):
     """Grow trees into the unknown and fly to where an edge first met it, at the best revenue.
 
+    As in the paper a local tree, which finds the corners that the UAV is about to leave behind, and a global one
+    feed one list of candidates. They start afresh each time, for the map has changed under them.
+
     The revenue of a candidate is ``gain_weight`` I h / R - d: I the unknown cells visible from it that are not
     near a teammate's claim, h the hysteresis, R the lidar range in cells and d the path length in steps. The paper
     counts I in square metres with an information radius of one metre; dividing by R is the same weight for any
@@ -38,12 +41,12 @@ class RrtFrontier(Policy):
     randomized trees", IROS 2017, doi:10.1109/IROS.2017.8202319.
     """
 
-    local_samples: int = 60
+    local_samples: int = 150
     """Samples for the local tree, grown near the UAV whenever the map has."""
     global_samples: int = 150
     """Samples for the global tree, grown all over the map when a goal is chosen."""
     bias: float = 0.5
-    """Share of the samples that are drawn from unknown cells next to known free ones, 0 to 1."""
+    """Share of the samples drawn from unknown cells next to known free ones; the others are drawn anywhere."""
     edge: float = 4.0
     """Longest edge of a tree in cells."""
     local_ranges: float = 1.0
@@ -60,7 +63,7 @@ class RrtFrontier(Policy):
     def __post_init__(self) -> None:
         at_least(self, 1, "local_samples", "global_samples")
         at_least(self, 0.5, "edge", "local_ranges")
-        at_least(self, 0.0, "merge_distance", "gain_weight", "hysteresis", "hysteresis_radius")
+        at_least(self, 0.0, "bias", "merge_distance", "gain_weight", "hysteresis", "hysteresis_radius")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV."""
@@ -116,7 +119,7 @@ class RrtFrontierPilot(GoalPilot):
         points = low + self.rng.random((samples, 2)) * (high - low)
         edge_of_unknown = border_cells(view.belief, low.astype(np.int64), np.ceil(high).astype(np.int64))
         if len(edge_of_unknown):
-            biased = int(self._policy.bias * samples)
+            biased = min(samples, int(self._policy.bias * samples))
             drawn = edge_of_unknown[self.rng.integers(len(edge_of_unknown), size=biased)]
             points[:biased] = drawn + self.rng.random((biased, 2))
             points = self.rng.permutation(points)

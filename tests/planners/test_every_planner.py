@@ -90,7 +90,7 @@ def test_the_random_walk_takes_every_legal_move() -> None:
 
 @pytest.mark.parametrize(
     ("name", "parameters"),
-    [("rrt-frontier", {"samples": 0}), ("rrt-frontier", {"edge": float("nan")}), ("pso", {"candidates": -1})],
+    [("rrt-frontier", {"global_samples": 0}), ("rrt-frontier", {"edge": float("nan")}), ("pso", {"candidates": -1})],
 )
 def test_bad_parameters_are_refused(name: str, parameters: dict[str, float]) -> None:
     with pytest.raises(InputError, match=f"expected {next(iter(parameters))} of at least"):

@@ -8,7 +8,7 @@ from indoor_explorers.env.lidar import view_gain
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.view import View
 from indoor_explorers.planners.gains import unclaimed_gains
-from indoor_explorers.planners.sampling.rrt_frontier import merged
+from indoor_explorers.planners.sampling.rrt_frontier import border_cells, merged
 from tests.planners.flights import fly, maze
 
 
@@ -16,6 +16,13 @@ def test_near_candidates_are_merged() -> None:
     cells = np.array([0, 1, 2, 3, 4, 9, 30], np.int32)
     assert merged(cells, 3.0, 10).tolist() == [0, 3, 9, 30]
     assert merged(cells[:0], 3.0, 10).tolist() == []
+
+
+def test_border_cells_are_unknown_beside_free() -> None:
+    belief = np.array([[1, 0, 0, 1], [2, 0, 0, 0]], np.uint8)
+    whole = np.array([0, 0]), np.array([2, 4])
+    assert border_cells(belief, *whole).tolist() == [[0, 1], [0, 2], [1, 3]]
+    assert border_cells(belief, np.array([0, 0]), np.array([1, 2])).tolist() == [[0, 1]]
 
 
 def test_gains_near_claims_are_discounted() -> None:
@@ -32,7 +39,9 @@ def test_gains_near_claims_are_discounted() -> None:
 
 def test_the_nearest_frontier_is_the_last_resort() -> None:
     """In a long 1-wide corridor samples all over the map hardly ever find the frontier."""
-    flight = fly(make_policy("rrt-frontier", samples=1, edge=0.5), maze(4, 4, 0), budget=2000)
+    flight = fly(
+        make_policy("rrt-frontier", local_samples=1, global_samples=1, bias=0.0, edge=0.5), maze(4, 4, 0), budget=2000
+    )
     assert flight.complete
     assert flight.pilots[0].tally()["fallbacks"] > 0
 
