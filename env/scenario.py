@@ -94,7 +94,7 @@ class Scenario(_Part):
     denominator: Literal["reachable", "map"] = "reachable"
     """Coverage counts free cells reachable from the spawns, or all cells of the map (the thesis)."""
     budget: int | None = Field(None, ge=1, le=10_000_000)
-    """Steps before the episode is cut; None: half the map's reachable cells, at least 200."""
+    """Steps before the episode is cut; None: as many as the map has reachable cells, at least 200."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Scenario:
@@ -114,7 +114,7 @@ class Scenario(_Part):
 
     def budget_for(self, reachable: int) -> int:
         """Return the step budget on a map with that many reachable free cells."""
-        return self.budget if self.budget is not None else max(200, reachable // 2)
+        return self.budget if self.budget is not None else max(200, reachable)
 
     def for_evaluation(self) -> Scenario:
         """Return the task as comparisons run it: on to full team coverage or the budget, nobody ended as stuck."""

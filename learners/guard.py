@@ -1,8 +1,8 @@
 """The oscillation guard: hands over to the nearest frontier when a learned policy goes nowhere.
 
 A greedy network can dither between two cells for good. The guard lets it have its way while it gains new
-cells; when the gain has stopped for longer than twice the way to the nearest frontier was then (at least
-:data:`PATIENCE` steps), it flies to the nearest frontier (Yamauchi 1997) until a new cell is known. Every
+cells itself; when the gain has stopped for longer than twice the way to the nearest frontier was then (at least
+:data:`PATIENCE` steps), or the UAV swings to and fro between two cells, it flies to the nearest frontier (Yamauchi 1997) until it gains a cell. Every
 such flight ends in a gain, so an episode ends. Each handover is a strike: with every strike, the next one
 comes sooner and the guard then flies on for longer, so that a network far from what it was trained on costs
 little more than the nearest frontier alone. Gains of its own win the network's credit back.
@@ -26,6 +26,8 @@ PATIENCE = 8
 MOST_STRIKES = 9
 #: Steps with a gain, under the policy's own control, that take a strike back.
 AMENDS = 64
+#: Returns in a row to the cell before the last one that are put up with.
+SWINGS = 3
 #: Bumps into a team-mate, since the last gain, before the UAV backs off.
 BUMPS = 2
 
@@ -54,8 +56,10 @@ class Guard:
         self._rng = rng
         self._steps = np.empty(shape, np.int32)
         self._queue = np.empty(shape[0] * shape[1], np.int32)
-        self._known = self._idle = self._limit = self._bumps = 0
+        self._gained = self._idle = self._limit = self._bumps = 0
         self._strikes = self._tenure = self._amends = 0
+        self._swings = 0
+        self._trail: tuple[Cell | None, Cell | None] = (None, None)
         self._last: tuple[Cell, int] | None = None
         self._refuge: Cell | None = None
         self._detour = 0
@@ -65,10 +69,11 @@ class Guard:
         """Share of the decisions that were not the policy's own."""
         return self.guarded / max(self.decisions, 1)
 
-    def review(self, view: View, known: int, proposal: int) -> int:
-        """Return the move to make: ``proposal``, or a better one; ``known`` counts the known cells."""
+    def review(self, view: View, gained: int, proposal: int) -> int:
+        """Return the move to make: ``proposal``, or a better one; ``gained`` counts the cells it gained itself."""
         self.decisions += 1
-        self._note_progress(view, known)
+        self._note_swings(view.cell)
+        self._note_progress(view, gained)
         if self._was_blocked(view):
             self._bumps += 1
             if self._bumps >= BUMPS:
@@ -83,9 +88,14 @@ class Guard:
         """Note that the UAV stays where it is because nothing within its reach is unknown."""
         self._last = None
 
-    def _note_progress(self, view: View, known: int) -> None:
-        if known > self._known:
-            self._known, self._idle, self._bumps, self._detour = known, 0, 0, 0
+    def _note_swings(self, cell: Cell) -> None:
+        before_last, last = self._trail
+        self._swings = self._swings + 1 if cell == before_last and cell != last else 0
+        self._trail = last, cell
+
+    def _note_progress(self, view: View, gained: int) -> None:
+        if gained > self._gained:
+            self._gained, self._idle, self._bumps, self._detour = gained, 0, 0, 0
             self._make_amends()
             return
         self._idle += 1
@@ -93,7 +103,9 @@ class Guard:
             goal = self._frontier(view)
             way = 2 * int(self._steps.flat[goal]) if goal >= 0 else 0
             self._limit = max(PATIENCE, way >> self._strikes)
-        elif self._idle == self._limit + 1 and self._tenure == 0:
+        if self._swings > SWINGS:
+            self._limit = min(self._limit, self._idle - 1)
+        if self._idle == self._limit + 1 and self._tenure == 0:
             self._strikes = min(self._strikes + 1, MOST_STRIKES)
             self._tenure = 2**self._strikes - 2
 

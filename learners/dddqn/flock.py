@@ -23,11 +23,11 @@ class Flock:
         self.columns = episodes * scenario.team
         self.scene = np.zeros((self.columns, SCENE), np.uint8)
         self.moves = np.zeros((self.columns, 4, len(MOVE_FEATURES)), np.float32)
-        self.known = np.zeros(self.columns, np.int64)
         self._next_seed = next_seed
         for episode in range(episodes):
             self._begin(episode, next_seed())
         self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
+        self.noted = np.zeros((self.columns, *self.shape), np.uint8)
         self.visits = np.zeros((self.columns, *self.shape), np.uint8)
         self._sensor = sensor(scenario.lidar.range)
         self._scratch: Scratch = scratch(self.shape)
@@ -52,8 +52,8 @@ class Flock:
         observe_all(
             state.belief.reshape(self.columns, *self.shape),
             state.cell.reshape(self.columns, 2),
+            self.noted,
             self.visits,
-            self.known,
             columns,
             self._sensor,
             self._scratch,
@@ -72,14 +72,14 @@ class Flock:
         for episode in episodes.tolist():
             self._begin(episode, self._next_seed())
             columns = slice(episode * team, (episode + 1) * team)
-            self.known[columns] = 0
+            self.noted[columns] = 0
             self.visits[columns] = 0
 
     def tensors(self) -> dict[str, NDArray[np.generic]]:
         """Return everything that :meth:`restore` needs, by name."""
         state = {f"world/{name}": array for name, array in self.world.state._asdict().items()}
         seeds = np.array([[seed >> 32, seed & 0xFFFFFFFF] for seed in self.world.seeds], np.int64)
-        return state | {"flock/known": self.known, "flock/visits": self.visits, "flock/seeds": seeds}
+        return state | {"flock/noted": self.noted, "flock/visits": self.visits, "flock/seeds": seeds}
 
     def restore(self, tensors: dict[str, NDArray[np.generic]]) -> None:
         """Go on exactly where :meth:`tensors` was taken."""
@@ -87,5 +87,5 @@ class Flock:
             self._begin(episode, (high << 32) | low)
         for name, array in self.world.state._asdict().items():
             array[...] = tensors[f"world/{name}"]
-        self.known[...] = tensors["flock/known"]
+        self.noted[...] = tensors["flock/noted"]
         self.visits[...] = tensors["flock/visits"]

@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from
-from indoor_explorers.env.lidar import unknown_in_view
+from indoor_explorers.env.lidar import unknown_in_view, visible_cells
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
 
 #: Pixels a side of the fine and of the coarse map.
@@ -41,19 +41,28 @@ HALF_DISTANCE = 8.0
 
 
 @njit(cache=True, nogil=True)
-def remember(belief: np.ndarray, row: int, col: int, visits: np.ndarray, known: int) -> int:
-    """Count a visit of (row, col) in ``visits`` (H, W) uint8, forgetting all of them after a gain.
+def remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, noted: np.ndarray, visits: np.ndarray) -> int:
+    """Count a visit of (row, col) in ``visits`` (H, W) uint8, forgetting all of them after a gain of its own.
 
-    ``known`` is what the last call returned, 0 before the first: the known cells of ``belief``.
+    ``noted`` (H, W) uint8 marks the cells known at the last call and is brought up to date. Returns the gain:
+    the newly known cells in view of the UAV. What it does not see came by radio, and says nothing about
+    whether it is getting anywhere itself.
     """
-    now = 0
-    for r in range(belief.shape[0]):
-        for c in range(belief.shape[1]):
-            now += belief[r, c] != UNKNOWN
-    if now > known:
+    height, width = belief.shape
+    seen = np.empty(sensor.beams.target.shape[0] + 1, np.int64)
+    gain = 0
+    for k in range(visible_cells(belief, row, col, sensor.beams, seen)):
+        r, c = divmod(seen[k], width)
+        if belief[r, c] != UNKNOWN and noted[r, c] == 0:
+            noted[r, c] = 1
+            gain += 1
+    for r in range(height):
+        for c in range(width):
+            noted[r, c] = belief[r, c] != UNKNOWN
+    if gain > 0:
         visits[:] = 0
     visits[row, col] = min(visits[row, col] + 1, 255)
-    return now
+    return gain
 
 
 @njit(cache=True, nogil=True)
@@ -213,8 +222,8 @@ def observe(
 def observe_all(
     belief: np.ndarray,
     cell: np.ndarray,
+    noted: np.ndarray,
     visits: np.ndarray,
-    known: np.ndarray,
     columns: np.ndarray,
     sensor: Sensor,
     scratch: Scratch,
@@ -223,10 +232,10 @@ def observe_all(
 ) -> None:
     """Remember and observe for some ``columns`` (K,) of C UAVs on maps of one shape.
 
-    ``belief`` and ``visits`` are (C, H, W) uint8, ``cell`` (C, 2), ``known`` (C,); fills the columns of
-    ``scene`` (C, 696) and ``moves`` (C, 4, 8).
+    ``belief``, ``noted`` and ``visits`` are (C, H, W) uint8, ``cell`` (C, 2); fills the columns of ``scene``
+    (C, 696) and ``moves`` (C, 4, 8).
     """
     for i in columns:
         row, col = cell[i, 0], cell[i, 1]
-        known[i] = remember(belief[i], row, col, visits[i], known[i])
+        remember(belief[i], row, col, sensor, noted[i], visits[i])
         observe(belief[i], row, col, visits[i], sensor, scratch, scene[i], moves[i])

@@ -68,8 +68,9 @@ class DddqnPilot(Pilot):
         self._policy = policy
         self._sensor = sensor(briefing.lidar_range)
         self._scratch = scratch(briefing.shape)
+        self._noted = np.zeros(briefing.shape, np.uint8)
         self._visits = np.zeros(briefing.shape, np.uint8)
-        self._known = 0
+        self._gained = 0
         self._nearest = -1
         self._guard = Guard(briefing.shape, briefing.rng) if policy.guard else None
 
@@ -80,7 +81,7 @@ class DddqnPilot(Pilot):
     def perceive(self, view: View, scene_S: NDArray[np.uint8], moves_AF: NDArray[np.float32]) -> None:
         """Write the observation into ``scene_S`` (696,) and ``moves_AF`` (4, 8)."""
         row, col = view.cell
-        self._known = remember(view.belief, row, col, self._visits, self._known)
+        self._gained += remember(view.belief, row, col, self._sensor, self._noted, self._visits)
         self._nearest = observe(view.belief, row, col, self._visits, self._sensor, self._scratch, scene_S, moves_AF)
 
     def decide(self, view: View, q_A: NDArray[np.float32]) -> int:
@@ -91,7 +92,7 @@ class DddqnPilot(Pilot):
                 self._guard.rest()
             return Action.STAY
         proposal = int(np.where(legal_A, q_A, -np.inf).argmax())
-        return proposal if self._guard is None else self._guard.review(view, self._known, proposal)
+        return proposal if self._guard is None else self._guard.review(view, self._gained, proposal)
 
     def tally(self) -> dict[str, float]:
         """Return ``guarded_share``, the share of the decisions that the guard took over."""

@@ -79,7 +79,7 @@ def test_it_waits_as_long_as_it_says_and_hands_back_after_a_gain() -> None:
     for step in range(40):
         if step == 30:
             belief[0, 10] = 1
-        proposal = Action.LEFT if step % 2 == 0 else Action.RIGHT
+        proposal = (Action.LEFT, Action.LEFT, Action.RIGHT, Action.RIGHT)[step % 4]
         action = guard.review(View(belief, (0, col), legal, step, 99, ()), int((belief != 0).sum()), proposal)
         col += {Action.LEFT: -1, Action.RIGHT: 1, Action.STAY: 0}[Action(action)]
         shares.append(guard.guarded)

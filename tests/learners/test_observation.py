@@ -120,13 +120,16 @@ def test_nothing_in_reach_is_told_apart() -> None:
     assert observed(belief, (5, 5))[2] == 0
 
 
-def test_visits_are_forgotten_after_a_gain() -> None:
-    belief, visits = np.zeros((4, 4), np.uint8), np.zeros((4, 4), np.uint8)
-    belief[:2] = FREE
-    known = remember(belief, 0, 0, visits, 0)
-    known = remember(belief, 0, 1, visits, known)
-    known = remember(belief, 0, 0, visits, known)
+def test_visits_are_forgotten_after_a_gain_of_its_own() -> None:
+    belief, noted, visits = (np.zeros((4, 9), np.uint8) for _ in range(3))
+    belief[:2, :3] = FREE
+    assert remember(belief, 0, 0, sensor(3.0), noted, visits) == 6
+    assert remember(belief, 0, 1, sensor(3.0), noted, visits) == 0
+    assert remember(belief, 0, 0, sensor(3.0), noted, visits) == 0
     assert visits[0, :2].tolist() == [2, 1]
-    belief[2] = FREE
-    assert remember(belief, 1, 0, visits, known) == 12
+    belief[0, 8] = FREE  # out of sight: heard by radio
+    assert remember(belief, 0, 1, sensor(3.0), noted, visits) == 0
+    assert visits[0, :2].tolist() == [2, 2]
+    belief[2, :3] = FREE
+    assert remember(belief, 1, 0, sensor(3.0), noted, visits) == 3
     assert visits.sum() == visits[1, 0] == 1
