@@ -1,11 +1,12 @@
 """The oscillation guard: hands over to the nearest frontier when a learned policy goes nowhere.
 
 A greedy network can dither between two cells for good. The guard lets it have its way while it gains new
-cells itself; when the gain has stopped for longer than twice the way to the nearest frontier was then (at least
-:data:`PATIENCE` steps), or the UAV swings to and fro between two cells, it flies to the nearest frontier (Yamauchi 1997) until it gains a cell. Every
-such flight ends in a gain, so an episode ends. Each handover is a strike: with every strike, the next one
-comes sooner and the guard then flies on for longer, so that a network far from what it was trained on costs
-little more than the nearest frontier alone. Gains of its own win the network's credit back.
+cells itself; when the gain has stopped for longer than twice the way to the nearest frontier was then (at
+least :data:`PATIENCE` steps), or the UAV swings to and fro between two cells, it flies to the nearest
+frontier (Yamauchi 1997) until it gains a cell. Every such flight ends in a gain, so an episode ends. Each
+handover is a strike: with every strike, the next one comes sooner and the guard then flies on for longer, so
+that a network far from what it was trained on costs little more than the nearest frontier alone. Gains of
+its own win the network's credit back.
 
 A team-mate in the way is met by random back-off: draws that grow with every bump, so that two UAVs in a
 corridor do not wait for each other for ever.
