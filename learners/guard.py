@@ -8,7 +8,7 @@ handover is a strike: with every strike, the next one comes sooner and the guard
 that a network far from what it was trained on costs little more than the nearest frontier alone. Gains of
 its own win the network's credit back.
 
-A team-mate in the way is met by random back-off: draws that grow with every bump, so that two UAVs in a
+A team-mate in the way is met by random back-off: draws that grow with every retreat, so that two UAVs in a
 corridor do not wait for each other for ever.
 """
 
@@ -29,8 +29,10 @@ MOST_STRIKES = 9
 AMENDS = 64
 #: Returns in a row to the cell before the last one that are put up with.
 SWINGS = 3
-#: Bumps into a team-mate, since the last gain, before the UAV backs off.
+#: Bumps into a team-mate in a row before the UAV backs off; who flies behind one bumps now and then.
 BUMPS = 2
+#: Steps that a UAV waits at most where it has backed off to.
+LONGEST_WAIT = 4
 
 
 @njit(cache=True, nogil=True)
@@ -57,7 +59,7 @@ class Guard:
         self._rng = rng
         self._steps = np.empty(shape, np.int32)
         self._queue = np.empty(shape[0] * shape[1], np.int32)
-        self._gained = self._idle = self._limit = self._bumps = 0
+        self._gained = self._idle = self._limit = self._bumps = self._retreats = 0
         self._strikes = self._tenure = self._amends = 0
         self._swings = 0
         self._trail: tuple[Cell | None, Cell | None] = (None, None)
@@ -75,10 +77,10 @@ class Guard:
         self.decisions += 1
         self._note_swings(view.cell)
         self._note_progress(view, gained)
-        if self._was_blocked(view):
-            self._bumps += 1
-            if self._bumps >= BUMPS:
-                self._back_off(view)
+        self._bumps = self._bumps + 1 if self._was_blocked(view) else 0
+        if self._bumps >= BUMPS:
+            self._retreats += 1
+            self._back_off(view)
         action = self._own_move(view)
         self.guarded += action is not None
         chosen = proposal if action is None else action
@@ -96,7 +98,7 @@ class Guard:
 
     def _note_progress(self, view: View, gained: int) -> None:
         if gained > self._gained:
-            self._gained, self._idle, self._bumps, self._detour = gained, 0, 0, 0
+            self._gained, self._idle, self._retreats, self._detour = gained, 0, 0, 0
             self._make_amends()
             return
         self._idle += 1
@@ -148,11 +150,13 @@ class Guard:
         around[row, col] = np.uint8(UNKNOWN)
         reached = distances_from(around, *view.cell, self._queue, self._steps)
         self._refuge = divmod(int(self._queue[self._rng.integers(reached)]), view.belief.shape[1])
-        longest = min(2**self._bumps, sum(view.belief.shape))
+        longest = min(2 ** (1 + self._retreats), sum(view.belief.shape))
         self._detour = int(self._rng.integers(1, longest + 1))
 
     def _towards_refuge(self, view: View) -> int:
-        """Move towards the refuge, and wait there."""
+        """Move towards the refuge, and wait there a little."""
+        if view.cell == self._refuge:
+            self._detour = min(self._detour, LONGEST_WAIT)
         if self._refuge is None or view.belief[self._refuge] != FREE:
             return Action.STAY
         distances_from(view.belief, *view.cell, self._queue, self._steps)
