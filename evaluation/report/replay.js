@@ -233,7 +233,7 @@ class Replay {
     this.panes = Array.from({ length: shown }, (_, k) => new Panel(this, k));
     this.panes.forEach((pane, k) => pane.offer(this.flights, k));
     this.panels.replaceChildren(...this.panes.map((pane) => pane.box));
-    this.panels.style.setProperty("--panel-width", shown > 2 && width > 1.3 * height ? "420px" : "230px");
+    this.panels.style.setProperty("--panel-width", shown > 2 && width > 1.3 * height ? "max(34%, 300px)" : "230px");
     this.panels.style.maxWidth = shown === 1 ? `${Math.min(900, 520 * width / height)}px` : "";
     const frames = Math.max(...this.flights.map((flight) => flight.last));
     this.speed.value = SPEEDS.find((speed) => speed * 20 >= this.shownLast() * stride) || SPEEDS.at(-1);
