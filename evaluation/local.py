@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import NamedTuple
+
+from loky import ProcessPoolExecutor
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.evaluation.experiment import PolicyChoice, Task
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.runner import fly
+
+#: Every worker keeps to one thread: the processes are the parallelism.
+ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
+#: Seconds between two looks of a worker at whether its driver still lives.
+LOOK_EVERY = 0.5
 
 
 class Job(NamedTuple):
@@ -34,26 +41,29 @@ def fly_job(job: Job) -> list[Record]:
 def fly_jobs(jobs: Sequence[Job], workers: int) -> Iterator[list[Record]]:
     """Yield the records of each job as it finishes; ``workers`` 0 flies them one by one in this process.
 
+    The workers start as fresh interpreters that never import the caller's main module, so that a script
+    needs no guard around its call.
+
     Raises:
         RunError: a worker process died; what was yielded before stays valid.
-
     """
     if workers == 0:
         yield from map(fly_job, jobs)
         return
-    pool = ProcessPoolExecutor(min(workers, len(jobs)), _context(), initializer=_prepare_worker)
+    start = (os.getpid(),)
+    pool = ProcessPoolExecutor(min(workers, len(jobs)), initializer=_prepare_worker, initargs=start, env=ONE_THREAD)
     try:
-        yield from _as_completed(pool, list(jobs), in_flight=2 * workers)
+        yield from _as_completed(pool, jobs, in_flight=2 * workers)
     except BrokenProcessPool as error:
         raise RunError(
             "a worker process died before it finished its episodes (out of memory, or a policy ended it); "
             "the finished episodes are kept, and the same command goes on from there"
         ) from error
     finally:
-        _end(pool)
+        pool.shutdown(wait=True, kill_workers=True)
 
 
-def _as_completed(pool: ProcessPoolExecutor, jobs: list[Job], in_flight: int) -> Iterator[list[Record]]:
+def _as_completed(pool: ProcessPoolExecutor, jobs: Sequence[Job], in_flight: int) -> Iterator[list[Record]]:
     """Keep a few jobs in flight, so that stopping early leaves little behind."""
     waiting = iter(jobs)
     running: set[Future[list[Record]]] = set()
@@ -67,36 +77,13 @@ def _as_completed(pool: ProcessPoolExecutor, jobs: list[Job], in_flight: int) ->
             yield future.result()
 
 
-def _end(pool: ProcessPoolExecutor) -> None:
-    """Stop the workers at once: what they have not handed over is flown again by the next run."""
-    processes = list((pool._processes or {}).values())
-    pool.shutdown(wait=False, cancel_futures=True)
-    for process in processes:
-        process.terminate()
-
-
-def _context() -> multiprocessing.context.BaseContext:
-    """Fork from a clean server that has the world imported, where the system can; it has no threads to lose."""
-    if "forkserver" not in multiprocessing.get_all_start_methods():
-        return multiprocessing.get_context("spawn")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([fly.__module__])
-    return context
-
-
-def _prepare_worker() -> None:
-    """Leave Ctrl-C to the driver, leave with it when it is killed, and keep to one thread.
-
-    The processes are the parallelism.
-    """
+def _prepare_worker(driver: int) -> None:
+    """Leave Ctrl-C to the driver, and leave with it when it is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_leave_with_the_driver, daemon=True).start()
-    for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ[name] = "1"
+    threading.Thread(target=_leave_with, args=(driver,), daemon=True).start()
 
 
-def _leave_with_the_driver() -> None:
-    driver = multiprocessing.parent_process()
-    if driver is not None:
-        driver.join()
-        os._exit(1)
+def _leave_with(driver: int) -> None:
+    while os.getppid() == driver:
+        time.sleep(LOOK_EVERY)
+    os._exit(1)
