@@ -107,7 +107,7 @@ def named_scenario(name: str, relative_to: Path = Path()) -> Scenario:
     if name.endswith(".toml"):
         return Scenario.load(relative_to / name)
     if name not in PRESETS:
-        raise InputError(f"unknown scenario {name!r}{did_you_mean(name, PRESETS)}; or give a .toml file")
+        raise InputError(f"unknown scenario {name!r} (expected a preset or a .toml file){did_you_mean(name, PRESETS)}")
     return scenario(name)
 
 

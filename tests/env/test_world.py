@@ -180,6 +180,24 @@ def test_same_seed_same_episode_in_any_batch():
             np.testing.assert_array_equal(array[0], getattr(together.state, name)[b], err_msg=name)
 
 
+def test_what_pilots_draw_changes_nothing_else():
+    """Map, spawns, order of moves and the other pilots' draws are the same however much one pilot draws."""
+    frugal, greedy = (World(PRESETS["thesis-team-4"]) for _ in range(2))
+    for world in (frugal, greedy):
+        world.reset([8])
+    greedy.briefing(0, 0).rng.random(1000)
+    np.random.default_rng(0).random(1000)
+    for action in (0, 1, 2, 3) * 5:
+        for world in (frugal, greedy):
+            world.step(np.full((1, 4), action))
+        greedy.briefing(0, 1).rng.random()
+    assert (frugal.state.truth == greedy.state.truth).all()
+    assert (frugal.state.cell == greedy.state.cell).all()
+    assert frugal.briefing(0, 2).rng.random() == greedy.briefing(0, 2).rng.random()
+    draws = {world.briefing(0, n).rng.random() for world in (frugal, greedy) for n in range(4)}
+    assert len(draws) == 4
+
+
 def test_the_order_of_moves_is_random_and_fair():
     """Two UAVs want the same cell: each gets it about half of the time."""
     truth = np.full((1, 3), FREE)
