@@ -1,4 +1,4 @@
-"""The command line: ``indoor-explorers compare | report | train | policies | scenarios | maps | check``."""
+"""The command line: ``indoor-explorers compare | report | train | bench | policies | ...``."""
 
 from __future__ import annotations
 
@@ -77,6 +77,10 @@ def build_parser() -> argparse.ArgumentParser:
     shown.add_argument("paths", nargs="+", metavar="PATH", help="ROS map_server YAML or image files")
     shown.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample to")
     shown.set_defaults(run=commands.show_maps)
+    speed = commands_.add_parser("bench", help="measure the speed figures on this machine")
+    speed.add_argument("--json", type=Path, metavar="FILE", help="write them as a list of name, value and unit")
+    speed.add_argument("--all", action="store_true", help="also those that take minutes")
+    speed.set_defaults(run=commands.run_bench)
     check = commands_.add_parser("check", help="run the conformance suite on a policy")
     check.add_argument("policy", metavar="MODULE:CLASS", help="or the name of an installed policy")
     check.set_defaults(run=commands.check)

@@ -14,6 +14,7 @@ from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.grid import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.registry import policy_entry_points
+from indoor_explorers.evaluation import bench
 from indoor_explorers.evaluation.compare import plan, run
 from indoor_explorers.evaluation.experiment import named_scenario
 from indoor_explorers.evaluation.progress import ProgressBar
@@ -167,4 +168,16 @@ def check(arguments: argparse.Namespace) -> int:
     for name, finding in report.items():
         table.add_row(name, finding)
     _console().print(table)
+    return 0
+
+
+def run_bench(arguments: argparse.Namespace) -> int:
+    """Measure the speed figures and print them as they come."""
+    console = _console()
+    measured = []
+    for figure in bench.figures(everything=arguments.all):
+        measured.append(figure)
+        console.print(f"{figure.name:<36} {figure.value:>14,.4g} {figure.unit}", highlight=False)
+    if arguments.json is not None:
+        bench.write_json(measured, arguments.json)
     return 0
