@@ -14,29 +14,29 @@ from indoor_explorers.env.state import Rules, State
 FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET = 0, 1, 2, 3, 4, 5
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def sense(state: State, beams: Beams, b: int, agent: int, seen: np.ndarray) -> None:
     """Scan from the agent's cell into its belief and the team's union."""
-    width = state.truth.shape[2]
+    truth, counts, union = state.truth[b].reshape(-1), state.counts[b].reshape(-1), state.union[b].reshape(-1)
+    sensed, belief = state.sensed[b, agent].reshape(-1), state.belief[b, agent].reshape(-1)
     count = visible_cells(state.truth[b], state.cell[b, agent, 0], state.cell[b, agent, 1], beams, seen)
     for k in range(count):
-        row, col = divmod(seen[k], width)
-        if state.sensed[b, agent, row, col]:
+        cell = seen[k]
+        if sensed[cell]:
             continue
-        state.sensed[b, agent, row, col] = True
-        counted = state.counts[b, row, col]
-        if counted:
+        sensed[cell] = True
+        if counts[cell]:
             state.sensed_count[b, agent] += 1
-        if state.belief[b, agent, row, col] == UNKNOWN:
-            learn(state, b, agent, seen[k])
+        if belief[cell] == UNKNOWN:
+            learn(state, b, agent, cell)
             state.discovered[b, agent] += 1
-        if state.union[b, row, col] == UNKNOWN:
-            state.union[b, row, col] = state.truth[b, row, col]
-            if counted:
+        if union[cell] == UNKNOWN:
+            union[cell] = truth[cell]
+            if counts[cell]:
                 state.team_covered[b] += 1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _crash(rules: Rules, state: State, b: int, agent: int, end: int, pay: float) -> None:
     state.collisions[b, agent] += 1
     state.reward[b, agent] += pay
@@ -44,7 +44,7 @@ def _crash(rules: Rules, state: State, b: int, agent: int, end: int, pay: float)
         state.end[b, agent] = end
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def move(rules: Rules, state: State, b: int, agent: int, action: int) -> bool:
     """Carry out one agent's action; return whether it now is in another cell."""
     height, width = state.truth.shape[1:]
@@ -71,7 +71,7 @@ def move(rules: Rules, state: State, b: int, agent: int, action: int) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _is_stuck(rules: Rules, state: State, b: int, agent: int) -> bool:
     if rules.stuck_rule == 1:
         return bool(state.idle[b, agent] >= state.truth.shape[1] * state.truth.shape[2])
@@ -83,7 +83,7 @@ def _is_stuck(rules: Rules, state: State, b: int, agent: int) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _settle(rules: Rules, state: State, b: int) -> None:
     """Pay the flying agents for the step and end those that are done."""
     team_done = rules.goal_of_team and state.team_covered[b] >= state.needed[b]
@@ -104,7 +104,7 @@ def _settle(rules: Rules, state: State, b: int) -> None:
             state.end[b, n] = BUDGET
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _update_legal(state: State, b: int, agent: int) -> None:
     height, width = state.truth.shape[1:]
     for action in range(4):

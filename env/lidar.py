@@ -202,26 +202,28 @@ def beams(lidar_range: float) -> Beams:
 def visible_cells(occupancy: np.ndarray, row: int, col: int, beams: Beams, out: np.ndarray) -> int:
     """List the cells seen from (row, col): fills ``out`` with flat indices and returns how many.
 
-    ``occupancy`` is (H, W) uint8 and only ``OCCUPIED`` blocks, so on a belief map unknown cells are
-    transparent. The own cell comes first. A cell may be listed twice (an obstacle seen by two of its
+    ``occupancy`` is (H, W) uint8, C-contiguous, and only ``OCCUPIED`` blocks, so on a belief map unknown cells
+    are transparent. The own cell comes first. A cell may be listed twice (an obstacle seen by two of its
     sides). ``out`` needs room for one entry more than there are sight lines.
     """
     height, width = occupancy.shape
+    cells = occupancy.reshape(height * width)
     out[0] = row * width + col
     seen = 1
     node, count = 0, beams.skip.shape[0]
     while node < count:
         r, c = row + beams.first[node, 0], col + beams.first[node, 1]
         rr, cc = row + beams.second[node, 0], col + beams.second[node, 1]
-        if r < 0 or r >= height or c < 0 or c >= width or rr < 0 or rr >= height or cc < 0 or cc >= width:
+        if min(r, rr) < 0 or max(r, rr) >= height or min(c, cc) < 0 or max(c, cc) >= width:
             node = beams.skip[node]
             continue
-        if occupancy[r, c] == OCCUPIED and occupancy[rr, cc] == OCCUPIED:
+        if cells[r * width + c] == OCCUPIED and cells[rr * width + cc] == OCCUPIED:
             node = beams.skip[node]
             continue
         for t in range(beams.ends[node], beams.ends[node + 1]):
             tr, tc = row + beams.target[t, 0], col + beams.target[t, 1]
-            if beams.kind[t] == CENTRE or (0 <= tr < height and 0 <= tc < width and occupancy[tr, tc] == OCCUPIED):
+            inside = 0 <= tr < height and 0 <= tc < width
+            if beams.kind[t] == CENTRE or (inside and cells[tr * width + tc] == OCCUPIED):
                 out[seen] = tr * width + tc
                 seen += 1
         node += 1

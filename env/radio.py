@@ -21,7 +21,7 @@ CELL_BYTES = 5
 POSITION_BYTES = 8
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def in_contact(rules: Rules, rows: int, cols: int) -> bool:
     """Tell whether two agents ``rows`` and ``cols`` apart are linked directly."""
     if rules.radio_model == 0:
@@ -33,7 +33,7 @@ def in_contact(rules: Rules, rows: int, cols: int) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def link(rules: Rules, state: State, b: int, component: np.ndarray) -> None:
     """Fill ``linked`` and ``component`` (N,), the smallest agent number of each agent's component."""
     team = state.end.shape[1]
@@ -60,22 +60,20 @@ def link(rules: Rules, state: State, b: int, component: np.ndarray) -> None:
                     changed = True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def learn(state: State, b: int, agent: int, cell: int) -> None:
     """Enter a flat cell that was unknown to ``agent`` into its belief and journal."""
-    width = state.truth.shape[2]
-    row, col = divmod(cell, width)
-    state.belief[b, agent, row, col] = state.truth[b, row, col]
+    state.belief[b, agent].reshape(-1)[cell] = state.truth[b].reshape(-1)[cell]
     state.journal[b, agent, state.known[b, agent]] = cell
     state.known[b, agent] += 1
-    if state.counts[b, row, col]:
+    if state.counts[b].reshape(-1)[cell]:
         state.covered[b, agent] += 1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def exchange(state: State, b: int, component: np.ndarray) -> None:
     """Merge maps and exchange positions and messages within each component."""
-    team, width = state.end.shape[1], state.truth.shape[2]
+    team = state.end.shape[1]
     before = state.known[b].copy()
     for i in range(team):
         for j in range(team):
@@ -83,8 +81,7 @@ def exchange(state: State, b: int, component: np.ndarray) -> None:
                 continue
             for k in range(state.read[b, i, j], before[j]):
                 cell = state.journal[b, j, k]
-                row, col = divmod(cell, width)
-                if state.belief[b, i, row, col] == UNKNOWN:
+                if state.belief[b, i].reshape(-1)[cell] == UNKNOWN:
                     learn(state, b, i, cell)
                     state.received[b, i] += 1
                     state.sent_bytes[b, j] += CELL_BYTES
