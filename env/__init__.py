@@ -1,8 +1,11 @@
 """The shared world: scenarios, the simulator, what a UAV may know, and the policy interface."""
 
+import gymnasium
+
 from indoor_explorers.env.conformance import check_policy
 from indoor_explorers.env.errors import InputError, PolicyError
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN, Action
+from indoor_explorers.env.marl import env, parallel_env
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.registry import make_policy, policy_names
 from indoor_explorers.env.scenario import PRESETS, Scenario, scenario
@@ -26,7 +29,15 @@ __all__ = [
     "View",
     "World",
     "check_policy",
+    "env",
     "make_policy",
+    "parallel_env",
     "policy_names",
     "scenario",
 ]
+
+gymnasium.register(
+    id="IndoorExplorers-v0",
+    entry_point="indoor_explorers.env.gym:IndoorExplorersEnv",
+    vector_entry_point="indoor_explorers.env.vector:IndoorExplorersVectorEnv",
+)

@@ -6,6 +6,7 @@ run with each other, not with those of another day.
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import subprocess
@@ -18,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from indoor_explorers.env import InputError, Scenario, World, make_policy
+from indoor_explorers.env import InputError, Scenario, World, make_policy, parallel_env
 from indoor_explorers.env.maps.sources import ThesisMaps
 from indoor_explorers.env.registry import policy_entry_points
 from indoor_explorers.env.scenario import Lidar, Radio, scenario
@@ -28,6 +29,8 @@ from indoor_explorers.evaluation.files import written_whole
 from indoor_explorers.evaluation.runner import fly
 
 REPEATS = 5
+#: Settings under which random moves do not end an episode early.
+UNENDING = {"on_collision": "block", "stuck.rule": "off", "goal": 1.0, "denominator": "reachable"}
 
 
 class Figure(NamedTuple):
@@ -67,6 +70,9 @@ def figures(*, everything: bool = False) -> Iterator[Figure]:
     yield Figure("first-compile", first_compile(), "s")
     for name, (task, batch) in WORLDS.items():
         yield Figure(name, world_speed(task, batch), "agent-steps/s")
+    yield Figure("gym-step", gymnasium_step(), "us")
+    if importlib.util.find_spec("pettingzoo"):
+        yield Figure("pettingzoo-step-team4", pettingzoo_step(), "us")
     for side, lidar_range in ((16, 3.0), (250, 10.0)):
         for policy in policy_entry_points():
             yield Figure(f"decide-{policy}-{side}x{side}", decision_time(policy, side, lidar_range), "us")
@@ -89,6 +95,38 @@ def world_speed(task: Scenario, batch: int, steps: int = 400) -> float:
                 world.begin(int(episode), next(seeds))
 
     return steps * batch * task.team / _median_seconds(fly_on)
+
+
+def gymnasium_step(steps: int = 2000) -> float:
+    """Return the microseconds of a step of the Gymnasium environment with its default observation, resets left out."""
+    import gymnasium
+
+    env = gymnasium.make("indoor_explorers.env:IndoorExplorers-v0", settings=UNENDING)
+    actions = np.random.default_rng(0).integers(0, 4, steps)
+    seconds = []
+    env.reset(seed=0)
+    for action in actions:
+        start = time.perf_counter()
+        _, _, terminated, truncated, _ = env.step(action)
+        seconds.append(time.perf_counter() - start)
+        if terminated or truncated:
+            env.reset()
+    return float(np.median(seconds)) * 1e6
+
+
+def pettingzoo_step(steps: int = 2000) -> float:
+    """Return the microseconds of a step of four UAVs in the PettingZoo environment, resets left out."""
+    env = parallel_env(scenario="thesis-team-4", settings=UNENDING)
+    rng, seconds = np.random.default_rng(0), []
+    env.reset(seed=0)
+    for _ in range(steps):
+        actions = dict(zip(env.agents, rng.integers(0, 4, len(env.agents)), strict=True))
+        start = time.perf_counter()
+        env.step(actions)
+        seconds.append(time.perf_counter() - start)
+        if not env.agents:
+            env.reset()
+    return float(np.median(seconds)) * 1e6
 
 
 def decision_time(policy: str, side: int, lidar_range: float) -> float:

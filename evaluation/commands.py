@@ -14,9 +14,9 @@ from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.grid import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.registry import policy_entry_points
+from indoor_explorers.env.scenario import named_scenario
 from indoor_explorers.evaluation import bench
 from indoor_explorers.evaluation.compare import plan, run
-from indoor_explorers.evaluation.experiment import named_scenario
 from indoor_explorers.evaluation.progress import ProgressBar
 from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.report import write_report

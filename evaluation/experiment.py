@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from indoor_explorers.env import InputError, Policy, Scenario, make_policy, scenario
+from indoor_explorers.env import InputError, Policy, Scenario, make_policy
 from indoor_explorers.env.errors import did_you_mean
-from indoor_explorers.env.scenario import PRESETS, read_toml, validated
+from indoor_explorers.env.scenario import read_toml, validated
 
 
 class Task(NamedTuple):
@@ -100,15 +100,6 @@ def read_experiment(path: Path) -> dict[str, Any]:
     if not isinstance(data.get("set", {}), dict):
         raise InputError(f"{path}: expected [set] to be a table of settings, got {data['set']!r}")
     return data
-
-
-def named_scenario(name: str, relative_to: Path = Path()) -> Scenario:
-    """Return a preset by name, or the scenario of a TOML file."""
-    if name.endswith(".toml"):
-        return Scenario.load(relative_to / name)
-    if name not in PRESETS:
-        raise InputError(f"unknown scenario {name!r} (expected a preset or a .toml file){did_you_mean(name, PRESETS)}")
-    return scenario(name)
 
 
 def build_experiment(

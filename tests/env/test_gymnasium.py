@@ -1,0 +1,209 @@
+"""The Gymnasium faces: the ecosystem's own checks, and the same episodes as the bare world's."""
+
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env, data_equivalence
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from gymnasium.wrappers.vector import RecordEpisodeStatistics
+
+from indoor_explorers.env import PRESETS, InputError, World
+from indoor_explorers.env.encoders import Encoder, make_encoder
+from indoor_explorers.env.gym import IndoorExplorersEnv
+from indoor_explorers.env.state import End
+from indoor_explorers.env.vector import IndoorExplorersVectorEnv
+
+ID = "indoor_explorers.env:IndoorExplorers-v0"
+
+
+def make_vec(num_envs, **kwargs):
+    return gymnasium.make_vec(ID, num_envs, "vector_entry_point", **kwargs)
+
+
+@pytest.mark.parametrize("observation", ["channels", "thesis", "free+self"])
+@pytest.mark.parametrize("render_mode", [None, "rgb_array"])
+def test_the_checker_has_nothing_to_say(observation, render_mode):
+    env = gymnasium.make(ID, observation=observation, render_mode=render_mode)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        check_env(env.unwrapped)
+    assert [str(warning.message) for warning in said] == []
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("settings", [{}, {"on_collision": "block", "budget": 30}])
+def test_an_episode_is_the_bare_world_s(seed, settings):
+    scenario = PRESETS["thesis-obstacles"].with_settings(settings)
+    env, world, rng = gymnasium.make(ID, settings=settings), World(scenario), np.random.default_rng(seed)
+    world.reset([seed])
+    encoder = make_encoder("channels", world.briefing(0, 0))
+    observation, info = env.reset(seed=seed)
+    done = False
+    while True:
+        view = world.view(0, 0)
+        assert np.array_equal(observation, encoder.observation(view))
+        assert info["action_mask"].dtype == np.int8
+        assert np.array_equal(info["action_mask"], view.legal)
+        assert (info["coverage"], info["step"]) == (world.coverage[0, 0], view.step)
+        if done:
+            break
+        action = int(rng.integers(5))
+        world.step(np.array([[action]]))
+        observation, reward, terminated, truncated, info = env.step(action)
+        end = End(int(world.state.end[0, 0]))
+        assert reward == world.state.reward[0, 0]
+        assert terminated == (end in {End.GOAL, End.COLLISION, End.OUT_OF_BOUNDS, End.STUCK})
+        assert truncated == (end == End.BUDGET)
+        assert info["end"] == end
+        done = terminated or truncated
+
+
+def test_ends_of_each_kind_are_told_apart():
+    def last(env, actions):
+        env.reset(seed=1)
+        for action in actions:
+            result = env.step(action)
+        return result
+
+    *_, terminated, truncated, info = last(gymnasium.make(ID, scenario="thesis-open"), [2] * 16)
+    assert (terminated, truncated, info["end"]) == (True, False, End.OUT_OF_BOUNDS)
+    *_, terminated, truncated, info = last(gymnasium.make(ID), [4] * 20)
+    assert (terminated, truncated, info["end"]) == (True, False, End.STUCK)
+    *_, terminated, truncated, info = last(gymnasium.make(ID, settings={"goal": 0.01}), [4])
+    assert (terminated, truncated, info["end"]) == (True, False, End.GOAL)
+    *_, terminated, truncated, info = last(gymnasium.make(ID, settings={"budget": 3}), [4] * 3)
+    assert (terminated, truncated, info["end"]) == (False, True, End.BUDGET)
+
+
+def test_resets_without_a_seed_draw_new_episodes_that_the_first_seed_decides():
+    def episodes(seed):
+        env = IndoorExplorersEnv()
+        env.reset(seed=seed)
+        seeds = []
+        for _ in range(3):
+            env.reset()
+            seeds += env.world.seeds
+        return seeds
+
+    assert episodes(1) == episodes(1) != episodes(2)
+    assert len(set(episodes(1))) == 3
+
+
+def test_observations_stay_as_they_were_given():
+    for env, action in ((IndoorExplorersEnv(), 4), (IndoorExplorersVectorEnv(2), np.array([4, 4]))):
+        first, info = env.reset(seed=0)
+        kept, mask = first.copy(), info["action_mask"].copy()
+        second = env.step(action)[0]
+        env.reset(seed=5)
+        assert np.array_equal(first, kept)
+        assert np.array_equal(info["action_mask"], mask)
+        assert not np.shares_memory(first, second)
+
+
+def test_what_cannot_be_used_is_refused():
+    with pytest.raises(InputError, match="parallel_env"):
+        IndoorExplorersEnv("thesis-team-4")
+    with pytest.raises(InputError, match="parallel_env"):
+        make_vec(2, scenario="thesis-team-2")
+    with pytest.raises(InputError, match="did you mean 'thesis-open'"):
+        IndoorExplorersEnv("thesis-opne")
+    with pytest.raises(InputError, match="did you mean 'budget'"):
+        IndoorExplorersEnv(settings={"budgte": 3})
+    with pytest.raises(InputError, match="did you mean 'rgb_array'"):
+        IndoorExplorersEnv(render_mode="rgb_aray")
+    with pytest.raises(InputError, match="index"):
+        IndoorExplorersEnv(index=1)
+    with pytest.raises(InputError, match="num_envs"):
+        make_vec(0)
+    with pytest.raises(InputError, match="one seed for each"):
+        make_vec(2).reset(seed=[1])
+    with pytest.raises(InputError, match="reset_mask"):
+        make_vec(2).reset(options={"reset_mask": [1, 0]})
+    with pytest.raises(InputError, match="from 0 to 4"):
+        make_stepped(IndoorExplorersEnv(), 5)
+    with pytest.raises(InputError, match="shape"):
+        make_stepped(make_vec(2), np.zeros(3, np.int64))
+
+
+def make_stepped(env, action):
+    env.reset(seed=0)
+    return env.step(action)
+
+
+@pytest.mark.parametrize("make", [IndoorExplorersEnv, IndoorExplorersVectorEnv])
+def test_a_step_before_the_first_reset_is_refused(make):
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        make().step(np.array([4]) if make is IndoorExplorersVectorEnv else 4)
+
+
+def test_a_scenario_may_be_a_file_or_an_object(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('preset = "thesis-open"\nbudget = 7\n', encoding="utf-8")
+    assert IndoorExplorersEnv(str(path)).world.scenario.budget == 7
+    assert IndoorExplorersEnv(PRESETS["office"], settings={"team": 1}).observation_space.shape[0] == 6
+
+
+def test_a_picture_shows_the_map_dimmed_and_the_uav():
+    env = IndoorExplorersEnv(render_mode="rgb_array")
+    env.reset(seed=3)
+    picture = env.render()
+    assert (picture.shape, picture.dtype) == ((512, 512, 3), np.uint8)
+    cells, belief = picture[16::32, 16::32], env.world.view(0, 0).belief.copy()
+    belief[env.world.view(0, 0).cell] = 0
+    assert (cells[belief == 1] == 255).all()
+    assert len(np.unique(cells.reshape(-1, 3), axis=0)) == 4 + (belief == 2).any()
+    assert IndoorExplorersEnv().render() is None
+
+
+def sync(num_envs, **kwargs):
+    return SyncVectorEnv([lambda: IndoorExplorersEnv(**kwargs)] * num_envs)
+
+
+@pytest.mark.parametrize("seed", [0, [9, 3, 9, 1, 2, 5, 8]])
+@pytest.mark.parametrize("kwargs", [{}, {"observation": "thesis", "settings": {"on_collision": "block", "budget": 9}}])
+def test_the_vector_face_is_single_environments_side_by_side(seed, kwargs):
+    """Autoresets, spaces and infos included, as Gymnasium's own vectoriser has them."""
+    ours, theirs = make_vec(7, **kwargs), sync(7, **kwargs)
+    assert ours.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+    assert (ours.observation_space, ours.action_space) == (theirs.observation_space, theirs.action_space)
+    assert data_equivalence(ours.reset(seed=seed), theirs.reset(seed=seed), exact=True)
+    rng, ended = np.random.default_rng(4), 0
+    for _ in range(60):
+        actions = rng.integers(0, 5, 7)
+        result = ours.step(actions)
+        assert data_equivalence(result, theirs.step(actions), exact=True)
+        ended += int((result[2] | result[3]).sum())
+    assert ended > 7
+    assert data_equivalence(ours.reset(), theirs.reset(), exact=True)
+
+
+def test_a_masked_reset_starts_the_chosen_episodes_only():
+    ours, theirs = make_vec(3), sync(3)
+    mask = np.array([True, False, True])
+    for envs in (ours, theirs):
+        envs.reset(seed=0)
+        envs.step(np.array([4, 4, 4]))
+    (seen, info), (wanted, _) = (e.reset(seed=[7, None, 8], options={"reset_mask": mask}) for e in (ours, theirs))
+    assert np.array_equal(seen, wanted)
+    assert info["_step"].tolist() == mask.tolist()
+    assert info["step"].tolist() == [0, 1, 0]
+
+
+def test_vectors_with_an_encoder_that_knows_no_batches_and_with_wrappers():
+    class Known(Encoder):
+        def __init__(self, briefing):
+            self.space = gymnasium.spaces.Box(0, 2, briefing.shape, np.uint8)
+
+        def encode(self, view, out):
+            out[:] = view.belief
+
+    envs = RecordEpisodeStatistics(make_vec(3, observation=Known, render_mode="rgb_array"))
+    observation, _ = envs.reset(seed=0)
+    assert np.array_equal(observation, envs.unwrapped.world.state.belief[:, 0])
+    assert [picture.shape for picture in envs.render()] == [(512, 512, 3)] * 3
+    for _ in range(20):
+        *_, infos = envs.step(np.array([4, 4, 4]))
+    assert infos["episode"]["l"].tolist() == [20, 20, 20]
+    envs.close()
