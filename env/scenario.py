@@ -138,9 +138,15 @@ class Scenario(_Part):
 
     @classmethod
     def load(cls, path: str | Path) -> Scenario:
-        """Read a scenario from a TOML file; it may name a ``preset`` to start from."""
+        """Read a scenario from a TOML file; it may name a ``preset`` to start from.
+
+        Paths of map files in it are relative to the file.
+        """
         path = Path(path)
         data = read_toml(path)
+        maps = data.get("map")
+        if isinstance(maps, dict) and isinstance(maps.get("paths"), list):
+            maps["paths"] = [str(path.parent / str(one)) for one in maps["paths"]]
         base = data.pop("preset", None)
         data.setdefault("name", path.stem)
         if base is None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -88,8 +90,11 @@ class FileMaps(_Source):
         return len(self.paths)
 
     def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
-        """Read file ``index``; the seed does not matter."""
-        return _read_once(self.paths[index], self.resolution)
+        """Read file ``index``; the seed does not matter. Files of one name are told apart by their folders."""
+        path = Path(self.paths[index])
+        plan = _read_once(str(path), self.resolution)
+        alike = sum(Path(other).stem == path.stem for other in self.paths) > 1
+        return replace(plan, name=f"{path.parent.name}/{path.stem}") if alike else plan
 
     def identity(self) -> Any:
         """Return the digests of the maps' cells."""

@@ -15,6 +15,7 @@ from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.image import read_plain
 from indoor_explorers.env.maps.office import drawn, office
 from indoor_explorers.env.maps.ros import RosMap, parse_ros, read_ros, trinary
+from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.maps.thesis import thesis_room
 
 SHARED = Path(__file__).parents[2] / ".." / "shared" / "maps"
@@ -233,3 +234,12 @@ def test_real_maps_keep_their_floor(file: str, resolution: float, shape: tuple[i
 def test_a_yaml_that_names_no_picture_says_so() -> None:
     with pytest.raises(InputError, match=r"wrong-image-path\.yaml: image: /.*there is none; correct the path"):
         read_map(SHARED / "slam" / "movecare_map1-wrong-image-path.yaml", None)
+
+
+def test_files_of_one_name_are_told_apart_by_their_folders(tmp_path):
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        Image.fromarray(np.full((4, 5), 255, np.uint8)).save(tmp_path / folder / "plan.png")
+    Image.fromarray(np.full((4, 5), 255, np.uint8)).save(tmp_path / "other.png")
+    source = FileMaps(paths=tuple(str(tmp_path / name) for name in ("a/plan.png", "b/plan.png", "other.png")))
+    assert [source.floorplan(index, 0).name for index in range(3)] == ["a/plan", "b/plan", "other"]

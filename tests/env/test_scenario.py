@@ -78,3 +78,8 @@ def test_the_thesis_presets_are_the_thesis():
             *(-0.5, 1.0),
             *(-400.0, 400.0),
         )
+
+
+def test_map_files_are_looked_for_beside_the_scenario(tmp_path):
+    (tmp_path / "task.toml").write_text('team = 2\n[map]\nsource = "files"\npaths = ["floor.png"]\n')
+    assert Scenario.load(tmp_path / "task.toml").map.paths == (str(tmp_path / "floor.png"),)
