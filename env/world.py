@@ -193,7 +193,7 @@ def draw_floorplan(scenario: Scenario, seed: int, index: int = 0) -> Floorplan:
         floorplan = scenario.map.floorplan(index, seed, attempt)
         if attainable(scenario, floorplan):
             return floorplan
-    if (room := int(floorplan.main_part().sum())) < scenario.team:
+    if (room := int(floorplan.main_part.sum())) < scenario.team:
         raise InputError(
             f"{floorplan.name}: expected room for {scenario.team} UAVs, got {room} connected free cells; "
             "use a smaller team or a larger map"
@@ -206,7 +206,7 @@ def draw_floorplan(scenario: Scenario, seed: int, index: int = 0) -> Floorplan:
 
 def attainable(scenario: Scenario, floorplan: Floorplan) -> bool:
     """Tell whether the goal coverage can be reached, and the team fits, on the map's largest free part."""
-    part = floorplan.main_part()
+    part = floorplan.main_part
     if part.sum() < scenario.team:
         return False
     if scenario.denominator == "reachable":
@@ -228,7 +228,7 @@ def draw_spawns(scenario: Scenario, floorplan: Floorplan, seed: int) -> list[Cel
     """Return one distinct free cell for each agent: listed, or drawn on the map's largest free part."""
     if not isinstance(scenario.spawn, str):
         return _listed_spawns(scenario.spawn, floorplan)
-    cells = np.argwhere(floorplan.main_part())
+    cells = np.argwhere(floorplan.main_part)
     rng = generator(seed, Stream.SPAWN)
     if scenario.spawn == "random":
         chosen = cells[rng.choice(len(cells), scenario.team, replace=False)]

@@ -136,7 +136,7 @@ def show_maps(arguments: argparse.Namespace) -> int:
 def facts(floorplan: Floorplan) -> str:
     """Return one line on a map: size, free area, reachable part, resolution."""
     free = floorplan.truth == FREE
-    part = floorplan.main_part()
+    part = floorplan.main_part
     scale = f"{floorplan.resolution:g} m a cell" if floorplan.resolution else "no scale"
     return (
         f"{floorplan.name}: {floorplan.shape[0]} x {floorplan.shape[1]} cells, {scale}, {free.sum()} free, "

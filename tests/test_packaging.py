@@ -1,6 +1,7 @@
 """The distribution holds what the tree holds, and works when it is installed from a wheel."""
 
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -20,9 +21,14 @@ def project():
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
+    """A wheel built from a copy of the tree, so that no earlier build can lend it a file."""
     out = tmp_path_factory.mktemp("wheel")
+    ignored = shutil.ignore_patterns(
+        ".git", ".venv", "build", "dist", "results", "*.egg-info", "__pycache__", ".*_cache"
+    )
+    source = shutil.copytree(ROOT, out / "source", ignore=ignored, symlinks=True)
     subprocess.run(
-        [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", out, ROOT],
+        [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", out, source],
         check=True,
         capture_output=True,
         text=True,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -53,9 +54,12 @@ class Floorplan:
         """A short hash of shape and cells: equal maps have equal digests whatever file they came from."""
         return hashlib.sha256(repr(self.shape).encode() + self.truth.tobytes()).hexdigest()[:16]
 
+    @cached_property
     def main_part(self) -> Mask:
-        """Return the (H, W) mask of the largest connected free part, where UAVs are spawned."""
-        return largest_part(self.truth == FREE)
+        """(H, W) mask of the largest connected free part, where UAVs are spawned; read-only."""
+        part = largest_part(self.truth == FREE)
+        part.setflags(write=False)
+        return part
 
     @classmethod
     def from_free(cls, free: Mask, name: str, resolution: float | None = None, kept: float = 1.0) -> Floorplan:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import signal
 import threading
 import time
@@ -18,14 +19,16 @@ import numpy as np
 import torch
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.dddqn.provenance import commit, versions
 from indoor_explorers.learners.dddqn.training import Training
 from indoor_explorers.learners.dddqn.trial import Trial
 from indoor_explorers.learners.dddqn.weights import write_tensors
 
 CHECKPOINT, WEIGHTS, RECORD = "checkpoint.safetensors", "weights.safetensors", "training.json"
+#: Packages that the result of a training depends on.
+PACKAGES = ("indoor-explorers", "numpy", "numba", "torch")
 #: Ticks between two reports.
 REPORT_EVERY = 50
 
@@ -148,8 +151,8 @@ def _record(training: Training, scenario: Scenario) -> dict[str, Any]:
         "scenario": scenario.model_dump(mode="json"),
         "fingerprint": scenario.fingerprint,
         "config": training.config.model_dump(mode="json"),
-        "versions": versions(),
-        "commit": commit(),
+        "versions": {"python": platform.python_version()} | versions(PACKAGES),
+        "commit": source_commit(),
         "steps": training.steps,
         "episodes": training.episodes,
         "evaluations": [trial._asdict() for trial in training.trials],

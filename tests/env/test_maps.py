@@ -173,7 +173,7 @@ def test_the_office_is_one_connected_floor_of_the_promised_size() -> None:
     plan = office()
     assert plan.shape == (60, 100)
     assert plan.resolution == 0.4
-    assert plan.main_part().sum() == (plan.truth == FREE).sum()
+    assert plan.main_part.sum() == (plan.truth == FREE).sum()
     assert 3500 < (plan.truth == FREE).sum() < 4500
     border = np.ones(plan.shape, np.bool_)
     border[1:-1, 1:-1] = False
@@ -227,7 +227,7 @@ def test_real_maps_keep_their_floor(file: str, resolution: float, shape: tuple[i
     plan = read_map(SHARED / file, resolution)
     assert plan.shape == shape
     assert kept <= plan.kept <= 1.0
-    assert plan.main_part().sum() == (plan.truth == FREE).sum()
+    assert plan.main_part.sum() == (plan.truth == FREE).sum()
 
 
 @needs_shared

@@ -287,7 +287,7 @@ def test_spawns_are_free_connected_and_distinct():
             assert len(cells) == 64
             plan = world.floorplans[b]
             assert plan is not None
-            assert all(plan.main_part()[cell] for cell in cells)
+            assert all(plan.main_part[cell] for cell in cells)
 
 
 @pytest.mark.parametrize(
