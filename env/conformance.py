@@ -14,7 +14,7 @@ from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.errors import PolicyError
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.policy import Pilot, Policy, is_action
 from indoor_explorers.env.scenario import PRESETS, Scenario
 from indoor_explorers.env.view import MESSAGE_LIMIT, View
 from indoor_explorers.env.world import World
@@ -121,7 +121,7 @@ def _frozen(view: View) -> tuple[Any, ...]:
 
 
 def _checked_action(action: Any) -> int:
-    if isinstance(action, bool) or not isinstance(action, (int, np.integer)) or not 0 <= action <= 4:
+    if not is_action(action):
         raise PolicyError(
             f"expected an action from 0 to 4 (down, left, up, right, stay), got {action!r}; "
             "return an int, such as int(np.argmax(values))"

@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import ClassVar, TypeGuard
+
+import numpy as np
 
 from indoor_explorers.env.view import Briefing, Message, View
+
+
+def is_action(action: object) -> TypeGuard[int]:
+    """Tell whether something a pilot returned is one of the five actions: a whole number, and no bool."""
+    return isinstance(action, (int, np.integer)) and not isinstance(action, bool) and bool(0 <= action <= 4)
 
 
 class Pilot(ABC):

@@ -13,8 +13,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.files import written_whole
 from indoor_explorers.evaluation.metrics import LEVELS, MEASURES, extended
 from indoor_explorers.evaluation.record import Outcome, Record
 from indoor_explorers.evaluation.statistics import bootstrap_mean, interquartile_mean

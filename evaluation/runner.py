@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Pilot, Policy, Scenario, View, World
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.policy import is_action
 from indoor_explorers.env.state import End
 from indoor_explorers.env.world import draw_floorplan
 from indoor_explorers.evaluation.experiment import Task
@@ -41,22 +43,24 @@ def fly(policy: Policy, name: str, scenario: Scenario, tasks: Sequence[Task]) ->
     Tasks on maps of one shape fly in lock-step, so that a batched policy gets one forward pass for all of
     them. A policy that raises costs only the episode it raised in.
     """
+    drawn = {task: draw_floorplan(scenario, task.seed, task.map_index) for task in tasks}
 
     def shape(task: Task) -> tuple[int, int]:
-        return draw_floorplan(scenario, task.seed, task.map_index).shape
+        return drawn[task].shape
 
     for (height, width), group in groupby(sorted(tasks, key=shape), key=shape):
         batch = max(1, BATCH_CELLS // (height * width * scenario.team))
         alike = list(group)
         for start in range(0, len(alike), batch):
-            yield from _fly_batch(policy, name, scenario, alike[start : start + batch])
+            some = alike[start : start + batch]
+            yield from _fly_batch(policy, name, scenario, [(task, drawn[task]) for task in some])
 
 
-def _fly_batch(policy: Policy, name: str, scenario: Scenario, tasks: Sequence[Task]) -> list[Record]:
+def _fly_batch(policy: Policy, name: str, scenario: Scenario, tasks: Sequence[tuple[Task, Floorplan]]) -> list[Record]:
     world = World(scenario, len(tasks))
     flights = []
-    for place, task in enumerate(tasks):
-        world.begin(place, task.seed, index=task.map_index)
+    for place, (task, floorplan) in enumerate(tasks):
+        world.begin(place, task.seed, floorplan=floorplan)
         flights.append(_Flight(place, task, []))
         _brief(policy, world, flights[-1])
         _log(world, flights[-1])
@@ -136,7 +140,7 @@ def _ask_batch(policy: Policy, world: World, asked: Sequence[tuple[_Flight, int]
 def _enter(world: World, flight: _Flight, agent: int, action: object, actions: NDArray[np.int64]) -> None:
     """Check one decision and put action and message where the world finds them."""
     try:
-        if isinstance(action, bool) or not isinstance(action, (int, np.integer)) or not 0 <= action <= 4:
+        if not is_action(action):
             raise InputError(f"expected an action from 0 to 4, got {action!r}")
         world.post(flight.place, agent, flight.pilots[agent].message)
         actions[flight.place, agent] = action

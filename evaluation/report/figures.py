@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-from indoor_explorers.evaluation.files import written_whole
+from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.report.charts import coverage_at, focus_step, sampled_steps
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.facts import denominator

@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
-from indoor_explorers.evaluation.files import written_whole
+from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report import facts
 from indoor_explorers.evaluation.report.charts import WHO, chart_data

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import platform
 import signal
 import threading
@@ -19,6 +18,7 @@ import numpy as np
 import torch
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
@@ -139,9 +139,8 @@ def _write(training: Training, scenario: Scenario, out: Path) -> None:
     training.save(out / CHECKPOINT)
     best = training.learner.best if training.trials else training.learner.average
     write_tensors(out / WEIGHTS, {name: value.numpy() for name, value in best.state_dict().items()})
-    partial = out / f"{RECORD}.partial"
-    partial.write_text(json.dumps(_record(training, scenario), indent=2) + "\n", encoding="utf-8")
-    os.replace(partial, out / RECORD)  # noqa: PTH105
+    with written_whole(out / RECORD) as partial:
+        partial.write_text(json.dumps(_record(training, scenario), indent=2) + "\n", encoding="utf-8")
 
 
 def _record(training: Training, scenario: Scenario) -> dict[str, Any]:

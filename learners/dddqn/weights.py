@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -14,6 +13,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import written_whole
 from indoor_explorers.learners.dddqn.inference import SHAPES, Weights, weights_from
 
 #: The weights that ship, trained on thesis-obstacles.
@@ -22,9 +22,8 @@ SHIPPED = Path(__file__).parent / "weights" / "thesis-obstacles.safetensors"
 
 def write_tensors(path: Path, tensors: Mapping[str, NDArray[Any]], metadata: dict[str, str] | None = None) -> None:
     """Write a safetensors file in one go: a crash leaves the old file or the new one, never half of one."""
-    partial = path.with_name(path.name + ".partial")
-    save_file({name: np.ascontiguousarray(array) for name, array in tensors.items()}, partial, metadata)
-    os.replace(partial, path)  # noqa: PTH105
+    with written_whole(path) as partial:
+        save_file({name: np.ascontiguousarray(array) for name, array in tensors.items()}, partial, metadata)
 
 
 def read_tensors(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from indoor_explorers.evaluation.files import written_whole
+from indoor_explorers.env.files import written_whole
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
