@@ -66,20 +66,26 @@ def distance_field(belief: Belief, cell: tuple[int, int]) -> Distances:
     return out
 
 
+@njit(cache=True, nogil=True, inline="always")
+def touches_unknown(belief: np.ndarray, row: int, col: int) -> bool:
+    """Tell whether a cell is 4-adjacent to an unknown one; a free cell that is, is a frontier (Yamauchi 1997)."""
+    height, width = belief.shape
+    return bool(
+        (row > 0 and belief[row - 1, col] == UNKNOWN)
+        or (col > 0 and belief[row, col - 1] == UNKNOWN)
+        or (row + 1 < height and belief[row + 1, col] == UNKNOWN)
+        or (col + 1 < width and belief[row, col + 1] == UNKNOWN)
+    )
+
+
 @njit(cache=True, nogil=True)
 def frontier_mask(belief: np.ndarray) -> np.ndarray:
-    """Return the (H, W) bool mask of frontier cells: known free, 4-adjacent to unknown (Yamauchi 1997)."""
+    """Return the (H, W) bool mask of frontier cells: known free, 4-adjacent to unknown."""
     height, width = belief.shape
     mask = np.zeros((height, width), np.bool_)
     for r in range(height):
         for c in range(width):
-            if belief[r, c] == FREE:
-                mask[r, c] = (
-                    (r > 0 and belief[r - 1, c] == UNKNOWN)
-                    or (c > 0 and belief[r, c - 1] == UNKNOWN)
-                    or (r + 1 < height and belief[r + 1, c] == UNKNOWN)
-                    or (c + 1 < width and belief[r, c + 1] == UNKNOWN)
-                )
+            mask[r, c] = belief[r, c] == FREE and touches_unknown(belief, r, c)
     return mask
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 
 from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, Action, distances_from, step_towards
+from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, Action, distances_from, step_towards, touches_unknown
 from indoor_explorers.env.view import View
 
 #: Steps without a new cell that are always granted.
@@ -41,13 +41,10 @@ def nearest_frontier(belief: np.ndarray, row: int, col: int, queue: np.ndarray, 
 
     Fills ``steps`` (H, W) int32 with the distances from (row, col); ``queue`` (H*W,) int32 is scratch.
     """
-    height, width = belief.shape
     for i in range(distances_from(belief, row, col, queue, steps)):
-        r, c = divmod(queue[i], width)
-        for k in range(4):
-            rr, cc = r + MOVES[k, 0], c + MOVES[k, 1]
-            if 0 <= rr < height and 0 <= cc < width and belief[rr, cc] == UNKNOWN:
-                return int(queue[i])
+        r, c = divmod(queue[i], belief.shape[1])
+        if touches_unknown(belief, r, c):
+            return int(queue[i])
     return -1
 
 

@@ -15,7 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief, Cell, Distances
-from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from
+from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from, touches_unknown
 from indoor_explorers.env.randomness import draw
 
 #: (K,) flat cells.
@@ -38,16 +38,8 @@ class Scratch(NamedTuple):
 @njit(cache=True, nogil=True)
 def on_frontier(belief: np.ndarray, cell: int) -> bool:
     """Tell whether a flat cell is free and 4-adjacent to unknown (Yamauchi 1997)."""
-    height, width = belief.shape
-    row, col = divmod(cell, width)
-    if belief[row, col] != FREE:
-        return False
-    return bool(
-        (row > 0 and belief[row - 1, col] == UNKNOWN)
-        or (col > 0 and belief[row, col - 1] == UNKNOWN)
-        or (row + 1 < height and belief[row + 1, col] == UNKNOWN)
-        or (col + 1 < width and belief[row, col + 1] == UNKNOWN)
-    )
+    row, col = divmod(cell, belief.shape[1])
+    return bool(belief[row, col] == FREE and touches_unknown(belief, row, col))
 
 
 @njit(cache=True, nogil=True)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from
+from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from, touches_unknown
 from indoor_explorers.env.lidar import unknown_in_view, visible_cells
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
 
@@ -121,15 +121,6 @@ def _look_around(row: int, col: int, sensor: Sensor, scratch: Scratch, out: np.n
 
 
 @njit(cache=True, nogil=True)
-def _on_frontier(belief: np.ndarray, row: int, col: int) -> bool:
-    for k in range(4):
-        r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-        if 0 <= r < belief.shape[0] and 0 <= c < belief.shape[1] and belief[r, c] == UNKNOWN:
-            return True
-    return False
-
-
-@njit(cache=True, nogil=True)
 def _gain_at(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> int:
     reach = sensor.reach
     if _within(scratch.unknown, row - reach, col - reach, row + reach + 1, col + reach + 1) == 0:
@@ -149,7 +140,7 @@ def _survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scr
         r, c = divmod(scratch.queue[i], width)
         on_lattice = (r - row) % sensor.scale == 0 and (c - col) % sensor.scale == 0
         gain = 0
-        if on_lattice or _on_frontier(belief, r, c):
+        if on_lattice or touches_unknown(belief, r, c):
             gain = _gain_at(belief, r, c, sensor, scratch)
         scratch.gain[r, c] = gain
         if gain > 0 and nearest < 0:
