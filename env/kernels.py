@@ -20,6 +20,7 @@ def sense(state: State, beams: Beams, b: int, agent: int, seen: np.ndarray) -> N
     truth, counts, union = state.truth[b].reshape(-1), state.counts[b].reshape(-1), state.union[b].reshape(-1)
     sensed, belief = state.sensed[b, agent].reshape(-1), state.belief[b, agent].reshape(-1)
     count = visible_cells(state.truth[b], state.cell[b, agent, 0], state.cell[b, agent, 1], beams, seen)
+    state.visited[b, agent, state.cell[b, agent, 0], state.cell[b, agent, 1]] = True
     for k in range(count):
         cell = seen[k]
         if sensed[cell]:

@@ -95,6 +95,8 @@ class State(NamedTuple):
     """(B, N, H, W) 0 unknown, 1 free, 2 occupied."""
     sensed: NDArray[np.bool_]
     """(B, N, H, W) cells the agent's own lidar has seen."""
+    visited: NDArray[np.bool_]
+    """(B, N, H, W) cells the agent has been in."""
     union: NDArray[np.uint8]
     """(B, H, W) what the team knows together."""
     covered: NDArray[np.int64]
@@ -164,6 +166,7 @@ def empty_state(batch: int, team: int, shape: tuple[int, int], window: int) -> S
         legal=zeros(np.bool_, n, 5),
         belief=zeros(np.uint8, n, h, w),
         sensed=zeros(np.bool_, n, h, w),
+        visited=zeros(np.bool_, n, h, w),
         union=zeros(np.uint8, h, w),
         covered=zeros(i8, n),
         team_covered=zeros(i8),

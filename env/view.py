@@ -46,6 +46,8 @@ class View(NamedTuple):
     """Steps of the whole episode."""
     mates: tuple[Mate, ...]
     """Every teammate ever heard, by number."""
+    visited: Mask
+    """(H, W) bool: cells the UAV itself has been in, its own included. Read-only and live."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -41,6 +41,7 @@ class World:
         self._state: State | None = None
         self._beliefs: list[list[Belief]] = []
         self._legals: list[list[Mask]] = []
+        self._visited: list[list[Mask]] = []
 
     @property
     def state(self) -> State:
@@ -96,6 +97,7 @@ class World:
         self._state = empty_state(self.batch, self.scenario.team, shape, window)
         self._beliefs = [[_read_only(belief) for belief in team] for team in self._state.belief]
         self._legals = [[_read_only(legal) for legal in team] for team in self._state.legal]
+        self._visited = [[_read_only(visited) for visited in team] for team in self._state.visited]
 
     def step(self, actions: NDArray[np.integer[Any]]) -> None:
         """Advance all running episodes by one step; ``actions`` is (B, N), those of ended agents are ignored."""
@@ -130,6 +132,7 @@ class World:
             step=int(state.step[episode]),
             budget=int(state.budget[episode]),
             mates=self._mates(episode, agent) if self.scenario.team > 1 else (),
+            visited=self._visited[episode][agent],
         )
 
     def _mates(self, episode: int, agent: int) -> tuple[Mate, ...]:

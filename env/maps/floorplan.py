@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from indoor_explorers.env.arrays import Belief, Mask
+from indoor_explorers.env.arrays import Belief, Cell, Mask
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid import FREE, OCCUPIED, largest_part
 
@@ -27,6 +27,8 @@ class Floorplan:
     """Metres a cell, None when the source does not say."""
     kept: float = 1.0
     """Share of the source's free area that is still reached in this map; 1.0 means that no floor was lost."""
+    start: Cell | None = None
+    """The free cell (row, column) that the source marks as the place to start from, if any."""
 
     def __post_init__(self) -> None:
         if self.truth.ndim != 2 or self.truth.size == 0:

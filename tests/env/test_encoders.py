@@ -23,7 +23,7 @@ def briefing(team=3, agent=1):
 
 def a_view(mates=()):
     belief = np.array([[FREE, FREE, UNKNOWN], [OCCUPIED, FREE, FREE]], np.uint8)
-    return View(belief, (0, 0), np.ones(5, np.bool_), step=4, budget=9, mates=mates)
+    return View(belief, (0, 0), np.ones(5, np.bool_), step=4, budget=9, mates=mates, visited=belief == 9)
 
 
 MATES = (Mate(0, (1, 1), 0, None), Mate(2, (1, 2), 7, (1.0,)))

@@ -80,7 +80,8 @@ def test_it_waits_as_long_as_it_says_and_hands_back_after_a_gain() -> None:
         if step == 30:
             belief[0, 10] = 1
         proposal = (Action.LEFT, Action.LEFT, Action.RIGHT, Action.RIGHT)[step % 4]
-        action = guard.review(View(belief, (0, col), legal, step, 99, ()), int((belief != 0).sum()), proposal)
+        view = View(belief, (0, col), legal, step, 99, (), np.zeros(belief.shape, np.bool_))
+        action = guard.review(view, int((belief != 0).sum()), proposal)
         col += {Action.LEFT: -1, Action.RIGHT: 1, Action.STAY: 0}[Action(action)]
         shares.append(guard.guarded)
     first = shares.index(1)

@@ -8,7 +8,8 @@ from indoor_explorers.planners.teammates import CLAIM_STEPS, MEMORY, claims, rem
 
 
 def view_of(*mates: Mate) -> View:
-    return View(np.ones((40, 40), np.uint8), (20, 20), np.ones(5, np.bool_), 100, 1000, mates)
+    known = np.ones((40, 40), np.uint8)
+    return View(known, (20, 20), np.ones(5, np.bool_), 100, 1000, mates, known == 0)
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ def first_goal(policy: Policy, mates: tuple[Mate, ...]) -> tuple[int, int]:
     belief = np.zeros((1, 20), np.uint8)
     belief[0, 5:15] = 1
     pilot = policy.pilot(world.briefing(0, 0))
-    pilot.act(View(belief, (0, 8), np.ones(5, np.bool_), 100, 400, mates))
+    pilot.act(View(belief, (0, 8), np.ones(5, np.bool_), 100, 400, mates, np.zeros(belief.shape, np.bool_)))
     assert pilot.goal is not None  # type: ignore[attr-defined]
     return pilot.goal  # type: ignore[attr-defined,no-any-return]
 

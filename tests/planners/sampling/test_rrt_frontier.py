@@ -63,5 +63,6 @@ def test_a_known_map_needs_no_goal() -> None:
     world = World(scenario("thesis-open"))
     world.reset([0])
     pilot = make_policy("rrt-frontier").pilot(world.briefing(0, 0))
-    assert pilot.act(View(np.ones((16, 16), np.uint8), (3, 3), np.ones(5, np.bool_), 0, 9, ())) == 4
+    known = np.ones((16, 16), np.uint8)
+    assert pilot.act(View(known, (3, 3), np.ones(5, np.bool_), 0, 9, (), known == 0)) == 4
     assert pilot.message is None
