@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from indoor_explorers.env.grid import FREE, MOVES, OCCUPIED, UNKNOWN
-from indoor_explorers.env.lidar import Beams, visible_cells
+from indoor_explorers.env.lidar import Optics, Scan, new_scan, visible_cells
 from indoor_explorers.env.radio import exchange, learn, link
 from indoor_explorers.env.randomness import shuffled
 from indoor_explorers.env.state import Rules, State
@@ -15,14 +15,14 @@ FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET = 0, 1, 2, 3, 4, 5
 
 
 @njit(cache=True, nogil=True, inline="always")
-def sense(state: State, beams: Beams, b: int, agent: int, seen: np.ndarray) -> None:
+def sense(state: State, lens: Optics, b: int, agent: int, scan: Scan) -> None:
     """Scan from the agent's cell into its belief and the team's union."""
     truth, counts, union = state.truth[b].reshape(-1), state.counts[b].reshape(-1), state.union[b].reshape(-1)
     sensed, belief = state.sensed[b, agent].reshape(-1), state.belief[b, agent].reshape(-1)
-    count = visible_cells(state.truth[b], state.cell[b, agent, 0], state.cell[b, agent, 1], beams, seen)
+    count = visible_cells(state.truth[b], state.cell[b, agent, 0], state.cell[b, agent, 1], lens, scan)
     state.visited[b, agent, state.cell[b, agent, 0], state.cell[b, agent, 1]] = True
     for k in range(count):
-        cell = seen[k]
+        cell = scan.cells[k]
         if sensed[cell]:
             continue
         sensed[cell] = True
@@ -116,23 +116,23 @@ def _update_legal(state: State, b: int, agent: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def begin(rules: Rules, state: State, beams: Beams, b: int) -> None:
+def begin(rules: Rules, state: State, lens: Optics, b: int) -> None:
     """Make the first scans and radio contacts of episode ``b``, whose truth and spawns are in place."""
     component = np.empty(state.end.shape[1], np.int64)
-    seen = np.empty(beams.target.shape[0] + 1, np.int64)
+    scan = new_scan(lens)
     for n in range(state.end.shape[1]):
-        sense(state, beams, b, n, seen)
+        sense(state, lens, b, n, scan)
         _update_legal(state, b, n)
     link(rules, state, b, component)
     exchange(state, b, component)
 
 
 @njit(cache=True, nogil=True)
-def advance(rules: Rules, state: State, beams: Beams, actions: np.ndarray) -> None:
+def advance(rules: Rules, state: State, lens: Optics, actions: np.ndarray) -> None:
     """Advance every episode with a flying agent by one step; ``actions`` is (B, N)."""
     team = state.end.shape[1]
     order, component = np.empty(team, np.int64), np.empty(team, np.int64)
-    seen = np.empty(beams.target.shape[0] + 1, np.int64)
+    scan = new_scan(lens)
     for b in range(state.end.shape[0]):
         state.reward[b] = 0.0
         state.discovered[b] = 0
@@ -145,7 +145,7 @@ def advance(rules: Rules, state: State, beams: Beams, actions: np.ndarray) -> No
             if state.end[b, n] == FLYING:
                 state.reward[b, n] += rules.pay_step
                 if move(rules, state, b, n, actions[b, n]):
-                    sense(state, beams, b, n, seen)
+                    sense(state, lens, b, n, scan)
                     _update_legal(state, b, n)
         state.step[b] += 1
         link(rules, state, b, component)

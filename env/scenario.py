@@ -25,8 +25,8 @@ class _Part(BaseModel):
 class Lidar(_Part):
     """The range sensor."""
 
-    model: Literal["exact"] = "exact"
-    """Line of sight as in :mod:`indoor_explorers.env.lidar`."""
+    model: Literal["exact", "marsexplorer"] = "exact"
+    """Line of sight (:mod:`indoor_explorers.env.sweep`), or the ancestor's rays (:mod:`indoor_explorers.env.rays`)."""
     range: float = Field(3.0, ge=1.0, le=200.0)
     """Range in cells, Euclidean to a cell's centre."""
 

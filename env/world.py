@@ -12,7 +12,7 @@ from indoor_explorers.env.arrays import Belief, Cell, Mask
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid import FREE, MOVES, OCCUPIED, UNREACHABLE, distance_field
 from indoor_explorers.env.kernels import advance, begin
-from indoor_explorers.env.lidar import beams
+from indoor_explorers.env.lidar import optics
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.randomness import Stream, counter_key, generator
 from indoor_explorers.env.scenario import Scenario
@@ -37,7 +37,7 @@ class World:
         self.floorplans: list[Floorplan | None] = [None] * batch
         self.seeds = [0] * batch
         self._rules = rules_of(scenario)
-        self._beams = beams(scenario.lidar.range)
+        self._optics = optics(scenario.lidar.range, scenario.lidar.model)
         self._state: State | None = None
         self._beliefs: list[list[Belief]] = []
         self._legals: list[list[Mask]] = []
@@ -90,7 +90,7 @@ class World:
         state.total[episode] = int(state.counts[episode].sum())
         state.needed[episode] = int(np.ceil(self.scenario.goal * state.total[episode] - 1e-9))
         state.budget[episode] = self.scenario.budget_for(int(reachable.sum()))
-        begin(self._rules, state, self._beams, episode)
+        begin(self._rules, state, self._optics, episode)
 
     def _allocate(self, shape: tuple[int, int]) -> None:
         window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
@@ -108,7 +108,7 @@ class World:
             )
         if actions.min() < 0 or actions.max() > 4:
             raise InputError(f"expected actions from 0 to 4, got {int(actions.min())} to {int(actions.max())}")
-        advance(self._rules, self.state, self._beams, actions)
+        advance(self._rules, self.state, self._optics, actions)
 
     def post(self, episode: int, agent: int, message: Message) -> None:
         """Put what an agent says into its outbox; it is sent after each move until it is replaced."""

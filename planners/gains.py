@@ -8,17 +8,17 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.grid import UNKNOWN
-from indoor_explorers.env.lidar import Beams, beams, visible_cells
+from indoor_explorers.env.lidar import Optics, new_scan, optics, visible_cells
 
 
 @njit(cache=True, nogil=True)
-def _unclaimed(belief: np.ndarray, cells: np.ndarray, claims: np.ndarray, radius: float, beams: Beams) -> np.ndarray:
+def _unclaimed(belief: np.ndarray, cells: np.ndarray, claims: np.ndarray, radius: float, lens: Optics) -> np.ndarray:
     width = belief.shape[1]
-    seen = np.empty(beams.target.shape[0] + 1, np.int64)
+    scan = new_scan(lens)
     gains = np.zeros(cells.shape[0], np.int64)
     for k in range(cells.shape[0]):
-        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, beams, seen)):
-            row, col = divmod(seen[place], width)
+        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lens, scan)):
+            row, col = divmod(scan.cells[place], width)
             counts = belief[row, col] == UNKNOWN
             for m in range(claims.shape[0]):
                 rows, cols = row - claims[m, 0], col - claims[m, 1]
@@ -34,21 +34,20 @@ def unclaimed_gains(
 
     ``claims`` is (M, 2) rows and columns; what is within the lidar range of a claim is left to whoever made it.
     """
-    lines = beams(float(lidar_range))
-    return np.asarray(_unclaimed(belief, cells, claims, lidar_range, lines))
+    return np.asarray(_unclaimed(belief, cells, claims, lidar_range, optics(float(lidar_range))))
 
 
 @njit(cache=True, nogil=True)
-def _sights(belief: np.ndarray, cells: np.ndarray, beams: Beams) -> tuple[np.ndarray, int]:
+def _sights(belief: np.ndarray, cells: np.ndarray, lens: Optics) -> tuple[np.ndarray, int]:
     width = belief.shape[1]
-    seen = np.empty(beams.target.shape[0] + 1, np.int64)
+    scan = new_scan(lens)
     number = np.full(belief.size, -1, np.int64)
-    lists = np.empty((cells.shape[0], beams.target.shape[0] + 1), np.int64)
+    lists = np.empty((cells.shape[0], lens.disc + 1), np.int64)
     sizes = np.zeros(cells.shape[0], np.int64)
     total = 0
     for k in range(cells.shape[0]):
-        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, beams, seen)):
-            cell = seen[place]
+        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lens, scan)):
+            cell = scan.cells[place]
             if belief[cell // width, cell % width] == UNKNOWN:
                 if number[cell] < 0:
                     number[cell] = total
@@ -67,7 +66,7 @@ def sights(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDAr
 
     Unknown cells are numbered in the order they are met; a set of bits ored together is a joint view.
     """
-    return np.asarray(_sights(belief, cells, beams(float(lidar_range)))[0])
+    return np.asarray(_sights(belief, cells, optics(float(lidar_range)))[0])
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -11,24 +11,24 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.lidar import beams, visible_cells
+from indoor_explorers.env.lidar import new_scan, optics, visible_cells
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report.packing import folded, packed, runs
 
 
 def known_from(record: Record, lidar_range: float) -> NDArray[np.int64]:
     """Return (H * W,) the step from which the team's lidars together knew each cell, -1 for never."""
-    truth, lines = record.floorplan.truth, beams(lidar_range)
+    truth, lens = record.floorplan.truth, optics(lidar_range)
     width = truth.shape[1]
     known = np.full(truth.size, -1, np.int64)
-    seen = np.empty(len(lines.target) + 1, np.int64)
+    scan = new_scan(lens)
     scanned: set[int] = set()
     for step, team in enumerate(record.cells.tolist()):
         for row, column in team:
             if row * width + column in scanned:
                 continue
             scanned.add(row * width + column)
-            cells = seen[: visible_cells(truth, row, column, lines, seen)]
+            cells = scan.cells[: visible_cells(truth, row, column, lens, scan)]
             known[cells[known[cells] < 0]] = step
     return known
 

@@ -30,7 +30,7 @@ class Flock:
         self.noted = np.zeros((self.columns, *self.shape), np.uint8)
         self.visits = np.zeros((self.columns, *self.shape), np.uint8)
         self._sensor = sensor(scenario.lidar.range)
-        self._scratch: Scratch = scratch(self.shape)
+        self._scratch: Scratch = scratch(self.shape, self._sensor)
 
     def _begin(self, episode: int, seed: int) -> None:
         self.world.begin(episode, seed, index=seed % self.world.scenario.map.count)

@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from, touches_unknown
-from indoor_explorers.env.lidar import unknown_in_view, visible_cells
+from indoor_explorers.env.lidar import new_scan, unknown_in_view, visible_cells
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
 
 #: Pixels a side of the fine and of the coarse map.
@@ -49,10 +49,10 @@ def remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, noted: np.n
     whether it is getting anywhere itself.
     """
     height, width = belief.shape
-    seen = np.empty(sensor.beams.target.shape[0] + 1, np.int64)
+    scan = new_scan(sensor.optics)
     gain = 0
-    for k in range(visible_cells(belief, row, col, sensor.beams, seen)):
-        r, c = divmod(seen[k], width)
+    for k in range(visible_cells(belief, row, col, sensor.optics, scan)):
+        r, c = divmod(scan.cells[k], width)
         if belief[r, c] != UNKNOWN and noted[r, c] == 0:
             noted[r, c] = 1
             gain += 1
@@ -125,7 +125,7 @@ def _gain_at(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Sc
     reach = sensor.reach
     if _within(scratch.unknown, row - reach, col - reach, row + reach + 1, col + reach + 1) == 0:
         return 0
-    return unknown_in_view(belief, row, col, sensor.beams)
+    return unknown_in_view(belief, row, col, sensor.optics, scratch.scan)
 
 
 @njit(cache=True, nogil=True)

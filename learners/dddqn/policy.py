@@ -67,7 +67,7 @@ class DddqnPilot(Pilot):
     def __init__(self, policy: Dddqn, briefing: Briefing) -> None:
         self._policy = policy
         self._sensor = sensor(briefing.lidar_range)
-        self._scratch = scratch(briefing.shape)
+        self._scratch = scratch(briefing.shape, self._sensor)
         self._noted = np.zeros(briefing.shape, np.uint8)
         self._visits = np.zeros(briefing.shape, np.uint8)
         self._gained = 0

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.lidar import CENTRE, Beams, beams
+from indoor_explorers.env.lidar import Optics, Scan, new_scan, optics
 
 #: The lidar range, in cells, that distances and areas are measured in: the thesis's.
 REFERENCE_RANGE = 3.0
@@ -19,8 +19,8 @@ DISCOUNTS = (0.7, 0.85, 0.95)
 class Sensor(NamedTuple):
     """What the observation needs to know about a lidar range; lengths are scaled by ``range / 3``."""
 
-    beams: Beams
-    """The lidar's sight lines."""
+    optics: Optics
+    """The lidar."""
     reach: int
     """Cells: the largest row or column offset in range."""
     disc: float
@@ -46,25 +46,27 @@ class Scratch(NamedTuple):
     """(H + 1, W + 1) summed-area table of unknown cells."""
     free: NDArray[np.int64]
     """(H + 1, W + 1) summed-area table of known free cells."""
+    scan: Scan
+    """Working arrays of scans."""
 
 
 @lru_cache(maxsize=32)
 def sensor(lidar_range: float) -> Sensor:
     """Return the constants of a lidar range in cells."""
-    lines = beams(lidar_range)
+    lens = optics(lidar_range)
     rate = REFERENCE_RANGE / lidar_range
     return Sensor(
-        beams=lines,
+        optics=lens,
         reach=int(np.floor(lidar_range + 1e-9)),
-        disc=float((lines.kind == CENTRE).sum()),
+        disc=float(lens.disc),
         scale=2 * int(lidar_range / (2 * REFERENCE_RANGE)) + 1,
         rate=rate,
         decay=np.array(DISCOUNTS) ** rate,
     )
 
 
-def scratch(shape: tuple[int, int]) -> Scratch:
-    """Allocate the arrays for maps of a (H, W) shape."""
+def scratch(shape: tuple[int, int], sensor: Sensor) -> Scratch:
+    """Allocate the arrays for a sensor on maps of a (H, W) shape."""
     height, width = shape
     return Scratch(
         gain=np.zeros(shape, np.int32),
@@ -72,4 +74,5 @@ def scratch(shape: tuple[int, int]) -> Scratch:
         queue=np.empty(height * width, np.int32),
         unknown=np.zeros((height + 1, width + 1), np.int64),
         free=np.zeros((height + 1, width + 1), np.int64),
+        scan=new_scan(sensor.optics),
     )

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.lidar import beams, scan, view_gain
+from indoor_explorers.env.lidar import scan, view_gain
 
 DIAGONALS = [
     ((0, 0), (1, 1), (0, 1), (1, 0)),
@@ -128,9 +128,43 @@ def test_view_gain_counts_what_a_scan_through_unknown_would_show(place, seed):
     assert view_gain(belief, cell, 4.0) == (seen & hidden).sum()
 
 
-def test_beams_are_a_tree_in_depth_first_order():
-    lines = beams(6.0)
-    places_ = np.arange(len(lines.skip))
-    assert (lines.skip > places_).all()
-    assert lines.skip[0] == len(lines.skip)
-    assert lines.ends[-1] == len(lines.target)
+def ancestor_scan(truth, cell, lidar_range):
+    """MarsExplorer's Lidar.update, step by step in numpy: 32 rays of 200 samples, cut half a cell behind a hit."""
+    position, angles = np.array(cell), np.linspace(0, 2 * np.pi, 32, endpoint=False)
+    heading = np.stack((np.cos(angles), np.sin(angles)), axis=1)
+
+    def cells_along(lengths):
+        samples = np.linspace(position, position + np.asarray(lengths).reshape(-1, 1) * heading, 200)
+        return np.clip(np.round(samples).astype(int), 0, np.array(truth.shape) - 1)
+
+    lengths = np.full(32, lidar_range)
+    for ray, way in enumerate(cells_along(lengths).transpose(1, 0, 2)):
+        hits = way[truth[way[:, 0], way[:, 1]] == OCCUPIED]
+        if len(hits):
+            lengths[ray] = np.linalg.norm(hits - position, axis=1).min()
+    seen = cells_along(np.clip(lengths + 0.5, 0, lidar_range)).reshape(-1, 2)
+    belief = np.full(truth.shape, UNKNOWN)
+    belief[seen[:, 0], seen[:, 1]] = truth[seen[:, 0], seen[:, 1]]
+    return belief
+
+
+@settings(max_examples=150, deadline=None)
+@given(places(side=20), st.sampled_from([1.0, 1.5, 3.0, 4.5, 6.0, 9.0]))
+def test_the_ancestors_rays_equal_a_transcription(place, lidar_range):
+    truth, cell = place
+    found = scan(truth, cell, lidar_range, "marsexplorer")
+    np.testing.assert_array_equal(found, ancestor_scan(truth, cell, lidar_range))
+
+
+def test_the_ancestors_rays_leak_between_obstacles_that_touch_at_a_corner():
+    truth = np.full((5, 5), FREE)
+    truth[0, 1] = truth[1, 0] = OCCUPIED
+    assert scan(truth, (0, 0), 4.0, "marsexplorer")[1, 1] == FREE
+    assert scan(truth, (0, 0), 4.0)[1, 1] == UNKNOWN
+
+
+def test_a_long_range_in_a_cluttered_map_is_exact():
+    rng = np.random.default_rng(5)
+    truth = np.where(rng.random((40, 61)) < 0.08, OCCUPIED, FREE).astype(np.uint8)
+    truth[20, 30] = FREE
+    np.testing.assert_array_equal(scan(truth, (20, 30), 33.0), reference_scan(truth, (20, 30), 33.0))

@@ -25,7 +25,7 @@ def observed(
     if visits is None:
         visits = np.zeros(belief.shape, np.uint8)
     belief = np.ascontiguousarray(belief)
-    nearest = observe(belief, *cell, visits, sensor(lidar), scratch(belief.shape), scene, moves)
+    nearest = observe(belief, *cell, visits, sensor(lidar), scratch(belief.shape, sensor(lidar)), scene, moves)
     return scene, moves, nearest
 
 

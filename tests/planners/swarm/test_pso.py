@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env import World, make_policy, scenario
-from indoor_explorers.env.lidar import beams, unknown_in_view
+from indoor_explorers.env.lidar import view_gain
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.planners.gains import bit_count, sights
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
@@ -33,7 +33,7 @@ def test_sights_are_the_visible_unknown_cells() -> None:
     belief = rng.choice([0, 1, 2], (20, 20), p=[0.5, 0.4, 0.1]).astype(np.uint8)
     cells = np.flatnonzero(belief == 1).astype(np.int32)[:30]
     for cell, bits in zip(cells.tolist(), sights(belief, cells, 4.0), strict=True):
-        gain = unknown_in_view(belief, cell // 20, cell % 20, beams(4.0))
+        gain = view_gain(belief, divmod(cell, 20), 4.0)
         assert sum(int(bit_count(word)) for word in bits) == gain
 
 
