@@ -95,7 +95,7 @@ def _decide(
 ) -> list[int]:
     views = [world.view(b, n) for b, n in asked]
     for b in sorted({b for b, _ in asked}):
-        traces[b].knowledge.append(world.state.belief[b].tobytes() + world.state.cell[b].tobytes())
+        traces[b].knowledge.append(_knowledge(world, b))
         traces[b].unseen.append((world.state.union[b] == UNKNOWN).tobytes())
     before = [_frozen(view) for view in views]
     start = time.perf_counter()
@@ -116,8 +116,15 @@ def _decide(
     return [int(action) for action in chosen]
 
 
+def _knowledge(world: World, b: int) -> bytes:
+    """Return all that the team's views show of the map, and who still flies."""
+    state = world.state
+    return b"".join((state.belief[b].tobytes(), state.cell[b].tobytes(), state.end[b].tobytes()))
+
+
 def _frozen(view: View) -> tuple[Any, ...]:
-    return (view.belief.tobytes(), view.legal.tobytes(), *view[1:2], *view[3:])
+    arrays = (view.belief.tobytes(), view.legal.tobytes(), view.visited.tobytes())
+    return (*arrays, view.cell, view.step, view.budget, view.mates)
 
 
 def _checked_action(action: Any) -> int:
@@ -211,8 +218,7 @@ def changed_where_unseen(scenario: Scenario, trace: Trace, step: int) -> Setup |
     """
     world = World(scenario)
     world.begin(0, trace.setup.seed, floorplan=trace.setup.floorplan, spawns=trace.setup.spawns)
-    plan = world.floorplans[0]
-    assert plan is not None, "the episode was begun"
+    plan = world.floorplan(0)
     spawns = tuple((int(row), int(col)) for row, col in world.state.cell[0])
     unseen = np.frombuffer(trace.unseen[step], np.bool_).reshape(plan.shape)
     rng = np.random.default_rng(step)
@@ -229,7 +235,7 @@ def _looks_alike(scenario: Scenario, setup: Setup, trace: Trace, step: int) -> b
     world = World(scenario)
     world.begin(0, setup.seed, floorplan=setup.floorplan, spawns=setup.spawns)
     for t in range(step + 1):
-        if world.state.belief[0].tobytes() + world.state.cell[0].tobytes() != trace.knowledge[t]:
+        if _knowledge(world, 0) != trace.knowledge[t]:
             return False
         world.step(np.array([trace.actions[t]]))
     return True

@@ -9,9 +9,9 @@ from __future__ import annotations
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 
 from indoor_explorers.env.arrays import Belief, Distances, Mask
+from indoor_explorers.env.compiled import kernel, leaf
 
 UNKNOWN, FREE, OCCUPIED = np.uint8(0), np.uint8(1), np.uint8(2)
 UNREACHABLE = np.int32(2**30)
@@ -31,7 +31,7 @@ class Action(IntEnum):
 MOVES = np.array([(1, 0), (0, -1), (-1, 0), (0, 1), (0, 0)], dtype=np.int64)
 
 
-@njit(cache=True, nogil=True)
+@leaf()
 def distances_from(belief: np.ndarray, row: int, col: int, queue: np.ndarray, out: np.ndarray) -> int:
     """Flood ``out`` (H, W) int32 with steps from (row, col) through ``FREE`` cells; return cells reached.
 
@@ -66,7 +66,7 @@ def distance_field(belief: Belief, cell: tuple[int, int]) -> Distances:
     return out
 
 
-@njit(cache=True, nogil=True, inline="always")
+@leaf()
 def touches_unknown(belief: np.ndarray, row: int, col: int) -> bool:
     """Tell whether a cell is 4-adjacent to an unknown one; a free cell that is, is a frontier (Yamauchi 1997)."""
     height, width = belief.shape
@@ -78,7 +78,7 @@ def touches_unknown(belief: np.ndarray, row: int, col: int) -> bool:
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def frontier_mask(belief: np.ndarray) -> np.ndarray:
     """Return the (H, W) bool mask of frontier cells: known free, 4-adjacent to unknown."""
     height, width = belief.shape
@@ -89,7 +89,7 @@ def frontier_mask(belief: np.ndarray) -> np.ndarray:
     return mask
 
 
-@njit(cache=True, nogil=True)
+@leaf()
 def step_towards(field: np.ndarray, row: int, col: int) -> int:
     """Return the first action of a shortest path from the origin of ``field`` to (row, col).
 
@@ -118,10 +118,52 @@ def connected_parts(free: Mask) -> tuple[Distances, np.ndarray]:
     return labels.astype(np.int32), np.bincount(labels.ravel(), minlength=count + 1)
 
 
+@leaf()
+def flood(truth: np.ndarray, row: int, col: int, number: int, part: np.ndarray, queue: np.ndarray) -> int:
+    """Write ``number`` into ``part`` (H, W) int32 at every free cell connected to (row, col) where it holds 0.
+
+    Returns how many those are; their flat indices are the first entries of ``queue`` (H*W,) int32, nearest first.
+    """
+    height, width = truth.shape
+    part[row, col] = number
+    queue[0] = row * width + col
+    head, tail = 0, 1
+    while head < tail:
+        r, c = divmod(queue[head], width)
+        head += 1
+        for k in range(4):
+            rr, cc = r + MOVES[k, 0], c + MOVES[k, 1]
+            if 0 <= rr < height and 0 <= cc < width and truth[rr, cc] == FREE and part[rr, cc] == 0:
+                part[rr, cc] = number
+                queue[tail] = rr * width + cc
+                tail += 1
+    return tail
+
+
+@leaf()
+def mark_largest_part(truth: np.ndarray, part: np.ndarray, queue: np.ndarray) -> int:
+    """Write 1 into ``part`` (H, W) int32 on the largest connected free part, 0 elsewhere; return its size.
+
+    Among parts of one size the first in reading order counts. ``queue`` (H*W,) int32 is scratch.
+    """
+    height, width = truth.shape
+    part[:] = 0
+    number = largest = most = 0
+    for row in range(height):
+        for col in range(width):
+            if truth[row, col] == FREE and part[row, col] == 0:
+                number += 1
+                size = flood(truth, row, col, number, part, queue)
+                if size > most:
+                    largest, most = number, size
+    for row in range(height):
+        for col in range(width):
+            part[row, col] = most > 0 and part[row, col] == largest
+    return most
+
+
 def largest_part(free: Mask) -> Mask:
     """Return the mask of the largest 4-connected part of ``free``; all False when nothing is free."""
-    labels, sizes = connected_parts(free)
-    if len(sizes) < 2:
-        return np.zeros_like(free)
-    sizes[0] = 0
-    return np.asarray(labels == int(np.argmax(sizes)))
+    part = np.empty(free.shape, np.int32)
+    mark_largest_part(free.astype(np.uint8) * FREE, part, np.empty(free.size, np.int32))
+    return np.asarray(part == 1)

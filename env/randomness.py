@@ -2,8 +2,8 @@
 
 A policy that draws more numbers can never change the map, the spawns or the order of moves: every
 purpose has a stream of its own. Streams used in Python are :class:`numpy.random.Generator`; the order of
-moves is drawn inside compiled code by a counter-based generator, so that it depends on (seed, step)
-alone and not on what came before.
+moves and whatever else is drawn inside compiled code come from a counter-based generator, so that they depend on
+(seed, step) alone and not on what came before.
 """
 
 from __future__ import annotations
@@ -11,7 +11,11 @@ from __future__ import annotations
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
+
+from indoor_explorers.env.compiled import leaf
+
+#: The first episode seed that is too large.
+SEED_LIMIT = 2**63
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
@@ -31,12 +35,7 @@ def generator(seed: int, stream: Stream, index: int = 0) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(int(stream), index)))
 
 
-def counter_key(seed: int, stream: Stream) -> np.uint64:
-    """Return the 64-bit key of a counter-based stream for use in compiled code."""
-    return np.uint64(np.random.SeedSequence(seed, spawn_key=(int(stream), 0)).generate_state(1, np.uint64)[0])
-
-
-@njit(cache=True, nogil=True, inline="always")
+@leaf()
 def draw(key: np.uint64, counter: np.uint64) -> np.uint64:
     """Return 64 random bits for (key, counter): the finaliser of SplitMix64 (Steele et al. 2014)."""
     z = key + (counter + np.uint64(1)) * GOLDEN
@@ -45,7 +44,19 @@ def draw(key: np.uint64, counter: np.uint64) -> np.uint64:
     return z ^ (z >> np.uint64(31))
 
 
-@njit(cache=True, nogil=True)
+@leaf()
+def stream_key(seed: int, stream: int, index: int = 0) -> np.uint64:
+    """Return the 64-bit key of a counter-based stream of an episode, for use with :func:`draw`."""
+    return draw(draw(draw(np.uint64(0), np.uint64(seed)), np.uint64(stream)), np.uint64(index))
+
+
+@leaf()
+def below(key: np.uint64, counter: int, bound: int) -> int:
+    """Draw an integer from 0 to ``bound`` - 1; its bias is under ``bound`` / 2^64."""
+    return int(draw(key, np.uint64(counter)) % np.uint64(bound))
+
+
+@leaf()
 def shuffled(key: np.uint64, step: int, out: np.ndarray) -> None:
     """Fill ``out`` (n,) with a random permutation of 0..n-1 that depends on (key, step) only."""
     n = out.shape[0]

@@ -15,6 +15,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.sources import FileMaps, MapSource, OfficeMap, ThesisMaps
 
+#: Steps that an episode without a budget has at least.
+LEAST_BUDGET = 200
+
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -34,10 +37,18 @@ class Lidar(_Part):
 class Radio(_Part):
     """Who can talk to whom; linked UAVs merge their maps and exchange positions and messages."""
 
-    model: Literal["none", "square", "disc", "unlimited"] = "none"
-    """``square``: Chebyshev distance at most ``range`` (the thesis); ``disc``: Euclidean."""
+    model: Literal["none", "square", "disc", "line-of-sight", "path-loss", "unlimited"] = "none"
+    """``square``: Chebyshev distance at most ``range`` (the thesis); ``disc``: Euclidean; ``line-of-sight``: the same
+    with no obstacle between; ``path-loss``: log-distance path loss with a loss for each wall between."""
     range: float = Field(0.0, ge=0.0)
-    """Range in cells; read by ``square`` and ``disc`` only."""
+    """Range in cells, in the open; not read by ``none`` and ``unlimited``."""
+    exponent: float = Field(3.0, ge=1.0, le=10.0)
+    """``path-loss``: the path loss exponent n, 2 in free space, about 3 indoors (Rappaport 2002, section 4.9)."""
+    wall_loss: float = Field(6.0, ge=0.0, le=200.0)
+    """``path-loss``: dB lost at each wall, a run of obstacle cells on the straight line between two UAVs. With w walls
+    between, the range shrinks to ``range`` 10^(-w wall_loss / (10 n))."""
+    loss: float = Field(0.0, ge=0.0, lt=1.0)
+    """Probability that a contact fails in a step, drawn for each pair of UAVs and each step."""
 
 
 class Rewards(_Part):
@@ -114,7 +125,7 @@ class Scenario(_Part):
 
     def budget_for(self, reachable: int) -> int:
         """Return the step budget on a map with that many reachable free cells."""
-        return self.budget if self.budget is not None else max(200, reachable)
+        return self.budget if self.budget is not None else max(LEAST_BUDGET, reachable)
 
     def for_evaluation(self) -> Scenario:
         """Return the task as comparisons run it: on to full team coverage or the budget, nobody ended as stuck."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.env.scenario import LEAST_BUDGET, Scenario
 from indoor_explorers.env.view import MESSAGE_LIMIT
 
 
@@ -31,8 +31,17 @@ class Rules(NamedTuple):
     """A scenario's rules as numbers for compiled code."""
 
     end_on_collision: bool
+    goal: float
+    counts_map: bool
+    """Whether coverage counts all cells of the map, not the reachable ones alone."""
+    budget: int
+    """Steps, 0 for as many as there are reachable cells."""
+    least_budget: int
     radio_model: int
     radio_range: float
+    radio_exponent: float
+    radio_wall_loss: float
+    radio_loss: float
     goal_of_team: bool
     stuck_rule: int
     stuck_repeats: int
@@ -45,7 +54,7 @@ class Rules(NamedTuple):
     pay_goal: float
 
 
-RADIO_MODELS = ("none", "square", "disc", "unlimited")
+RADIO_MODELS = ("none", "square", "disc", "line-of-sight", "path-loss", "unlimited")
 STUCK_RULES = ("off", "no-discovery", "oscillation")
 
 
@@ -53,8 +62,15 @@ def rules_of(scenario: Scenario) -> Rules:
     """Translate a scenario."""
     return Rules(
         end_on_collision=scenario.on_collision == "end",
+        goal=scenario.goal,
+        counts_map=scenario.denominator == "map",
+        budget=scenario.budget or 0,
+        least_budget=LEAST_BUDGET,
         radio_model=RADIO_MODELS.index(scenario.radio.model),
         radio_range=scenario.radio.range,
+        radio_exponent=scenario.radio.exponent,
+        radio_wall_loss=scenario.radio.wall_loss,
+        radio_loss=scenario.radio.loss,
         goal_of_team=scenario.goal_of == "team",
         stuck_rule=STUCK_RULES.index(scenario.stuck.rule),
         stuck_repeats=scenario.stuck.repeats,
@@ -83,6 +99,8 @@ class State(NamedTuple):
     """(B,) steps."""
     order_key: NDArray[np.uint64]
     """(B,) key of the stream that draws the order of moves."""
+    radio_key: NDArray[np.uint64]
+    """(B,) key of the stream that draws which contacts fail."""
     step: NDArray[np.int64]
     """(B,) steps flown."""
     end: NDArray[np.uint8]
@@ -160,6 +178,7 @@ def empty_state(batch: int, team: int, shape: tuple[int, int], window: int) -> S
         needed=zeros(i8),
         budget=zeros(i8),
         order_key=zeros(np.uint64),
+        radio_key=zeros(np.uint64),
         step=zeros(i8),
         end=zeros(np.uint8, n),
         cell=zeros(i8, n, 2),

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from indoor_explorers.env.compiled import leaf
+from indoor_explorers.env.compiled import inner
 from indoor_explorers.env.grid import OCCUPIED
 
 
@@ -55,7 +55,7 @@ class Quadrant(NamedTuple):
     """Whether this quadrant lists the free cells that it shares with its neighbours."""
 
 
-@leaf()
+@inner()
 def _in_row(arcs: np.ndarray, k: int, d: int) -> Arc:
     """Return arc ``k``, which was left in a row before, as it is in row ``d``."""
     p, q, low, to_p, to_q, high = arcs[k, 0], arcs[k, 1], arcs[k, 2], arcs[k, 3], arcs[k, 4], arcs[k, 5]
@@ -70,7 +70,7 @@ def _in_row(arcs: np.ndarray, k: int, d: int) -> Arc:
     return Arc(p, q, low, to_p, to_q, high)
 
 
-@leaf()
+@inner()
 def _first(arc: Arc, d: int) -> int:
     """Return the first cell of row ``d`` that the arc crosses."""
     before = arc.low - 1
@@ -78,7 +78,7 @@ def _first(arc: Arc, d: int) -> int:
     return before if beyond else arc.low
 
 
-@leaf()
+@inner()
 def _last(arc: Arc, d: int) -> int:
     """Return the last cell of row ``d`` that the arc crosses."""
     behind = arc.high + 1
@@ -86,7 +86,7 @@ def _last(arc: Arc, d: int) -> int:
     return behind if within else arc.high
 
 
-@leaf()
+@inner()
 def _is_squeezed(cells: np.ndarray, quadrant: Quadrant, p: int, q: int, d: int) -> bool:
     """Tell whether the slope p / q enters row ``d`` at a corner, between two obstacles that touch there."""
     lateral = p * (2 * d - 1)
@@ -103,7 +103,7 @@ def _is_squeezed(cells: np.ndarray, quadrant: Quadrant, p: int, q: int, d: int) 
     )
 
 
-@leaf()
+@inner()
 def _keep(cells: np.ndarray, quadrant: Quadrant, d: int, arc: Arc, arcs: np.ndarray, kept: int) -> int:
     """Append an arc to ``arcs``, unless it is empty or one squeezed slope; return how many there are."""
     wide = arc.to_p * arc.q - arc.p * arc.to_q
@@ -114,7 +114,7 @@ def _keep(cells: np.ndarray, quadrant: Quadrant, d: int, arc: Arc, arcs: np.ndar
     return kept + 1
 
 
-@leaf()
+@inner()
 def _shows_free(cells: np.ndarray, quadrant: Quadrant, arc: Arc, c: int, d: int) -> bool:
     """Tell whether the arc shows the centre of the free cell ``c`` of row ``d``."""
     if c < arc.low or c > arc.high:
@@ -124,7 +124,7 @@ def _shows_free(cells: np.ndarray, quadrant: Quadrant, arc: Arc, c: int, d: int)
     return quadrant.with_diagonals and not _is_squeezed(cells, quadrant, 1 if c > 0 else -1, 1, d)
 
 
-@leaf()
+@inner()
 def _shows_obstacle(cells: np.ndarray, quadrant: Quadrant, arc: Arc, c: int, d: int) -> bool:
     """Tell whether the arc shows the middle of a side of the obstacle ``c`` of row ``d``."""
     near = 2 * d - 1
@@ -137,7 +137,7 @@ def _shows_obstacle(cells: np.ndarray, quadrant: Quadrant, arc: Arc, c: int, d: 
     return bool(arc.p * 2 * d <= side * arc.q and side * arc.to_q <= arc.to_p * 2 * d)
 
 
-@leaf()
+@inner()
 def sweep(
     cells: np.ndarray, quadrant: Quadrant, half_widths: np.ndarray, arcs: np.ndarray, out: np.ndarray, seen: int
 ) -> int:

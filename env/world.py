@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -10,17 +11,24 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief, Cell, Mask
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid import FREE, MOVES, OCCUPIED, UNREACHABLE, distance_field
-from indoor_explorers.env.kernels import advance, begin
+from indoor_explorers.env.grid import FREE
+from indoor_explorers.env.kernels import advance, new_work
 from indoor_explorers.env.lidar import optics
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.randomness import Stream, counter_key, generator
+from indoor_explorers.env.maps.sources import ThesisMaps
+from indoor_explorers.env.openings import (
+    MAX_ATTEMPTS,
+    Ground,
+    is_attainable,
+    new_ground,
+    open_episode,
+    open_rooms,
+    place_team,
+)
+from indoor_explorers.env.randomness import SEED_LIMIT, Stream, generator, stream_key
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End, State, empty_state, rules_of
 from indoor_explorers.env.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
-
-#: Maps drawn for one seed before a scenario is given up as impossible.
-MAX_ATTEMPTS = 100
 
 
 class World:
@@ -28,17 +36,21 @@ class World:
 
     All episodes of a batch explore maps of the same shape. Fill them with :meth:`reset` or
     :meth:`begin`, then alternate :meth:`view` and :meth:`step`. An agent that has ended is gone: it
-    neither moves, scans, transmits nor stands in anybody's way.
+    neither moves, scans, transmits nor stands in anybody's way. With several ``threads`` the episodes are
+    shared out among them; what happens in an episode depends on its seed and actions alone.
     """
 
-    def __init__(self, scenario: Scenario, batch: int = 1) -> None:
+    def __init__(self, scenario: Scenario, batch: int = 1, *, threads: int = 1) -> None:
         self.scenario = scenario
         self.batch = batch
-        self.floorplans: list[Floorplan | None] = [None] * batch
         self.seeds = [0] * batch
+        self._floorplans: list[Floorplan | None] = [None] * batch
         self._rules = rules_of(scenario)
         self._optics = optics(scenario.lidar.range, scenario.lidar.model)
+        self._works = [new_work(self._optics, scenario.team) for _ in range(max(1, min(threads, batch)))]
+        self._pool = ThreadPoolExecutor(len(self._works) - 1, "world") if len(self._works) > 1 else None
         self._state: State | None = None
+        self._ground: Ground | None = None
         self._beliefs: list[list[Belief]] = []
         self._legals: list[list[Mask]] = []
         self._visited: list[list[Mask]] = []
@@ -54,8 +66,24 @@ class World:
         """Start every episode of the batch on the map and spawns of its seed; ``index`` picks among map files."""
         if len(seeds) != self.batch:
             raise InputError(f"expected one seed for each of {self.batch} episodes, got {len(seeds)}")
-        for b, seed in enumerate(seeds):
-            self.begin(b, seed, index=index)
+        self.restart(range(self.batch), seeds, index=index)
+
+    def restart(self, episodes: Sequence[int], seeds: Sequence[int], *, index: int = 0) -> None:
+        """Start some episodes anew, each on the map and spawns of its seed, exactly as :meth:`begin` does."""
+        maps, spawn = self.scenario.map, self.scenario.spawn
+        if not isinstance(maps, ThesisMaps) or not isinstance(spawn, str) or len(episodes) == 0:
+            for episode, seed in zip(episodes, seeds, strict=True):
+                self.begin(episode, seed, index=index)
+            return
+        for episode, seed in zip(episodes, seeds, strict=True):
+            self._floorplans[episode], self.seeds[episode] = None, checked_seed(seed)
+        state, ground = self._allocated((maps.height, maps.width))
+        places, keys = np.asarray(episodes, np.int64), np.asarray(seeds, np.int64)
+        clustered, work = spawn == "clustered", self._works[0]
+        begun = open_rooms(self._rules, maps.room, clustered, state, self._optics, work, ground, places, keys)
+        if begun < len(places):
+            draw_floorplan(self.scenario, int(keys[begun]), index)  # says what is wrong
+            raise AssertionError("a floor plan was drawn where compiled code found none")
 
     def begin(
         self,
@@ -67,37 +95,38 @@ class World:
         spawns: Sequence[Cell] | None = None,
     ) -> None:
         """Start one episode; a given ``floorplan`` or ``spawns`` replaces what the seed would draw."""
+        seed = checked_seed(seed)
         if floorplan is None:
             floorplan = draw_floorplan(self.scenario, seed, index)
         if spawns is None:
             spawns = draw_spawns(self.scenario, floorplan, seed)
-        if self._state is None:
-            self._allocate(floorplan.shape)
-        state = self.state
+        state, ground = self._allocated(floorplan.shape)
         if floorplan.shape != state.truth.shape[1:]:
             raise InputError(
                 f"expected a map of shape {state.truth.shape[1:]} like the others of the batch, "
                 f"got {floorplan.shape} ({floorplan.name}); use a world for each shape"
             )
-        self.floorplans[episode], self.seeds[episode] = floorplan, seed
-        for name, array in state._asdict().items():
-            array[episode] = -1 if name in {"history", "heard_step", "heard_size", "outbox_size"} else 0
+        self._floorplans[episode], self.seeds[episode] = floorplan, seed
         state.truth[episode] = floorplan.truth
         state.cell[episode] = spawns
-        state.order_key[episode] = counter_key(seed, Stream.ORDER)
-        reachable = reachable_cells(floorplan.truth, spawns)
-        state.counts[episode] = reachable if self.scenario.denominator == "reachable" else True
-        state.total[episode] = int(state.counts[episode].sum())
-        state.needed[episode] = int(np.ceil(self.scenario.goal * state.total[episode] - 1e-9))
-        state.budget[episode] = self.scenario.budget_for(int(reachable.sum()))
-        begin(self._rules, state, self._optics, episode)
+        open_episode(self._rules, state, self._optics, self._works[0], ground, episode, seed)
 
-    def _allocate(self, shape: tuple[int, int]) -> None:
-        window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
-        self._state = empty_state(self.batch, self.scenario.team, shape, window)
-        self._beliefs = [[_read_only(belief) for belief in team] for team in self._state.belief]
-        self._legals = [[_read_only(legal) for legal in team] for team in self._state.legal]
-        self._visited = [[_read_only(visited) for visited in team] for team in self._state.visited]
+    def _allocated(self, shape: tuple[int, int]) -> tuple[State, Ground]:
+        if self._state is None or self._ground is None:
+            window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
+            self._state = empty_state(self.batch, self.scenario.team, shape, window)
+            self._ground = new_ground(shape)
+            self._beliefs = [[_read_only(belief) for belief in team] for team in self._state.belief]
+            self._legals = [[_read_only(legal) for legal in team] for team in self._state.legal]
+            self._visited = [[_read_only(visited) for visited in team] for team in self._state.visited]
+        return self._state, self._ground
+
+    def floorplan(self, episode: int) -> Floorplan:
+        """Return the true map of an episode and its facts."""
+        plan = self._floorplans[episode]
+        if plan is None:
+            plan = self._floorplans[episode] = Floorplan(self.state.truth[episode].copy(), self.scenario.map.source)
+        return plan
 
     def step(self, actions: NDArray[np.integer[Any]]) -> None:
         """Advance all running episodes by one step; ``actions`` is (B, N), those of ended agents are ignored."""
@@ -108,7 +137,22 @@ class World:
             )
         if actions.min() < 0 or actions.max() > 4:
             raise InputError(f"expected actions from 0 to 4, got {int(actions.min())} to {int(actions.max())}")
-        advance(self._rules, self.state, self._optics, actions)
+        self.in_slices(
+            lambda thread, first, last: advance(
+                self._rules, self.state, self._optics, self._works[thread], actions, first, last
+            )
+        )
+
+    def in_slices(self, work: Callable[[int, int, int], object]) -> None:
+        """Call ``work(thread, first, last)`` for a share of the episodes in each thread, and wait for all."""
+        bounds = np.linspace(0, self.batch, len(self._works) + 1).astype(int).tolist()
+        if self._pool is None:
+            work(0, 0, self.batch)
+            return
+        others = [self._pool.submit(work, t, bounds[t], bounds[t + 1]) for t in range(1, len(self._works))]
+        work(0, 0, bounds[1])
+        for other in others:
+            other.result()
 
     def post(self, episode: int, agent: int, message: Message) -> None:
         """Put what an agent says into its outbox; it is sent after each move until it is replaced."""
@@ -181,22 +225,22 @@ def _read_only(array: NDArray[Any]) -> NDArray[Any]:
     return window
 
 
-def reachable_cells(truth: Belief, spawns: Sequence[Cell]) -> Mask:
-    """Return the (H, W) mask of free cells that can be reached from any of the spawns."""
-    mask = np.zeros(truth.shape, np.bool_)
-    for cell in spawns:
-        if not mask[tuple(cell)]:
-            mask |= distance_field(truth, (int(cell[0]), int(cell[1]))) < UNREACHABLE
-    return mask
+def checked_seed(seed: int) -> int:
+    """Return an episode seed, refusing one that is out of range."""
+    if not 0 <= int(seed) < SEED_LIMIT:
+        raise InputError(f"expected a seed from 0 to {SEED_LIMIT - 1}, got {seed}")
+    return int(seed)
 
 
 def draw_floorplan(scenario: Scenario, seed: int, index: int = 0) -> Floorplan:
     """Return the map of an episode seed, drawn again when the goal could not be reached on it."""
+    rules = rules_of(scenario)
     for attempt in range(MAX_ATTEMPTS if scenario.map.generated else 1):
         floorplan = scenario.map.floorplan(index, seed, attempt)
-        if attainable(scenario, floorplan):
+        main = floorplan.main_part
+        if is_attainable(rules, floorplan.truth, main, int(main.sum()), scenario.team):
             return floorplan
-    if (room := int(floorplan.main_part.sum())) < scenario.team:
+    if (room := int(main.sum())) < scenario.team:
         raise InputError(
             f"{floorplan.name}: expected room for {scenario.team} UAVs, got {room} connected free cells; "
             "use a smaller team or a larger map"
@@ -207,38 +251,16 @@ def draw_floorplan(scenario: Scenario, seed: int, index: int = 0) -> Floorplan:
     )
 
 
-def attainable(scenario: Scenario, floorplan: Floorplan) -> bool:
-    """Tell whether the goal coverage can be reached, and the team fits, on the map's largest free part."""
-    part = floorplan.main_part
-    if part.sum() < scenario.team:
-        return False
-    if scenario.denominator == "reachable":
-        return True
-    walls = np.zeros_like(part)
-    for rows, cols in MOVES[:4]:
-        walls |= _shifted(part, int(rows), int(cols))
-    seen = part.sum() + (walls & (floorplan.truth == OCCUPIED)).sum()
-    return bool(seen >= scenario.goal * part.size)
-
-
-def _shifted(mask: Mask, rows: int, cols: int) -> Mask:
-    padded = np.pad(mask, 1)
-    height, width = mask.shape
-    return padded[1 - rows : 1 - rows + height, 1 - cols : 1 - cols + width]
-
-
 def draw_spawns(scenario: Scenario, floorplan: Floorplan, seed: int) -> list[Cell]:
     """Return one distinct free cell for each agent: listed, or drawn on the map's largest free part."""
     if not isinstance(scenario.spawn, str):
         return _listed_spawns(scenario.spawn, floorplan)
-    cells = np.argwhere(floorplan.main_part)
-    rng = generator(seed, Stream.SPAWN)
-    if scenario.spawn == "random":
-        chosen = cells[rng.choice(len(cells), scenario.team, replace=False)]
-    else:
-        first = cells[rng.integers(len(cells))]
-        steps = distance_field(floorplan.truth, (int(first[0]), int(first[1])))
-        chosen = cells[np.argsort(steps[cells[:, 0], cells[:, 1]], kind="stable")[: scenario.team]]
+    chosen = np.empty((scenario.team, 2), np.int64)
+    ground = new_ground(floorplan.shape)
+    ground.part[:] = floorplan.main_part
+    start = -1 if floorplan.start is None else floorplan.start[0] * floorplan.shape[1] + floorplan.start[1]
+    key = np.uint64(stream_key(seed, Stream.SPAWN))
+    place_team(key, scenario.spawn == "clustered", start, floorplan.truth, ground, chosen)
     return [(int(row), int(col)) for row, col in chosen]
 
 

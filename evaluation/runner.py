@@ -162,8 +162,7 @@ def _outcome(world: World, flight: _Flight) -> tuple[Outcome, str]:
 def _record(name: str, world: World, flight: _Flight) -> Record:
     state, b = world.state, flight.place
     covered = np.array(flight.covered, np.int32)
-    floorplan = world.floorplans[b]
-    assert floorplan is not None, "every episode of a batch was begun"
+    floorplan = world.floorplan(b)
     outcome, reason = _outcome(world, flight)
     sensed, total = state.sensed_count[b], int(state.total[b])
     curve = covered[:, 0] / total

@@ -53,7 +53,7 @@ def test_it_completes_the_thesis_rooms_without_dithering(name, scenario):
 
 @pytest.mark.parametrize("name", PLANNERS)
 def test_it_completes_the_office(name):
-    (record,) = flown(name, PRESETS["office"].for_evaluation(), [7])
+    (record,) = flown(name, PRESETS["office"].for_evaluation(), [8])
     assert record.outcome is Outcome.COMPLETE
     assert not dithers(record.cells)
 

@@ -7,11 +7,12 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.maps.thesis import thesis_room
-from indoor_explorers.env.randomness import Stream, generator
+from indoor_explorers.env.maps.thesis import Room, draw_room
+from indoor_explorers.env.randomness import Stream, stream_key
 
 
 class _Source(BaseModel):
@@ -50,12 +51,22 @@ class ThesisMaps(_Source):
     """Smallest and largest side of a rectangle in cells."""
     margin: int = Field(1, ge=0)
     """Cells kept free between the border and a rectangle's upper left cell."""
+    rows: int = Field(0, ge=0, le=1000)
+    """Rows of a lattice of rectangles, used instead of ``obstacles``; 0 for none."""
+    columns: int = Field(0, ge=0, le=1000)
+    """Columns of the lattice."""
+    noise: int = Field(0, ge=0, le=2048)
+    """Cells that a rectangle of the lattice may be moved by, up to, in each direction."""
 
     @model_validator(mode="after")
     def _consistent(self) -> ThesisMaps:
         smallest, largest = self.obstacle_size
         if not 1 <= smallest <= largest:
             raise ValueError(f"obstacle_size is {[smallest, largest]}, expected 1 <= smallest <= largest")
+        if (self.rows > 0) != (self.columns > 0):
+            raise ValueError(f"rows is {self.rows} and columns {self.columns}, expected both or neither above 0")
+        if self.noise > 0 and self.rows == 0:
+            raise ValueError(f"noise is {self.noise} without a lattice; set rows and columns too")
         return self
 
     @property
@@ -63,16 +74,17 @@ class ThesisMaps(_Source):
         """True: every seed has a room of its own."""
         return True
 
+    @property
+    def room(self) -> Room:
+        """The settings for compiled code."""
+        smallest, largest = self.obstacle_size
+        return Room(self.obstacles, smallest, largest, self.margin, self.rows, self.columns, self.noise)
+
     def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
         """Draw the room of an episode seed."""
-        return thesis_room(
-            generator(seed, Stream.MAP, attempt),
-            height=self.height,
-            width=self.width,
-            obstacles=self.obstacles,
-            obstacle_size=self.obstacle_size,
-            margin=self.margin,
-        )
+        truth = np.empty((self.height, self.width), np.uint8)
+        draw_room(self.room, np.uint64(stream_key(seed, Stream.MAP, attempt)), truth)
+        return Floorplan(truth, "thesis")
 
 
 class FileMaps(_Source):

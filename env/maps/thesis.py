@@ -1,32 +1,64 @@
-"""The thesis's random rooms: square obstacles thrown into an open rectangle (MarsExplorer's generator)."""
+"""The thesis's random rooms: rectangles thrown into an open rectangle (MarsExplorer's generator).
+
+Compiled and drawn from a counter-based stream, so that thousands of episodes start in a moment.
+"""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.compiled import leaf
+from indoor_explorers.env.grid import FREE, OCCUPIED
+from indoor_explorers.env.randomness import below
 
 
-def thesis_room(
-    rng: np.random.Generator,
-    *,
-    height: int = 16,
-    width: int = 16,
-    obstacles: int = 5,
-    obstacle_size: tuple[int, int] = (3, 3),
-    margin: int = 1,
-) -> Floorplan:
-    """Draw a room of (height, width) cells with ``obstacles`` rectangles in it.
+class Room(NamedTuple):
+    """The settings of a random room, see :class:`indoor_explorers.env.maps.sources.ThesisMaps`."""
 
-    Each rectangle's sides are drawn from ``obstacle_size`` (both ends included), its upper left cell
-    uniformly with at least ``margin`` cells to the upper and left and ``margin`` + 1 to the lower and
-    right border, as the ancestor does; what hangs over the border is cut off, and rectangles may overlap.
+    obstacles: int
+    smallest: int
+    largest: int
+    margin: int
+    rows: int
+    """Rows of the lattice, 0 for none."""
+    columns: int
+    noise: int
+
+
+@leaf()
+def _on_lattice(place: int, places: int, margin: int, cells: int) -> int:
+    """Return the row or column of the lattice's line ``place``, evenly spread between the margins."""
+    last = max(cells - 1 - margin, margin)
+    return margin + place * (last - margin) // max(places - 1, 1)
+
+
+@leaf()
+def draw_room(room: Room, key: np.uint64, truth: np.ndarray) -> None:
+    """Overwrite ``truth`` (H, W) uint8 with the room of a stream's key.
+
+    Without a lattice, a rectangle's upper left cell is uniform with at least ``margin`` cells to the upper and
+    left and ``margin`` + 1 to the lower and right border, as the ancestor does; with one, rectangles stand where
+    its rows and columns cross, moved by up to ``noise`` cells each way. What hangs over the border is cut off, and
+    rectangles may overlap.
     """
-    free = np.ones((height, width), np.bool_)
-    smallest, largest = obstacle_size
-    for _ in range(obstacles):
-        row = int(rng.integers(margin, max(height - 1 - margin, margin + 1)))
-        col = int(rng.integers(margin, max(width - 1 - margin, margin + 1)))
-        tall, wide = (int(side) for side in rng.integers(smallest, largest + 1, 2))
-        free[row : row + tall, col : col + wide] = False
-    return Floorplan.from_free(free, "thesis")
+    height, width = truth.shape
+    for row in range(height):
+        for col in range(width):
+            truth[row, col] = FREE
+    lattice, margin, sides = room.rows > 0, room.margin, room.largest - room.smallest + 1
+    for k in range(room.rows * room.columns if lattice else room.obstacles):
+        if lattice:
+            row = _on_lattice(k // room.columns, room.rows, margin, height)
+            col = _on_lattice(k % room.columns, room.columns, margin, width)
+            row = min(max(row + below(key, 4 * k, 2 * room.noise + 1) - room.noise, 0), height - 1)
+            col = min(max(col + below(key, 4 * k + 1, 2 * room.noise + 1) - room.noise, 0), width - 1)
+        else:
+            row = margin + below(key, 4 * k, max(height - 1 - 2 * margin, 1))
+            col = margin + below(key, 4 * k + 1, max(width - 1 - 2 * margin, 1))
+        tall = room.smallest + below(key, 4 * k + 2, sides)
+        wide = room.smallest + below(key, 4 * k + 3, sides)
+        for r in range(row, min(row + tall, height)):
+            for c in range(col, min(col + wide, width)):
+                truth[r, c] = OCCUPIED

@@ -16,7 +16,6 @@ from indoor_explorers.env.maps.image import read_plain
 from indoor_explorers.env.maps.office import drawn, office
 from indoor_explorers.env.maps.ros import RosMap, parse_ros, read_ros, trinary
 from indoor_explorers.env.maps.sources import FileMaps
-from indoor_explorers.env.maps.thesis import thesis_room
 
 SHARED = Path(__file__).parents[2] / ".." / "shared" / "maps"
 needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="the development maps (../shared/maps) are not here")
@@ -185,28 +184,6 @@ def test_a_drawing_with_a_slip_says_where_it_is() -> None:
         drawn("###\n#.", "plan")
     with pytest.raises(InputError, match=r"in line 2, got 'x'"):
         drawn("###\n#x#", "plan")
-
-
-def test_thesis_rooms_follow_their_settings() -> None:
-    same = [thesis_room(np.random.default_rng(7)).digest for _ in range(2)]
-    assert same[0] == same[1] != thesis_room(np.random.default_rng(8)).digest
-    assert (thesis_room(np.random.default_rng(1), obstacles=0).truth == FREE).all()
-    for seed in range(200):
-        solid = thesis_room(np.random.default_rng(seed), obstacles=5).truth == OCCUPIED
-        assert 9 <= solid.sum() <= 45
-        assert not solid[0].any()
-        assert not solid[:, 0].any()
-    single = [thesis_room(np.random.default_rng(seed), obstacles=1).truth == OCCUPIED for seed in range(500)]
-    assert {int(solid.sum()) for solid in single} <= {9, 6}  # cut off at the lower or right border
-    corners = np.array([np.argwhere(solid)[0] for solid in single])
-    assert corners.min(axis=0).tolist() == [1, 1]
-    assert corners.max(axis=0).tolist() == [13, 13]
-
-
-def test_thesis_rooms_may_have_any_shape_and_obstacle_size() -> None:
-    plan = thesis_room(np.random.default_rng(3), height=9, width=21, obstacles=4, obstacle_size=(1, 6), margin=2)
-    assert plan.shape == (9, 21)
-    assert (plan.truth[:2] == FREE).all()
 
 
 @needs_shared

@@ -1,5 +1,13 @@
 """Laws of the world, on random scenarios, maps and actions."""
 
+import hashlib
+import itertools
+import math
+import os
+import subprocess
+import sys
+from fractions import Fraction
+
 import networkx as nx
 import numpy as np
 import pytest
@@ -10,9 +18,8 @@ from indoor_explorers.env import PRESETS, InputError, Scenario, World
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.lidar import scan
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.radio import CELL_BYTES, POSITION_BYTES
+from indoor_explorers.env.radio import CELL_BYTES, POSITION_BYTES, walls_between
 from indoor_explorers.env.state import End
-from indoor_explorers.env.world import reachable_cells
 
 from .worlds import begun, floorplans, random_actions, scenarios
 
@@ -52,10 +59,13 @@ def test_beliefs_never_contradict_the_truth_and_never_shrink(scenario, floorplan
 @given(scenarios(), floorplans(), seeds)
 def test_counts_equal_recounts(scenario, floorplan, seed):
     world = begun(scenario, floorplan, seed)
+    been = {(n, *cell) for n, cell in enumerate(world.state.cell[0].tolist())}
     for _, _, after in flight(world, seed):
         counts = after["counts"][0]
         assert after["covered"][0].tolist() == [int((b[counts] != UNKNOWN).sum()) for b in after["belief"][0]]
         assert after["team_covered"][0] == (after["union"][0][counts] != UNKNOWN).sum()
+        been |= {(n, *cell) for n, cell in enumerate(after["cell"][0].tolist())}
+        assert {tuple(place) for place in np.argwhere(after["visited"][0]).tolist()} == been
         assert after["sensed_count"][0].tolist() == [int(seen[counts].sum()) for seen in after["sensed"][0]]
         assert after["known"][0].tolist() == [int((b != UNKNOWN).sum()) for b in after["belief"][0]]
 
@@ -79,19 +89,21 @@ def test_nobody_enters_a_wall_or_a_mate_and_moves_are_one_cell(scenario, floorpl
 def test_knowledge_is_own_scans_and_the_union_within_each_radio_component(scenario, floorplan, seed):
     """The whole of sensing and merging against sets and networkx."""
     world = begun(scenario, floorplan, seed)
-    known = [set() for _ in range(scenario.team)]
+    truth, known = floorplan.truth, [set() for _ in range(scenario.team)]
 
     def sense_and_merge(state, flew):
         cells = [tuple(cell) for cell in state["cell"][0].tolist()]
         for n in np.flatnonzero(flew):
-            belief = scan(floorplan.truth, cells[n], scenario.lidar.range)
+            belief = scan(floorplan.truth, cells[n], scenario.lidar.range, scenario.lidar.model)
             known[n] |= set(np.flatnonzero(belief != UNKNOWN).tolist())
         crashed = np.isin(state["end"][0], [End.COLLISION, End.OUT_OF_BOUNDS])
         graph = nx.Graph()
         graph.add_nodes_from(np.flatnonzero(flew & ~crashed).tolist())
-        graph.add_edges_from(
-            (i, j) for i in graph for j in graph if i < j and linked(scenario.radio, cells[i], cells[j])
-        )
+        reach = [(i, j) for i in graph for j in graph if i < j and linked(scenario.radio, truth, cells[i], cells[j])]
+        links = [(i, j) for i, j in reach if state["linked"][0, i, j]]  # some may be lost
+        assert len(links) * 2 == state["linked"].sum()
+        assert links == reach or scenario.radio.loss > 0
+        graph.add_edges_from(links)
         for component in nx.connected_components(graph):
             together = set.union(*(known[n] for n in component))
             for n in component:
@@ -104,14 +116,60 @@ def test_knowledge_is_own_scans_and_the_union_within_each_radio_component(scenar
         sense_and_merge(after, before["end"][0] == End.FLYING)
 
 
-def linked(radio, a, b):
+def linked(radio, truth, a, b):
+    """The radio models, told apart by the distance and, for two of them, the walls between two cells."""
     rows, cols = abs(a[0] - b[0]), abs(a[1] - b[1])
+    distance = float(np.hypot(rows, cols))
     return {
-        "none": False,
-        "square": max(rows, cols) <= radio.range,
-        "disc": np.hypot(rows, cols) <= radio.range,
-        "unlimited": True,
-    }[radio.model]
+        "none": lambda: False,
+        "square": lambda: max(rows, cols) <= radio.range,
+        "disc": lambda: distance <= radio.range,
+        "line-of-sight": lambda: distance <= radio.range and scan(truth, a, distance + 1)[b] == FREE,
+        "path-loss": lambda: (
+            distance <= radio.range * 10 ** (-walls(truth, a, b) * radio.wall_loss / (10 * radio.exponent)) + 1e-9
+        ),
+        "unlimited": lambda: True,
+    }[radio.model]()
+
+
+def walls(truth, a, b):
+    """Runs of obstacles among the cells that a segment crosses, by cutting it at every cell border exactly."""
+    (y, x), (dy, dx) = a, (b[0] - a[0], b[1] - a[1])
+    borders = {Fraction(2 * k + 1, 2 * abs(d)) for d in (dy, dx) if d for k in range(abs(d))}
+    cuts = sorted(borders | {Fraction(0), Fraction(1)})
+    half, inside, count = Fraction(1, 2), False, 0
+    for start, stop in itertools.pairwise(cuts):
+        middle = (start + stop) / 2
+        solid = truth[math.floor(y + middle * dy + half), math.floor(x + middle * dx + half)] == OCCUPIED
+        row, col = y + start * dy + half, x + start * dx + half
+        if not inside and not solid and start and row.denominator == col.denominator == 1:
+            corner = truth[int(row) - 1 : int(row) + 1, int(col) - 1 : int(col) + 1] == OCCUPIED
+            count += bool((corner[0, 0] and corner[1, 1]) or (corner[0, 1] and corner[1, 0]))
+        count += bool(solid and not inside)
+        inside = solid
+    return count
+
+
+@settings(max_examples=200, deadline=None)
+@given(floorplans(), st.integers(0, 2**32))
+def test_walls_between_two_cells_are_counted_exactly_and_alike_from_both_ends(floorplan, seed):
+    free = np.argwhere(floorplan.truth == FREE)
+    rng = np.random.default_rng(seed)
+    for a, b in free[rng.integers(len(free), size=(20, 2))].tolist():
+        found = walls_between(floorplan.truth, *a, *b)
+        assert found == walls_between(floorplan.truth, *b, *a) == (walls(floorplan.truth, a, b) if a != b else 0)
+
+
+def test_contacts_are_lost_with_their_probability():
+    scenario = Scenario(team=2, spawn=((0, 0), (0, 1)), radio={"model": "disc", "range": 2.0, "loss": 0.3}, budget=2000)
+    world = begun(scenario, Floorplan(np.ones((1, 3), np.uint8), "corridor"), 3)
+    world.state.needed[:] = 99  # nobody is done
+    held = []
+    for _ in range(2000):
+        world.step(np.full((1, 2), 4))
+        held.append(bool(world.state.linked[0, 0, 1]))
+    assert 0.66 < np.mean(held) < 0.74
+    assert 0.55 < np.mean(np.array(held[1:])[np.array(held[:-1])]) < 0.8  # each step is drawn anew
 
 
 @examples
@@ -178,6 +236,87 @@ def test_same_seed_same_episode_in_any_batch():
     for b, world in enumerate(alone):
         for name, array in world.state._asdict().items():
             np.testing.assert_array_equal(array[0], getattr(together.state, name)[b], err_msg=name)
+
+
+def test_same_episodes_with_any_number_of_threads():
+    worlds = [World(PRESETS["thesis-team-4"], 7, threads=threads) for threads in (1, 2, 3, 20)]
+    rng = np.random.default_rng(6)
+    for world in worlds:
+        world.reset(range(7))
+    for _ in range(60):
+        actions = rng.integers(0, 5, (7, 4))
+        for world in worlds:
+            world.step(actions)
+    for world in worlds[1:]:
+        for name, array in world.state._asdict().items():
+            np.testing.assert_array_equal(array, getattr(worlds[0].state, name), err_msg=name)
+
+
+def test_same_episodes_in_another_process():
+    """Another process, with other hash seeds and thread counts, flies the same episode."""
+    code = (
+        "import hashlib, numpy as np; from indoor_explorers.env import PRESETS, World;"
+        "world = World(PRESETS['thesis-team-4'], 2); world.reset([11, 12]);"
+        "rng = np.random.default_rng(1);"
+        "[world.step(rng.integers(0, 5, (2, 4))) for _ in range(50)];"
+        "print(hashlib.sha256(b''.join(array.tobytes() for array in world.state)).hexdigest())"
+    )
+    digests = {
+        subprocess.run(
+            [sys.executable, "-P", "-c", code],
+            env=os.environ | {"PYTHONHASHSEED": str(number), "NUMBA_NUM_THREADS": str(number + 1)},
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout
+        for number in range(2)
+    }
+    world = World(PRESETS["thesis-team-4"], 2)
+    world.reset([11, 12])
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        world.step(rng.integers(0, 5, (2, 4)))
+    here = hashlib.sha256(b"".join(array.tobytes() for array in world.state)).hexdigest()
+    assert digests == {here + "\n"}
+
+
+def test_a_map_of_2048_x_2048_cells():
+    truth = np.ones((2048, 2048), np.uint8)
+    truth[::50, ::3] = OCCUPIED
+    scenario = Scenario(team=2, spawn="clustered", lidar={"range": 20.0}, radio={"model": "disc", "range": 9.0})
+    world = begun(scenario, Floorplan(truth, "huge"), 1)
+    before = world.state.team_covered[0]
+    for _ in range(20):
+        world.step(np.full((1, 2), 3))
+    assert world.state.team_covered[0] > before
+    assert world.state.total[0] == (truth == FREE).sum()
+
+
+def test_a_team_of_64_knows_what_the_whole_of_it_knows():
+    room = {"source": "thesis", "height": 40, "width": 50, "obstacles": 20}
+    world = World(Scenario(map=room, team=64, spawn="clustered", radio={"model": "unlimited"}, on_collision="block"))
+    world.reset([3])
+    rng = np.random.default_rng(4)
+    for _ in range(30):
+        world.step(rng.integers(0, 5, (1, 64)))
+        assert (world.state.belief[0] == world.state.union[0]).all()
+        assert len(np.unique(world.state.cell[0], axis=0)) == 64
+    assert len(world.view(0, 5).mates) == 63
+
+
+def test_a_corridor_one_cell_wide():
+    world = begun(
+        Scenario(team=2, spawn=((0, 0), (0, 1)), goal=1.0), Floorplan(np.ones((1, 40), np.uint8), "corridor"), 0
+    )
+    for _ in range(60):
+        world.step(np.array([[3, 3]]))
+    assert world.state.end[0].tolist() == [End.FLYING, End.GOAL] or world.state.end[0, 1] == End.GOAL
+
+
+@pytest.mark.parametrize("seed", [-1, 2**63])
+def test_seeds_out_of_range_are_refused(seed):
+    with pytest.raises(InputError, match="expected a seed from 0 to 9223372036854775807"):
+        World(PRESETS["thesis-open"]).reset([seed])
 
 
 def test_what_pilots_draw_changes_nothing_else():
@@ -269,7 +408,8 @@ def test_denominators():
     for denominator, total in (("reachable", 4), ("map", 8)):
         scenario = Scenario(denominator=denominator, budget=5, spawn=((0, 0),), goal=0.5)
         assert begun(scenario, Floorplan(truth, "split"), 0).state.total[0] == total
-    assert reachable_cells(truth, [(0, 0), (1, 3)]).sum() == 6
+    everywhere = Scenario(team=2, budget=5, spawn=((0, 0), (1, 3)), goal=0.5)
+    assert begun(everywhere, Floorplan(truth, "split"), 0).state.total[0] == 6
 
 
 def test_a_goal_that_can_never_be_reached_is_refused():
@@ -285,9 +425,7 @@ def test_spawns_are_free_connected_and_distinct():
         for b in range(3):
             cells = {tuple(cell) for cell in world.state.cell[b].tolist()}
             assert len(cells) == 64
-            plan = world.floorplans[b]
-            assert plan is not None
-            assert all(plan.main_part[cell] for cell in cells)
+            assert all(world.floorplan(b).main_part[cell] for cell in cells)
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from indoor_explorers.env import Scenario, World
 from indoor_explorers.env.grid import FREE, OCCUPIED, largest_part
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.state import RADIO_MODELS
 
 
 @st.composite
@@ -24,10 +25,14 @@ def scenarios(draw, /, most=5, **fixed):
     """A random scenario without a map: team, sensing, radio, rules."""
     settings = {
         "team": draw(st.integers(1, most)),
-        "lidar": {"range": draw(st.sampled_from([1.0, 1.5, 3.0, 5.0]))},
+        "lidar": {
+            "range": draw(st.sampled_from([1.0, 1.5, 3.0, 5.0])),
+            "model": draw(st.sampled_from(["exact", "exact", "marsexplorer"])),
+        },
         "radio": {
-            "model": draw(st.sampled_from(["none", "square", "disc", "unlimited"])),
-            "range": draw(st.sampled_from([0.0, 1.0, 3.0])),
+            "model": draw(st.sampled_from(RADIO_MODELS)),
+            "range": draw(st.sampled_from([0.0, 1.0, 3.0, 6.0])),
+            "loss": draw(st.sampled_from([0.0, 0.0, 0.3])),
         },
         "on_collision": draw(st.sampled_from(["end", "block"])),
         "goal": draw(st.sampled_from([0.5, 0.9, 1.0])),

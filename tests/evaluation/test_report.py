@@ -14,10 +14,9 @@ import pytest
 from rich.console import Console
 
 from indoor_explorers.env import Briefing, Pilot, Policy, Scenario, View, scenario
-from indoor_explorers.env.grid import OCCUPIED
+from indoor_explorers.env.grid import OCCUPIED, UNREACHABLE, distance_field
 from indoor_explorers.env.maps.sources import ThesisMaps
 from indoor_explorers.env.scenario import Lidar, Radio
-from indoor_explorers.env.world import reachable_cells
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report import headline_table, write_figures, write_report
@@ -268,7 +267,8 @@ def test_replays_cover_what_the_records_say(results: Results, stride: int) -> No
     for record in results.records:
         known = known_from(record, 3.0)
         shown = [*range(0, record.steps, stride), record.steps]
-        counted = reachable_cells(record.floorplan.truth, [tuple(cell) for cell in record.cells[0].tolist()]).ravel()
+        spawn = (int(record.cells[0, 0, 0]), int(record.cells[0, 0, 1]))
+        counted = (distance_field(record.floorplan.truth, spawn) < UNREACHABLE).ravel()
         assert [int((counted & (known >= 0) & (known <= s)).sum()) for s in shown] == record.covered[shown, 0].tolist()
         final, covered, cells = _replayed(record, pack_flight(record, known, stride), len(shown))
         assert (final == (known >= 0)).all()
