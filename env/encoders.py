@@ -18,9 +18,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from gymnasium.spaces import Box
-from numba import njit
 from numpy.typing import NDArray
 
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.grid import frontier_mask
 from indoor_explorers.env.view import Briefing, View
@@ -127,7 +127,7 @@ def make_encoder(observation: Observation, briefing: Briefing) -> Encoder:
     return Channels(briefing, planes)
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _paint(belief: np.ndarray, row: int, col: int, codes: np.ndarray, out: np.ndarray) -> None:
     """Fill planes ``out`` (C, H, W) uint8 of the kinds ``codes`` (C,), that of teammates with zeros."""
     height, width = belief.shape
@@ -145,7 +145,7 @@ def _paint(belief: np.ndarray, row: int, col: int, codes: np.ndarray, out: np.nd
                 plane[row, col] = 255
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _paint_all(belief: np.ndarray, cell: np.ndarray, codes: np.ndarray, out: np.ndarray) -> None:
     for b in range(belief.shape[0]):
         _paint(belief[b], cell[b, 0], cell[b, 1], codes, out[b])

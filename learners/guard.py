@@ -15,9 +15,9 @@ corridor do not wait for each other for ever.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, Action, distances_from, step_towards, touches_unknown
 from indoor_explorers.env.view import View
 
@@ -35,7 +35,7 @@ BUMPS = 2
 LONGEST_WAIT = 4
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def nearest_frontier(belief: np.ndarray, row: int, col: int, queue: np.ndarray, steps: np.ndarray) -> int:
     """Return the flat index of the nearest known free cell next to an unknown one, -1 when none is in reach.
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief, Distances
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import UNREACHABLE, frontier_mask
 
 #: A cluster is split while a cell is further than this share of the lidar range from its mean.
@@ -33,7 +33,7 @@ class Clusters(NamedTuple):
         return len(self.ends) - 1
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _gather(mask: np.ndarray, seed: int, cells: np.ndarray, count: int) -> int:
     """Move the 8-connected part around flat cell ``seed`` from ``mask`` to ``cells``; return the new count."""
     height, width = mask.shape
@@ -54,7 +54,7 @@ def _gather(mask: np.ndarray, seed: int, cells: np.ndarray, count: int) -> int:
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _moments(cells: np.ndarray, width: int) -> tuple[float, float, float, float]:
     """Return (mean row, mean column, largest squared distance to the mean, angle of the principal axis)."""
     count = cells.shape[0]
@@ -73,7 +73,7 @@ def _moments(cells: np.ndarray, width: int) -> tuple[float, float, float, float]
     return row_mean, col_mean, largest, 0.5 * np.arctan2(2.0 * rc, rr - cc)
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _halved(cells: np.ndarray, width: int, row_mean: float, col_mean: float, angle: float) -> int:
     """Bring the cells on the lower side of the principal axis to the front, in order; return how many."""
     side = np.empty(cells.shape[0], np.bool_)
@@ -86,7 +86,7 @@ def _halved(cells: np.ndarray, width: int, row_mean: float, col_mean: float, ang
     return int(max(1, min(lower.shape[0], cells.shape[0] - 1)))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _split(cells: np.ndarray, width: int, radius: float, begin: int, end: int, ends: np.ndarray, count: int) -> int:
     """Split ``cells[begin:end]`` until all parts are small; write where they end; return the new count."""
     pending = [end]
@@ -102,7 +102,7 @@ def _split(cells: np.ndarray, width: int, radius: float, begin: int, end: int, e
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _clustered(mask: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
     height, width = mask.shape
     total = np.sum(mask)
@@ -122,7 +122,7 @@ def frontier_clusters(belief: Belief, lidar_range: float) -> Clusters:
     return Clusters(*_clustered(frontier_mask(belief), SPREAD * lidar_range))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _nearest(field: np.ndarray, cells: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     width = field.shape[1]
     count = ends.shape[0] - 1

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import UNKNOWN
 from indoor_explorers.env.lidar import Optics, new_scan, optics, visible_cells
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _unclaimed(belief: np.ndarray, cells: np.ndarray, claims: np.ndarray, radius: float, lens: Optics) -> np.ndarray:
     width = belief.shape[1]
     scan = new_scan(lens)
@@ -37,7 +37,7 @@ def unclaimed_gains(
     return np.asarray(_unclaimed(belief, cells, claims, lidar_range, optics(float(lidar_range))))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _sights(belief: np.ndarray, cells: np.ndarray, lens: Optics) -> tuple[np.ndarray, int]:
     width = belief.shape[1]
     scan = new_scan(lens)
@@ -69,7 +69,7 @@ def sights(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDAr
     return np.asarray(_sights(belief, cells, optics(float(lidar_range)))[0])
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def bit_count(word: np.uint64) -> np.uint64:
     """Count the ones of a 64-bit word (Warren, Hacker's Delight, 5-1)."""
     word -= (word >> np.uint64(1)) & np.uint64(0x5555555555555555)

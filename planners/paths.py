@@ -11,10 +11,10 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief, Cell, Distances
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from, touches_unknown
 from indoor_explorers.env.randomness import draw
 
@@ -35,14 +35,14 @@ class Scratch(NamedTuple):
     """(H*W,) the number of the search that reached a cell last, so that nothing needs clearing."""
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def on_frontier(belief: np.ndarray, cell: int) -> bool:
     """Tell whether a flat cell is free and 4-adjacent to unknown (Yamauchi 1997)."""
     row, col = divmod(cell, belief.shape[1])
     return bool(belief[row, col] == FREE and touches_unknown(belief, row, col))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def frontier_cells(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Return which of (K,) flat cells are on the frontier, (K,) bool."""
     on = np.empty(cells.shape[0], np.bool_)
@@ -51,7 +51,7 @@ def frontier_cells(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
     return on
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _start(cell: int, barred: np.ndarray, scratch: Scratch, number: int) -> None:
     for k in range(barred.shape[0]):
         scratch.mark[barred[k]] = number
@@ -60,7 +60,7 @@ def _start(cell: int, barred: np.ndarray, scratch: Scratch, number: int) -> None
     scratch.queue[0] = cell
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _spread(belief: np.ndarray, cell: int, scratch: Scratch, number: int, tail: int) -> int:
     """Append the free neighbours of ``cell`` that search ``number`` has not reached; return the new tail."""
     height, width = belief.shape
@@ -77,7 +77,7 @@ def _spread(belief: np.ndarray, cell: int, scratch: Scratch, number: int, tail: 
     return tail
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def search(belief: np.ndarray, start: int, goal: int, barred: np.ndarray, scratch: Scratch, number: int) -> bool:
     """Search from ``start`` until ``goal`` is reached; return whether it was."""
     _start(start, barred, scratch, number)
@@ -88,7 +88,7 @@ def search(belief: np.ndarray, start: int, goal: int, barred: np.ndarray, scratc
     return bool(scratch.mark[goal] == number and (goal == start or not np.any(barred == goal)))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _shunned(cell: int, width: int, avoid: np.ndarray) -> bool:
     row, col = divmod(cell, width)
     for k in range(avoid.shape[0]):
@@ -98,7 +98,7 @@ def _shunned(cell: int, width: int, avoid: np.ndarray) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def near_any(cells: np.ndarray, avoid: np.ndarray, width: int) -> np.ndarray:
     """Return which of (K,) flat cells are within ``AVOID_RADIUS`` of one of ``avoid``, (K,) bool."""
     near = np.zeros(cells.shape[0], np.bool_)
@@ -107,7 +107,7 @@ def near_any(cells: np.ndarray, avoid: np.ndarray, width: int) -> np.ndarray:
     return near
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def search_frontier(
     belief: np.ndarray,
     start: int,
@@ -139,7 +139,7 @@ def search_frontier(
     return best
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def search_within(belief: np.ndarray, start: int, reach: int, barred: np.ndarray, scratch: Scratch, number: int) -> int:
     """Fill ``scratch.queue`` with the cells at most ``reach`` steps from ``start``, nearest first; return how many."""
     _start(start, barred, scratch, number)
@@ -153,7 +153,7 @@ def search_within(belief: np.ndarray, start: int, reach: int, barred: np.ndarray
     return tail
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def traced(parent: np.ndarray, goal: int) -> np.ndarray:
     """Return the cells from the start of the last search to ``goal``, both included."""
     length, cell = 0, goal
@@ -168,7 +168,7 @@ def traced(parent: np.ndarray, goal: int) -> np.ndarray:
     return path
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def count_known(belief: np.ndarray) -> int:
     """Count the known cells: as knowledge only grows, an equal count means an unchanged map."""
     known = 0

@@ -12,9 +12,9 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.learners.dddqn.observation import MOVE_FEATURES, SCENE
 
 Array = NDArray[np.float32]
@@ -66,7 +66,7 @@ def weights_from(arrays: Mapping[str, NDArray[Any]]) -> Weights:
     return Weights(*(np.ascontiguousarray(arrays[name].T, np.float32) for name, _ in SHAPES))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray) -> None:
     """Write x W + b; inputs that are zero cost nothing."""
     out[:] = bias
@@ -77,7 +77,7 @@ def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray
                 out[j] += value * weight[i, j]
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _norm_relu(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
     """Apply layer normalisation (Ba et al. 2016) and ReLU in place."""
     mean = variance = 0.0
@@ -91,7 +91,7 @@ def _norm_relu(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
         x[j] = max(np.float32((x[j] - mean) * spread) * scale[j] + shift[j], np.float32(0.0))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _own_advantages(moves: np.ndarray, weights: Weights, out: np.ndarray) -> None:
     """Add what each move's own features say to its advantage."""
     hidden = np.empty(weights.move_hidden.shape[1], np.float32)
@@ -103,7 +103,7 @@ def _own_advantages(moves: np.ndarray, weights: Weights, out: np.ndarray) -> Non
         out[k] += total
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def q_values(scene: np.ndarray, moves: np.ndarray, weights: Weights, q: np.ndarray) -> None:
     """Write the values ``q`` (B, 4) of scenes (B, 696) uint8 and move features (B, 4, 8) float32."""
     width = weights.look.shape[1]

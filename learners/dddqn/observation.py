@@ -13,8 +13,8 @@ only permutes the numbers (:mod:`indoor_explorers.learners.dddqn.symmetry`).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from indoor_explorers.env.compiled import kernel, leaf
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from, touches_unknown
 from indoor_explorers.env.lidar import new_scan, unknown_in_view, visible_cells
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
@@ -40,7 +40,7 @@ VISIT_CAP = 4
 HALF_DISTANCE = 8.0
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, noted: np.ndarray, visits: np.ndarray) -> int:
     """Count a visit of (row, col) in ``visits`` (H, W) uint8, forgetting all of them after a gain of its own.
 
@@ -65,7 +65,7 @@ def remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, noted: np.n
     return gain
 
 
-@njit(cache=True, nogil=True)
+@leaf()
 def _tabulate(belief: np.ndarray, unknown: np.ndarray, free: np.ndarray) -> None:
     """Fill the summed-area tables (H + 1, W + 1) of unknown and of known free cells."""
     for r in range(belief.shape[0]):
@@ -77,7 +77,7 @@ def _tabulate(belief: np.ndarray, unknown: np.ndarray, free: np.ndarray) -> None
             free[r + 1, c + 1] = free[r, c + 1] + row_free
 
 
-@njit(cache=True, nogil=True, inline="always")
+@leaf()
 def _within(table: np.ndarray, top: int, left: int, bottom: int, right: int) -> int:
     """Sum a summed-area table over rows top..bottom - 1 and columns left..right - 1, cut to the map."""
     height, width = table.shape[0] - 1, table.shape[1] - 1
@@ -86,7 +86,7 @@ def _within(table: np.ndarray, top: int, left: int, bottom: int, right: int) -> 
     return int(table[bottom, right] - table[top, right] - table[bottom, left] + table[top, left])
 
 
-@njit(cache=True, nogil=True)
+@leaf()
 def _pool(table: np.ndarray, row: int, col: int, pixels: int, side: int, out: np.ndarray) -> None:
     """Write the share of each of pixels x pixels blocks, ``side`` (odd) cells wide, centred on (row, col)."""
     first = -((pixels * side) // 2)
@@ -98,7 +98,7 @@ def _pool(table: np.ndarray, row: int, col: int, pixels: int, side: int, out: np
             out[i * pixels + j] = (510 * count + side * side) // (2 * side * side)
 
 
-@njit(cache=True, nogil=True)
+@leaf()
 def _look_around(row: int, col: int, sensor: Sensor, scratch: Scratch, out: np.ndarray) -> None:
     """Write ``scene``: the fine and coarse maps and the unknown cells down, left, up and right."""
     fine, coarse = FINE * FINE, COARSE * COARSE
@@ -120,7 +120,7 @@ def _look_around(row: int, col: int, sensor: Sensor, scratch: Scratch, out: np.n
         out[at + k] = int(255.0 * sides[k] / (sides[k] + 4.0 * sensor.disc) + 0.5)
 
 
-@njit(cache=True, nogil=True)
+@leaf()
 def _gain_at(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> int:
     reach = sensor.reach
     if _within(scratch.unknown, row - reach, col - reach, row + reach + 1, col + reach + 1) == 0:
@@ -128,7 +128,7 @@ def _gain_at(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Sc
     return unknown_in_view(belief, row, col, sensor.optics, scratch.scan)
 
 
-@njit(cache=True, nogil=True)
+@leaf()
 def _survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> int:
     """Fill ``gain`` at reachable places: a lattice around the UAV and every frontier cell.
 
@@ -148,7 +148,7 @@ def _survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scr
     return nearest
 
 
-@njit(cache=True, nogil=True)
+@leaf()
 def _look_ahead(
     belief: np.ndarray, row: int, col: int, move: int, sensor: Sensor, scratch: Scratch, out: np.ndarray
 ) -> None:
@@ -178,7 +178,7 @@ def _look_ahead(
     out[6] = np.sqrt(total)
 
 
-@njit(cache=True, nogil=True)
+@leaf()
 def observe(
     belief: np.ndarray,
     row: int,
@@ -209,7 +209,7 @@ def observe(
     return nearest
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def observe_all(
     belief: np.ndarray,
     cell: np.ndarray,

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-from numba import njit
 from numpy.typing import NDArray
 from torch import Tensor
 
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.learners.dddqn.observation import MOVE_FEATURES, SCENE
 from indoor_explorers.learners.dddqn.symmetry import SYMMETRIES, symmetries
 from indoor_explorers.learners.dddqn.targets import look_forward
@@ -60,7 +60,7 @@ def empty_slots(slots: int, columns: int) -> Slots:
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _turned_scenes(
     scene: np.ndarray, slot: np.ndarray, column: np.ndarray, table: np.ndarray, turn: np.ndarray, out: np.ndarray
 ) -> None:

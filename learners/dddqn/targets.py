@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import torch
-from numba import njit
 from torch import Tensor
 
+from indoor_explorers.env.compiled import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel()
 def look_forward(
     reward: np.ndarray,
     terminal: np.ndarray,

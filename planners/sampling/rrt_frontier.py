@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
@@ -136,7 +136,7 @@ class RrtFrontierPilot(GoalPilot):
         return np.asarray(worth - field.ravel()[cells], np.float64)
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def merged(cells: np.ndarray, distance: float, width: int) -> np.ndarray:
     """Return (K,) flat cells without those nearer than ``distance`` cells to one before them that is kept."""
     kept = np.empty(cells.shape[0], np.int32)
@@ -153,7 +153,7 @@ def merged(cells: np.ndarray, distance: float, width: int) -> np.ndarray:
     return kept[:size]
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def border_cells(belief: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Return the unknown cells 4-adjacent to known free ones between two corners, (K, 2) rows and columns."""
     height, width = belief.shape

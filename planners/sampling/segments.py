@@ -7,15 +7,15 @@ and its centre is (r + .5, c + .5). Unknown cells are taken to be passable.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 
 #: What :func:`fly` answers beside a cell: nothing unknown on the way, or an obstacle.
 ALL_KNOWN, BLOCKED = -1, -2
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _crossing(start: float, delta: float, cell: int) -> float:
     """Return at which share of a segment it leaves ``cell`` along one axis; infinity for never."""
     if delta > 0.0:
@@ -25,7 +25,7 @@ def _crossing(start: float, delta: float, cell: int) -> float:
     return np.inf
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def fly(belief: np.ndarray, row: float, col: float, to_row: float, to_col: float) -> int:
     """Return the last cell before the unknown on a segment, as a flat index.
 
@@ -54,7 +54,7 @@ def fly(belief: np.ndarray, row: float, col: float, to_row: float, to_col: float
     return entry
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def entries(belief: np.ndarray, vertices: np.ndarray, parents: np.ndarray) -> np.ndarray:
     """Return the cells from which the edges of a tree first enter the unknown, as flat indices.
 

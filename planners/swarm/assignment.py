@@ -9,9 +9,9 @@ from math import pi
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import UNREACHABLE
 from indoor_explorers.planners.gains import bit_count
 
@@ -33,7 +33,7 @@ class Task(NamedTuple):
     """(4,) weights of union view gain, mean distance, crowding and imbalance."""
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _union(sights: np.ndarray, goals: np.ndarray) -> int:
     """Count the cells visible from at least one of the goals."""
     gain = 0
@@ -45,7 +45,7 @@ def _union(sights: np.ndarray, goals: np.ndarray) -> int:
     return gain
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _crowding(points: np.ndarray, goals: np.ndarray, lidar_range: float) -> float:
     """Sum over pairs of goals how much nearer than the lidar range they are, 0 to 1 a pair."""
     crowding = 0.0
@@ -57,7 +57,7 @@ def _crowding(points: np.ndarray, goals: np.ndarray, lidar_range: float) -> floa
     return crowding
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def fitness(task: Task, goals: np.ndarray) -> float:
     """Return how good it is that UAV i flies to candidate ``goals[i]``.
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import Assignment, Task, fitness, options
 
@@ -41,13 +41,13 @@ class Swarm:
         at_least(self, 0, "rounds", "cognitive", "social", "largest_step")
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _decode(keys: np.ndarray, choices: np.ndarray, counts: np.ndarray, out: np.ndarray) -> None:
     for i in range(keys.shape[0]):
         out[i] = choices[i, min(int(keys[i] * counts[i]), counts[i] - 1)]
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _advance(
     keys: np.ndarray, speed: np.ndarray, best: np.ndarray, leader: np.ndarray, chance: np.ndarray, pull: np.ndarray
 ) -> None:
@@ -62,7 +62,7 @@ def _advance(
         keys[i] = min(max(keys[i] + speed[i], 0.0), 1.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _evolve(
     task: Task,
     choices: np.ndarray,
