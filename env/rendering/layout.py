@@ -93,7 +93,7 @@ def _grids(shape: tuple[int, int], size: tuple[int, int], count: int) -> Iterato
                 used = cell / room
                 high, broad = rows * (tall * cell + TITLE), cols * wide * cell
                 whole = (height, width + broad) if beside else (height + high, width)
-                lopsided = max(1.0, whole[1] / whole[0] / 2.1, whole[0] / whole[1] / 1.1)
+                lopsided = max(1.0, whole[1] / whole[0] / 1.9, whole[0] / whole[1] / 1.1)
                 yield _Grid(beside, rows, cols, cell, cell * used * (count / (rows * cols)) ** 2 / lopsided**2)
 
 

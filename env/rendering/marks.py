@@ -64,14 +64,15 @@ def mate(chart: Chart, cell: Cells, colour: Colour, agent: int, age: int, *, sma
     _number(chart.around, place, radius, np.asarray(255 - strength * (255.0 - colour), np.uint8), agent)
 
 
-def label(chart: Chart, cell: Cells, text: str) -> None:
-    """Write beside a UAV how it ended."""
-    x, y = chart.outer(cell)
+def label(chart: Chart, cells: Cells, agent: int, text: str) -> None:
+    """Write below a UAV how it ended, or above it where another one of ``cells`` (N, 2) or the border is in the way."""
+    x, y = chart.outer(cells[agent])
     height, width = chart.around.shape[:2]
-    half = text_width(text, 12) / 2 + 6
+    half, away = text_width(text, 12) / 2 + 6, chart.radius + 12
     x = min(max(x, half + 2), width - half - 2)
-    away = chart.radius + 12
-    y += away if y + away < height - 10 else -away
+    others = np.abs((np.delete(cells, agent, axis=0)[:, ::-1] + 0.5) * chart.cell + OVERHANG - (x, y + away))
+    hidden = bool((others < (half + chart.radius, 8 + chart.radius)).all(axis=1).any())
+    y += -away if (hidden and y > away + 10) or y + away > height - 10 else away
     stroke(chart.around, [(x - half + 8, y), (x + half - 8, y)], PAGE, 16, 0.92)
     write(chart.around, (x, y), text, 12, INK)
 

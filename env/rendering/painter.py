@@ -28,17 +28,18 @@ from indoor_explorers.env.state import End
 
 #: How strongly the cells in view take on the colour of the UAVs that see them.
 TINT = 0.25
-#: Largest teams whose lidar and radio reach are outlined, and whose ends are written beside the UAVs.
-OUTLINED, LABELLED = 8, 16
+#: Largest teams whose lidar and radio reach are outlined, whose mates are numbered on own maps, and whose ends are
+#: written beside the UAVs.
+OUTLINED, NUMBERED, LABELLED = 6, 8, 16
 #: Pixels of a cell from which on cells are told apart by hairlines.
 RULED = 12
 #: What became of a UAV, in words.
 ENDS = {
-    End.GOAL: "goal reached",
+    End.GOAL: "goal",
     End.COLLISION: "collision",
     End.OUT_OF_BOUNDS: "out of bounds",
     End.STUCK: "stuck",
-    End.BUDGET: "budget spent",
+    End.BUDGET: "budget",
 }
 
 
@@ -69,7 +70,7 @@ def _caption(canvas: Canvas, layout: Layout, scene: Scene) -> None:
     """Write title, step and coverage above a bar of the coverage."""
     left, right = layout.main.left, layout.width - layout.main.left
     ends = {End(int(end)) for end in scene.ends}
-    over = "" if End.FLYING in ends else ", ".join(ENDS[end] for end in sorted(ends)) + "  \u00b7  "
+    over = "" if End.FLYING in ends else f"ended: {', '.join(ENDS[end] for end in sorted(ends))}  \u00b7  "
     facts = f"{over}step {scene.step:,} / {scene.budget:,}  \u00b7  coverage {scene.coverage:.1%}"
     line = MARGIN + 10
     write(canvas, (right, line), facts, 15, INK, anchor=1.0)
@@ -96,16 +97,15 @@ def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]
     for agent in range(scene.team):
         marks.trail(chart, scene.trails[:, agent], colours[agent], _lane(scene, agent))
     marks.links(chart, scene.cells, scene.linked)
+    for agent in np.flatnonzero(gone(scene)).tolist() if scene.team <= LABELLED else ():
+        marks.label(chart, scene.cells, agent, ENDS[End(int(scene.ends[agent]))])
     for agent in np.argsort(flying, kind="stable").tolist():  # those that fly last, on top
         marks.uav(chart, scene.cells[agent], colours[agent], agent)
-    if scene.team <= LABELLED:
-        for agent in np.flatnonzero(gone(scene)).tolist():
-            marks.label(chart, scene.cells[agent], ENDS[End(int(scene.ends[agent]))])
 
 
 def _own_map(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[np.uint8]) -> None:
     """Paint what one UAV knows: nothing in it comes from anything else than its own map, flight and radio."""
-    few = scene.team <= OUTLINED
+    few = scene.team <= NUMBERED
     chart = _lay(canvas, box, np.take(KNOWN, scene.beliefs[agent], axis=0), 7.0 if few else 6.0)
     marks.trail(chart, scene.trails[:, agent], colour, _lane(scene, agent))
     ages = scene.heard_age[agent]
@@ -119,9 +119,12 @@ def _own_map(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray
 def _title(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[np.uint8]) -> None:
     """Write a UAV's number, how it ended, and how many cells it knows above its map."""
     end = End(int(scene.ends[agent]))
-    title = f"UAV {agent}: {ENDS[end]}" if gone(scene)[agent] else f"UAV {agent}"
+    title = f"UAV {agent}"
     known, most = (f"{count:,} cells" for count in (np.count_nonzero(scene.beliefs[agent]), scene.truth.size))
     line, room = box.top - 10.0, box.width - 14
+    if gone(scene)[agent]:
+        long, short = f"{title}: {ENDS[end]}", f"{agent}: {ENDS[end]}"
+        title = long if text_width(long, 13) <= room else short
     disc(canvas, (box.left + 5.0, line), 4.5, colour)
     if text_width(max(title, f"UAV {scene.team - 1}", key=len), 13) + text_width(most, 13) + 12 <= room:
         write(canvas, (box.left + box.width, line), known, 13, FAINT, anchor=1.0)
