@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from indoor_explorers.env import Action, InputError, Pilot, Policy, World
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.policy import is_action
-from indoor_explorers.env.rendering import Trails, paint, scene_of
+from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
 from indoor_explorers.env.rendering.film import FPS, Film
 from indoor_explorers.env.rendering.window import Window
 from indoor_explorers.env.world import draw_floorplan
@@ -44,7 +44,7 @@ def watch(experiment: Experiment, console: Console, *, save: Path | None, steps:
         show.in_file(moments, Film(save, fps), console)
     console.print(
         f"{experiment.policies[0].name} on {scenario.name}, seed {experiment.seed}: "
-        f"{world.state.step[0]} steps, coverage {world.team_coverage[0]:.1%}",
+        f"step {world.state.step[0]} of {world.state.budget[0]}, coverage {percent(world.team_coverage[0])}",
         highlight=False,
         soft_wrap=True,
     )

@@ -42,8 +42,8 @@ class Palette:
             colours = np.unique(codes[new])
             self._index[colours] = self._nearest(_rgb(colours))
             indices = self._index[codes]
-        image = Image.fromarray(indices, mode="P")
-        image.putpalette(self._entries.tobytes())
+        image = Image.fromarray(indices)
+        image.putpalette(self._entries.tobytes())  # which makes indices of its greys
         return image
 
     def _nearest(self, colours: Picture) -> NDArray[np.intp]:

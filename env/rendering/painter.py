@@ -66,12 +66,17 @@ def gone(scene: Scene) -> Mask:
     return np.asarray((scene.ends != End.FLYING) & ~together)
 
 
+def percent(share: float) -> str:
+    """Return a share in percent, rounded down, so that 100.0% is all of it."""
+    return f"{np.floor(1000 * share + 1e-9) / 10:.1f}%"
+
+
 def _caption(canvas: Canvas, layout: Layout, scene: Scene) -> None:
     """Write title, step and coverage above a bar of the coverage."""
     left, right = layout.main.left, layout.width - layout.main.left
     ends = {End(int(end)) for end in scene.ends}
     over = "" if End.FLYING in ends else f"ended: {', '.join(ENDS[end] for end in sorted(ends))}  \u00b7  "
-    facts = f"{over}step {scene.step:,} / {scene.budget:,}  \u00b7  coverage {scene.coverage:.1%}"
+    facts = f"{over}step {scene.step:,} / {scene.budget:,}  \u00b7  coverage {percent(scene.coverage)}"
     line = MARGIN + 10
     write(canvas, (right, line), facts, 15, INK, anchor=1.0)
     room = right - left - text_width(facts, 15) - 24

@@ -47,7 +47,7 @@ def test_a_gif_has_a_frame_for_each_step(capsys, tmp_path):
     with Image.open(path) as image:
         assert f"Saved: {path} (10 frames of {image.width} x {image.height} pixels)" in printed
         assert (image.n_frames, image.info["duration"]) == (10, 200)
-    assert "frontier-minpos on thesis-team-2, seed 0: 9 steps, coverage" in printed
+    assert "frontier-minpos on thesis-team-2, seed 0: step 9 of 400, coverage" in printed
 
 
 def test_a_video_of_a_map_file(capsys, tmp_path):
@@ -60,7 +60,7 @@ def test_a_video_of_a_map_file(capsys, tmp_path):
     path = tmp_path / "film.mp4"
     status, printed, errors = run(capsys, *words, "--set", "lidar.range=4", "--steps", "6", "--save", path)
     assert (status, errors) == (0, "")
-    assert "frontier-nearest on flat, seed 0: 6 steps" in printed
+    assert "frontier-nearest on flat, seed 0: step 6 of " in printed
     with av.open(str(path)) as container:
         assert len(list(container.decode(video=0))) == 7
 
@@ -82,7 +82,7 @@ def test_the_window_shows_every_step(capsys, monkeypatch):
     assert (status, errors) == (0, "")
     assert len(shown) == 6
     assert len(set(shown)) == 1
-    assert "5 steps" in printed
+    assert "step 5 of" in printed
     assert not load_pygame().display.get_init()
 
 
@@ -97,7 +97,7 @@ def test_closing_the_window_ends_the_flight(capsys, monkeypatch):
     monkeypatch.setattr(Window, "show", show_and_close)
     status, printed, errors = run(capsys, *WATCH, "--fps", "1000")
     assert (status, errors) == (0, "")
-    assert ": 1 steps" in printed
+    assert ": step 1 of" in printed
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.lidar import scan
-from indoor_explorers.env.rendering import Trails, paint, scene_of
+from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
 from indoor_explorers.env.rendering.layout import PANELS, layout_of
 from indoor_explorers.env.rendering.palette import HIDDEN, INK, KNOWN, PAGE, paler, uav_colours
 from indoor_explorers.env.state import End
@@ -196,6 +196,10 @@ def test_a_scene_is_plain_arrays_and_needs_no_trails():
     assert one.title == "mine"
     assert not any(isinstance(getattr(one, field.name), type(world)) for field in dataclasses.fields(one))
     assert paint(one).dtype == np.uint8
+
+
+def test_nearly_everything_is_not_everything():
+    assert [percent(share) for share in (0.0, 0.123, 0.99999, 1.0)] == ["0.0%", "12.3%", "99.9%", "100.0%"]
 
 
 def test_trails_forget():
