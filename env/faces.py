@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,11 @@ from indoor_explorers.env.scenario import Scenario, named_scenario
 from indoor_explorers.env.state import End
 from indoor_explorers.env.world import World
 
-#: How all faces render: an (h, w, 3) uint8 image.
-RENDER_MODES = ("rgb_array",)
-#: Frames a second that a recording is meant to be shown at.
+#: How faces render: in a window, or as an (h, w, 3) uint8 image.
+RENDER_MODES = ("human", "rgb_array")
+#: How a face with many episodes does: one image for each.
+VECTOR_RENDER_MODES = ("rgb_array",)
+#: Frames a second that a window shows, and that a recording is meant to be shown at.
 RENDER_FPS = 8
 #: The first seed that a reset without one never draws.
 SEED_LIMIT = 2**31
@@ -32,10 +34,10 @@ def find_scenario(scenario: Scenario | str, settings: Mapping[str, Any] | None =
     return scenario.with_settings(settings) if settings else scenario
 
 
-def find_render_mode(render_mode: str | None) -> str | None:
+def find_render_mode(render_mode: str | None, modes: Collection[str] = RENDER_MODES) -> str | None:
     """Return the render mode, refusing unknown ones."""
-    if render_mode is not None and render_mode not in RENDER_MODES:
-        raise InputError(f"unknown render mode {render_mode!r}{did_you_mean(render_mode, RENDER_MODES)}")
+    if render_mode is not None and render_mode not in modes:
+        raise InputError(f"unknown render mode {render_mode!r}{did_you_mean(render_mode, modes)}")
     return render_mode
 
 

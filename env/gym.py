@@ -22,7 +22,7 @@ from indoor_explorers.env.faces import (
     is_terminated,
     new_lone_world,
 )
-from indoor_explorers.env.rendering import frame
+from indoor_explorers.env.rendering.camera import Camera
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 
@@ -51,7 +51,7 @@ class IndoorExplorersEnv(gymnasium.Env[NDArray[Any], np.int64]):
         Args:
             scenario: The task; its team is one UAV.
             observation: Name of an encoder, or what makes one, see :mod:`indoor_explorers.env.encoders`.
-            render_mode: ``rgb_array`` or None.
+            render_mode: ``rgb_array``, ``human`` (a window that shows every step; extra ``render``) or None.
             settings: Dotted settings to replace in the scenario, such as ``{"lidar.range": 5}``.
             index: Which map of a scenario with several map files.
 
@@ -61,6 +61,7 @@ class IndoorExplorersEnv(gymnasium.Env[NDArray[Any], np.int64]):
         """
         self.render_mode = find_render_mode(render_mode)
         self.world = new_lone_world(find_scenario(scenario, settings), 1, index)
+        self._camera = Camera(self.world, self.render_mode, RENDER_FPS)
         self._encoder = make_encoder(observation, self.world.briefing(0, 0))
         self._index = index
         self._begun = False
@@ -74,6 +75,7 @@ class IndoorExplorersEnv(gymnasium.Env[NDArray[Any], np.int64]):
         super().reset(seed=seed)
         self.world.begin(0, draw_seed(self.np_random) if seed is None else seed, index=self._index)
         self._begun = True
+        self._camera.begun(0)
         return self._encoder.observation(self.world.view(0, 0)), info_of(self.world, 0, 0)
 
     def step(self, action: np.int64 | int) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
@@ -81,6 +83,7 @@ class IndoorExplorersEnv(gymnasium.Env[NDArray[Any], np.int64]):
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
         self.world.step(np.array([[action]]))
+        self._camera.stepped()
         info = info_of(self.world, 0, 0)
         return (
             self._encoder.observation(self.world.view(0, 0)),
@@ -91,5 +94,9 @@ class IndoorExplorersEnv(gymnasium.Env[NDArray[Any], np.int64]):
         )
 
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]  # base: a free type variable
-        """Return an (h, w, 3) uint8 picture of the true map, what is known of it, and the UAV."""
-        return frame(self.world, 0) if self.render_mode == "rgb_array" else None
+        """Return an (h, w, 3) uint8 picture of the episode, of the same size for every step, or show it."""
+        return self._camera.render()
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._camera.close()

@@ -29,7 +29,7 @@ def parallel_env(
 
     Args:
         scenario: A scenario, the name of a preset or a .toml file.
-        render_mode: ``rgb_array`` or None.
+        render_mode: ``rgb_array``, ``human`` (a window that shows every step; extra ``render``) or None.
         observation: Name of an encoder, or what makes one, see :mod:`indoor_explorers.env.encoders`.
         settings: Dotted settings to replace in the scenario, such as ``{"team": 3}``.
         index: Which map of a scenario with several map files.

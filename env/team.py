@@ -25,7 +25,7 @@ from indoor_explorers.env.faces import (
     new_world,
 )
 from indoor_explorers.env.grid import Action
-from indoor_explorers.env.rendering import frame
+from indoor_explorers.env.rendering.camera import Camera
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 
@@ -50,6 +50,7 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
     ) -> None:
         self.render_mode = find_render_mode(render_mode)
         self.world = new_world(find_scenario(scenario, settings), 1, index)
+        self._camera = Camera(self.world, self.render_mode, RENDER_FPS)
         self._index = index
         self._rng: np.random.Generator | None = None
         self._begun = False
@@ -75,6 +76,7 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
             self._rng = np_random(seed)[0]
         self.world.begin(0, draw_seed(self._rng) if seed is None else seed, index=self._index)
         self._begun = True
+        self._camera.begun(0)
         self.agents = list(self.possible_agents)
         return self._observations(), self._infos()
 
@@ -90,6 +92,7 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         for agent, action in actions.items():
             chosen[0, self._numbers[agent]] = action
         self.world.step(chosen)
+        self._camera.stepped()
         pay = self.world.state.reward[0].tolist()
         ends = {agent: int(self.world.state.end[0, self._numbers[agent]]) for agent in self.agents}
         result = (
@@ -103,11 +106,12 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         return result
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return an (h, w, 3) uint8 picture of the true map, what the team knows of it, and the UAVs."""
-        return frame(self.world, 0) if self.render_mode == "rgb_array" else None
+        """Return an (h, w, 3) uint8 picture of the episode, of the same size for every step, or show it."""
+        return self._camera.render()
 
     def close(self) -> None:
-        """Do nothing: nothing is held open."""
+        """Close the window, if there is one."""
+        self._camera.close()
 
     def _observations(self) -> dict[str, NDArray[Any]]:
         numbers = ((agent, self._numbers[agent]) for agent in self.agents)

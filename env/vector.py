@@ -18,13 +18,13 @@ from indoor_explorers.env.encoders import BatchEncoder, Observation, make_encode
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.faces import (
     RENDER_FPS,
-    RENDER_MODES,
+    VECTOR_RENDER_MODES,
     draw_seed,
     find_render_mode,
     find_scenario,
     new_lone_world,
 )
-from indoor_explorers.env.rendering import frame
+from indoor_explorers.env.rendering.camera import Camera
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 
@@ -42,7 +42,7 @@ class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]],
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (declared so by the base class)
-        "render_modes": list(RENDER_MODES),
+        "render_modes": list(VECTOR_RENDER_MODES),
         "render_fps": RENDER_FPS,
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
@@ -60,8 +60,9 @@ class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]],
         if num_envs < 1:
             raise InputError(f"expected num_envs to be at least 1, got {num_envs}")
         self.num_envs = num_envs
-        self.render_mode = find_render_mode(render_mode)
+        self.render_mode = find_render_mode(render_mode, VECTOR_RENDER_MODES)
         self.world = new_lone_world(find_scenario(scenario, settings), num_envs, index)
+        self._camera = Camera(self.world, self.render_mode, RENDER_FPS)
         self._encoder = make_encoder(observation, self.world.briefing(0, 0))
         self._index = index
         self._generators: list[np.random.Generator | None] = [None] * num_envs
@@ -91,6 +92,7 @@ class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]],
         if not self._begun.all():
             raise ResetNeeded("expected episodes to step in, got a new environment; call reset first")
         self.world.step(np.asarray(actions)[..., None])  # nothing happens in an episode that is over
+        self._camera.stepped()
         for b in np.flatnonzero(self._over).tolist():
             self._begin(b, None)
         end = self.world.state.end[:, 0]
@@ -108,7 +110,9 @@ class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]],
         """Return one picture for each episode, as the single environment renders it."""
         if self.render_mode is None:
             return None
-        return tuple(frame(self.world, b) for b in range(self.num_envs))
+        if not self._begun.all():
+            raise ResetNeeded("expected episodes to render, got a new environment; call reset first")
+        return tuple(self._camera.picture(b) for b in range(self.num_envs))
 
     def _spread(self, seed: Seeds) -> Sequence[int | None]:
         if seed is None:
@@ -131,6 +135,7 @@ class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]],
         if rng is None or seed is not None:
             rng = self._generators[b] = np_random(draw_seed(self.np_random) if seed is None else seed)[0]
         self.world.begin(b, draw_seed(rng) if seed is None else seed, index=self._index)
+        self._camera.begun(b)
 
     def _observations(self) -> NDArray[Any]:
         out = np.empty((self.num_envs, *self._encoder.space.shape), self._encoder.space.dtype)

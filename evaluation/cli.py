@@ -1,4 +1,4 @@
-"""The command line: ``indoor-explorers compare | report | train | bench | policies | ...``."""
+"""The command line: ``indoor-explorers compare | watch | report | train | bench | policies | ...``."""
 
 from __future__ import annotations
 
@@ -60,6 +60,7 @@ def _number(kind: type, least: float, what: str) -> Callable[[str], Any]:
 _count = _number(int, 1, "a whole number of at least 1")
 _natural = _number(int, 0, "a whole number of at least 0")
 _metres = _number(float, 1e-6, "a number of metres above 0")
+_rate = _number(float, 0.1, "a number of frames a second of at least 0.1")
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -67,6 +68,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="indoor-explorers", description="Compare exploration policies for teams of UAVs.")
     commands_ = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=_Parser)
     _add_compare(commands_.add_parser("compare", help="fly policies on the same tasks and write a report"))
+    _add_watch(commands_.add_parser("watch", help="watch a policy fly one episode, or save it as a video"))
     _add_report(commands_.add_parser("report", help="rebuild a report, or combine several results"))
     _add_train(commands_.add_parser("train", help="train a DDDQN"))
     listing = commands_.add_parser("policies", help="list the installed policies")
@@ -106,6 +108,23 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=commands.run_compare)
 
 
+def _add_watch(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--policy", required=True, metavar="NAME", help="a name, or module:Class")
+    parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="the task (default thesis-obstacles)")
+    parser.add_argument("--maps", metavar="PATH", help="a map file to explore instead")
+    parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample the map to")
+    parser.add_argument("--team", type=_count, metavar="N", help="UAVs")
+    parser.add_argument("--seed", type=_natural, default=0, metavar="S", help="the episode that compare flies for it")
+    parser.add_argument(
+        "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value",
+        help="scenario settings such as goal=0.9 or radio.range=3",
+    )  # fmt: skip
+    parser.add_argument("--save", type=Path, metavar="FILE", help="write a .gif, an .mp4, or the last moment as a .png")
+    parser.add_argument("--steps", type=_count, metavar="N", help="stop after N steps")
+    parser.add_argument("--fps", type=_rate, metavar="N", help="frames a second (default 8; long videos up to 25)")
+    parser.set_defaults(run=commands.run_watch, interrupted="nothing was written")
+
+
 def _add_report(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folders", type=Path, nargs="+", metavar="DIR", help="folders that compare has written")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.html", help="the page to write")
@@ -130,6 +149,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     sys.path.append(str(Path.cwd()))  # so that module:Class finds a file of the current folder, as python -m would
     debug = bool(os.environ.get("INDOOR_EXPLORERS_DEBUG"))
+    arguments = argparse.Namespace()
     try:
         arguments = build_parser().parse_args(words)
         arguments.words = shlex.join(["indoor-explorers", *words])
@@ -149,9 +169,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr.write(f"indoor-explorers: {error.filename or 'the output'}: {error.strerror or error}\n")
         return FAILED
     except KeyboardInterrupt:
-        sys.stderr.write(
-            "indoor-explorers: interrupted; what is finished is kept, and the same command goes on from there\n"
-        )
+        kept = getattr(arguments, "interrupted", "what is finished is kept, and the same command goes on from there")
+        sys.stderr.write(f"indoor-explorers: interrupted; {kept}\n")
         return INTERRUPTED
     return status
 

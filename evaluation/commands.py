@@ -23,6 +23,7 @@ from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.report.table import headline_table
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.training import run_training
+from indoor_explorers.evaluation.watch import watch
 
 #: Characters of a line where the output is no terminal.
 PLAIN_WIDTH = 120
@@ -66,6 +67,22 @@ def _status(results: Results, console: Console) -> int:
     if len(failed) > 3:
         console.print(f"... and {len(failed) - 3} more failed episodes; the report lists them")
     return 1 if failed else 0
+
+
+def run_watch(arguments: argparse.Namespace) -> int:
+    """Fly one episode in a window, or into a file."""
+    experiment = plan(
+        policies=[arguments.policy],
+        scenario=arguments.scenario,
+        maps=[arguments.maps] if arguments.maps is not None else [],
+        resolution=arguments.resolution,
+        team=arguments.team,
+        episodes=1,
+        seed=arguments.seed,
+        settings=dict(arguments.settings),
+    )
+    watch(experiment, _console(), save=arguments.save, steps=arguments.steps, fps=arguments.fps)
+    return 0
 
 
 def run_report(arguments: argparse.Namespace) -> int:

@@ -1,5 +1,6 @@
 """The Gymnasium faces: the ecosystem's own checks, and the same episodes as the bare world's."""
 
+import sys
 import warnings
 
 import gymnasium
@@ -12,6 +13,8 @@ from gymnasium.wrappers.vector import RecordEpisodeStatistics
 from indoor_explorers.env import PRESETS, InputError, World
 from indoor_explorers.env.encoders import Encoder, make_encoder
 from indoor_explorers.env.gym import IndoorExplorersEnv
+from indoor_explorers.env.rendering import Trails, paint, scene_of
+from indoor_explorers.env.rendering.window import Window, load_pygame
 from indoor_explorers.env.state import End
 from indoor_explorers.env.vector import IndoorExplorersVectorEnv
 
@@ -145,16 +148,57 @@ def test_a_scenario_may_be_a_file_or_an_object(tmp_path):
     assert IndoorExplorersEnv(PRESETS["office"], settings={"team": 1}).observation_space.shape[0] == 6
 
 
-def test_a_picture_shows_the_map_dimmed_and_the_uav():
-    env = IndoorExplorersEnv(render_mode="rgb_array")
+def test_pictures_have_one_size_and_a_trail_since_the_reset():
+    env = IndoorExplorersEnv(render_mode="rgb_array", settings={"on_collision": "block"})
     env.reset(seed=3)
-    picture = env.render()
-    assert (picture.shape, picture.dtype) == ((512, 512, 3), np.uint8)
-    cells, belief = picture[16::32, 16::32], env.world.view(0, 0).belief.copy()
-    belief[env.world.view(0, 0).cell] = 0
-    assert (cells[belief == 1] == 255).all()
-    assert len(np.unique(cells.reshape(-1, 3), axis=0)) == 4 + (belief == 2).any()
+    first = env.render()
+    for action in (0, 0, 0, 3, 3, 3, 2, 1) * 3:
+        env.step(action)
+        picture = env.render()
+        assert (picture.shape, picture.dtype) == (first.shape, np.uint8)
+    trails = Trails(env.world.state.truth.shape[1:])
+    trails.restart(env.world.state.cell[0])
+    assert not np.array_equal(picture, paint(scene_of(env.world, 0, trails)))
+    assert not np.array_equal(picture, first)
+    env.reset(seed=3)
+    assert np.array_equal(env.render(), first)
     assert IndoorExplorersEnv().render() is None
+
+
+@pytest.mark.parametrize("render_mode", ["rgb_array", "human"])
+def test_pictures_change_nothing_in_an_episode(render_mode):
+    seen, unseen = (gymnasium.make(ID, render_mode=mode) for mode in (render_mode, None))
+    seen.unwrapped._camera._window = None  # no need to wait for a window that nobody looks at
+    rng = np.random.default_rng(0)
+    assert data_equivalence(seen.reset(seed=5), unseen.reset(seed=5), exact=True)
+    for action in rng.integers(0, 5, 8).tolist():
+        assert data_equivalence(seen.step(action), unseen.step(action), exact=True)
+
+
+def test_a_window_shows_every_step_by_itself_and_closes_with_the_environment(monkeypatch):
+    shown = []
+    show = Window.show
+    monkeypatch.setattr(Window, "show", lambda self, picture: (shown.append(picture), show(self, picture)))
+    env = gymnasium.make(ID, render_mode="human", settings={"on_collision": "block"})
+    env.unwrapped._camera._window._fps = 1000
+    env.reset(seed=1)
+    env.step(4)
+    env.step(4)
+    assert env.render() is None
+    assert len(shown) == 4
+    pygame = load_pygame()
+    assert pygame.display.get_init()
+    env.close()
+    assert not pygame.display.get_init()
+    env.close()
+
+
+def test_an_environment_with_a_window_needs_pygame(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pygame", None)
+    with pytest.raises(InputError, match=r"indoor-explorers\[render\]"):
+        IndoorExplorersEnv(render_mode="human")
+    with pytest.raises(InputError, match="unknown render mode 'human'; known: rgb_array"):
+        make_vec(2, render_mode="human")
 
 
 def sync(num_envs, **kwargs):
@@ -202,8 +246,23 @@ def test_vectors_with_an_encoder_that_knows_no_batches_and_with_wrappers():
     envs = RecordEpisodeStatistics(make_vec(3, observation=Known, render_mode="rgb_array"))
     observation, _ = envs.reset(seed=0)
     assert np.array_equal(observation, envs.unwrapped.world.state.belief[:, 0])
-    assert [picture.shape for picture in envs.render()] == [(512, 512, 3)] * 3
+    assert [picture.shape for picture in envs.render()] == [(654, 608, 3)] * 3
     for _ in range(20):
         *_, infos = envs.step(np.array([4, 4, 4]))
     assert infos["episode"]["l"].tolist() == [20, 20, 20]
     envs.close()
+
+
+def test_the_vector_face_pictures_each_episode_as_the_single_environment_does():
+    ours, theirs = (make(3, render_mode="rgb_array") for make in (make_vec, sync))
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        ours.render()
+    rng = np.random.default_rng(8)
+    for envs in (ours, theirs):
+        envs.reset(seed=2)
+    for _ in range(25):
+        actions = rng.integers(0, 5, 3)
+        ours.step(actions)
+        theirs.step(actions)
+        for our, their in zip(ours.render(), theirs.render(), strict=True):
+            assert np.array_equal(our, their)

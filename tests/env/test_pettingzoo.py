@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +11,9 @@ from gymnasium.error import ResetNeeded
 
 from indoor_explorers.env import PRESETS, InputError, World, env, parallel_env
 from indoor_explorers.env.encoders import make_encoder
+from indoor_explorers.env.rendering.layout import layout_of
+from indoor_explorers.env.rendering.palette import uav_colours
+from indoor_explorers.env.rendering.window import load_pygame
 from indoor_explorers.env.state import End
 
 SAFE = {"on_collision": "block", "stuck.rule": "off"}
@@ -18,6 +22,10 @@ SAFE = {"on_collision": "block", "stuck.rule": "off"}
 @pytest.fixture(autouse=True)
 def _installed():
     pytest.importorskip("pettingzoo")
+    with warnings.catch_warnings():  # its tests import one of its own games, which warns of how it is imported
+        warnings.filterwarnings("ignore", "The old environment creation API", DeprecationWarning)
+        warnings.filterwarnings("ignore", "pkg_resources is deprecated", UserWarning)
+        import pettingzoo.test  # noqa: F401
 
 
 @pytest.mark.parametrize("observation", ["channels", "thesis"])
@@ -50,10 +58,32 @@ def test_the_budget_is_pettingzoo_s_max_cycles():
 def test_a_picture_has_a_colour_for_each_uav(make):
     team = make("thesis-team-4", render_mode="rgb_array")
     team.reset(seed=0)
-    picture, cells = team.render(), team.unwrapped.world.state.cell[0]
-    assert (picture.shape, picture.dtype) == ((512, 512, 3), np.uint8)
-    assert len(np.unique(picture[cells[:, 0] * 32, cells[:, 1] * 32], axis=0)) == 4
+    picture, box = team.render(), layout_of((16, 16), 4).main
+    main = picture[box.top : box.top + box.height, box.left : box.left + box.width]
+    for agent, cell in enumerate(team.unwrapped.world.state.cell[0]):
+        above_the_number = main[tuple(36 * cell + (7, 18))].astype(int)
+        assert abs(above_the_number - uav_colours(4)[agent]).max() < 30
     team.close()
+
+
+def test_pettingzoo_s_render_test():
+    from pettingzoo.test.render_test import render_test
+
+    def blocked(render_mode):
+        return env(render_mode=render_mode, settings=SAFE)
+
+    render_test(blocked)
+    assert env().metadata["render_modes"] == ["human", "rgb_array"]
+
+
+def test_a_team_s_window_shows_every_step_by_itself():
+    team = parallel_env(render_mode="human")
+    team.reset(seed=0)
+    assert load_pygame().display.get_init()
+    team.step(dict.fromkeys(team.agents, 4))
+    assert team.render() is None
+    team.close()
+    assert not load_pygame().display.get_init()
 
 
 @pytest.mark.parametrize("seed", range(5))

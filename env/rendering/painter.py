@@ -1,0 +1,168 @@
+"""Paint a scene: the team's map with all that goes on in it, and each UAV's own map beside it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Mask
+from indoor_explorers.env.grid import UNKNOWN
+from indoor_explorers.env.rendering import marks
+from indoor_explorers.env.rendering.ink import Canvas, disc, fitting, stroke, text_width, write
+from indoor_explorers.env.rendering.layout import CAPTION, FOOTER, MARGIN, Box, Layout, layout_of
+from indoor_explorers.env.rendering.marks import OVERHANG, Chart
+from indoor_explorers.env.rendering.palette import (
+    BAR,
+    FAINT,
+    HAIRLINE,
+    HIDDEN,
+    INK,
+    KNOWN,
+    TROUGH,
+    paler,
+    uav_colours,
+)
+from indoor_explorers.env.rendering.raster import lay
+from indoor_explorers.env.rendering.scene import Scene
+from indoor_explorers.env.state import End
+
+#: How strongly the cells in view take on the colour of the UAVs that see them.
+TINT = 0.25
+#: Largest teams whose lidar and radio reach are outlined, whose mates are numbered on own maps, and whose ends are
+#: written beside the UAVs.
+OUTLINED, NUMBERED, LABELLED = 6, 8, 16
+#: Pixels of a cell from which on cells are told apart by hairlines.
+RULED = 12
+#: What became of a UAV, in words.
+ENDS = {
+    End.GOAL: "goal",
+    End.COLLISION: "collision",
+    End.OUT_OF_BOUNDS: "out of bounds",
+    End.STUCK: "stuck",
+    End.BUDGET: "budget",
+}
+
+
+def paint(scene: Scene) -> NDArray[np.uint8]:
+    """Return the picture, (h, w, 3) uint8; its size depends on the size of the map and of the team alone."""
+    layout = layout_of(scene.shape, scene.team)
+    canvas = np.full((layout.height, layout.width, 3), 255, np.uint8)
+    colours = np.where(gone(scene)[:, None], paler(uav_colours(scene.team)), uav_colours(scene.team))
+    _caption(canvas, layout, scene)
+    _team_map(canvas, layout.main, scene, colours)
+    for agent, box in enumerate(layout.panels):
+        _title(canvas, box, scene, agent, colours[agent])
+        _own_map(canvas, box, scene, agent, colours[agent])
+    if layout.missing:
+        place = layout.main.left, layout.height - MARGIN - FOOTER / 2 + 4
+        shown = f"own maps of UAVs 0 to {len(layout.panels) - 1}, +{layout.missing} more"
+        write(canvas, place, shown, 13, FAINT, anchor=0.0)
+    return canvas
+
+
+def gone(scene: Scene) -> Mask:
+    """Return (N,) the UAVs to mark as ended: none when the team has flown together to its goal or budget."""
+    together = np.isin(scene.ends, (End.GOAL, End.BUDGET)).all()
+    return np.asarray((scene.ends != End.FLYING) & ~together)
+
+
+def percent(share: float) -> str:
+    """Return a share in percent, rounded down, so that 100.0% is all of it."""
+    return f"{np.floor(1000 * share + 1e-9) / 10:.1f}%"
+
+
+def _caption(canvas: Canvas, layout: Layout, scene: Scene) -> None:
+    """Write title, step and coverage above a bar of the coverage."""
+    left, right = layout.main.left, layout.width - layout.main.left
+    ends = {End(int(end)) for end in scene.ends}
+    over = "" if End.FLYING in ends else f"ended: {', '.join(ENDS[end] for end in sorted(ends))}  \u00b7  "
+    facts = f"{over}step {scene.step:,} / {scene.budget:,}  \u00b7  coverage {percent(scene.coverage)}"
+    line = MARGIN + 10
+    write(canvas, (right, line), facts, 15, INK, anchor=1.0)
+    room = right - left - text_width(facts, 15) - 24
+    write(canvas, (left, line), fitting(scene.title, 17, room), 17, INK, anchor=0.0)
+    bar = MARGIN + CAPTION - 18.0
+    stroke(canvas, [(left + 2, bar), (right - 2, bar)], TROUGH, 4)
+    if scene.coverage > 0:
+        stroke(canvas, [(left + 2, bar), (left + 2 + (right - left - 4) * min(scene.coverage, 1.0), bar)], BAR, 4)
+
+
+def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]) -> None:
+    """Paint the true map, dimmed where the team does not know it, and everything that happens in it."""
+    known = scene.union != UNKNOWN
+    ground = np.take(np.concatenate((HIDDEN, KNOWN)), scene.truth + 3 * known, axis=0)
+    _tint(ground, scene, uav_colours(scene.team))
+    chart = _lay(canvas, box, ground, 7.0 if scene.team > LABELLED else 9.0)
+    flying = scene.ends == End.FLYING
+    if scene.team <= OUTLINED:
+        for agent in np.flatnonzero(flying).tolist():
+            marks.lidar_reach(chart, scene.cells[agent], scene.lidar_range, colours[agent])
+            if scene.team > 1:
+                marks.radio_reach(chart, scene.cells[agent], *scene.radio, colours[agent])
+    for agent in range(scene.team):
+        marks.trail(chart, scene.trails[:, agent], colours[agent], _lane(scene, agent))
+    marks.links(chart, scene.cells, scene.linked)
+    for agent in np.flatnonzero(gone(scene)).tolist() if scene.team <= LABELLED else ():
+        marks.label(chart, scene.cells, agent, ENDS[End(int(scene.ends[agent]))])
+    for agent in np.argsort(flying, kind="stable").tolist():  # those that fly last, on top
+        marks.uav(chart, scene.cells[agent], colours[agent], agent)
+
+
+def _own_map(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[np.uint8]) -> None:
+    """Paint what one UAV knows: nothing in it comes from anything else than its own map, flight and radio."""
+    few = scene.team <= NUMBERED
+    chart = _lay(canvas, box, np.take(KNOWN, scene.beliefs[agent], axis=0), 7.0 if few else 6.0)
+    marks.trail(chart, scene.trails[:, agent], colour, _lane(scene, agent))
+    ages = scene.heard_age[agent]
+    for mate in np.argsort(-ages, kind="stable").tolist():  # the latest news last, on top
+        if ages[mate] >= 0 and mate != agent:
+            place, full = scene.heard_cell[agent, mate], uav_colours(scene.team)[mate]
+            marks.mate(chart, place, full, mate, int(ages[mate]), small=not few)
+    marks.uav(chart, scene.cells[agent], colour, agent)
+
+
+def _title(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[np.uint8]) -> None:
+    """Write a UAV's number, how it ended, and how many cells it knows above its map."""
+    end = End(int(scene.ends[agent]))
+    title = f"UAV {agent}"
+    known, most = (f"{count:,} cells" for count in (np.count_nonzero(scene.beliefs[agent]), scene.truth.size))
+    line, room = box.top - 10.0, box.width - 14
+    if gone(scene)[agent]:
+        long, short = f"{title}: {ENDS[end]}", f"{agent}: {ENDS[end]}"
+        title = long if text_width(long, 13) <= room else short
+    disc(canvas, (box.left + 5.0, line), 4.5, colour)
+    if text_width(max(title, f"UAV {scene.team - 1}", key=len), 13) + text_width(most, 13) + 12 <= room:
+        write(canvas, (box.left + box.width, line), known, 13, FAINT, anchor=1.0)
+    write(canvas, (box.left + 14, line), fitting(title, 13, room), 13, INK, anchor=0.0)
+
+
+def _lane(scene: Scene, agent: int) -> float:
+    return 0.07 * (agent % 5 - 2) if scene.team > 1 else 0.0
+
+
+def _lay(canvas: Canvas, box: Box, ground: NDArray[np.uint8], least: float) -> Chart:
+    """Put (H, W, 3) cells into a box with a hairline around; ``least`` is the least radius of a UAV's disc."""
+    top, left, height, width = box
+    inside = canvas[top : top + height, left : left + width]
+    lay(ground, inside)
+    size = width // ground.shape[1]
+    if size >= RULED:
+        for line in (inside[size::size], inside[:, size::size]):
+            line[:] = line - line // 14
+    canvas[[top - 1, top + height], left - 1 : left + width + 1] = HAIRLINE
+    canvas[top - 1 : top + height + 1, [left - 1, left + width]] = HAIRLINE
+    around = canvas[top - OVERHANG : top + height + OVERHANG, left - OVERHANG : left + width + OVERHANG]
+    return Chart(inside, around, width / ground.shape[1], least)
+
+
+def _tint(ground: NDArray[np.uint8], scene: Scene, colours: NDArray[np.uint8]) -> None:
+    """Blend the mean colour of the UAVs that see a cell into it."""
+    mixed = np.zeros((scene.truth.size, 3), np.int32)
+    seers = np.zeros(scene.truth.size, np.int32)
+    for agent in range(scene.team):
+        seen = np.flatnonzero(scene.in_view[agent])
+        mixed[seen] += colours[agent]
+        seers[seen] += 1
+    lit = np.flatnonzero(seers)
+    flat = ground.reshape(-1, 3)
+    flat[lit] = ((1 - TINT) * flat[lit] + TINT * mixed[lit] / seers[lit, None]).astype(np.uint8)

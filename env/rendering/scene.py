@@ -1,0 +1,132 @@
+"""What a picture of an episode shows, as plain arrays that know nothing of the world they came from."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Mask
+from indoor_explorers.env.grid import UNKNOWN
+from indoor_explorers.env.lidar import scan
+from indoor_explorers.env.state import End
+from indoor_explorers.env.world import World
+
+#: Positions that a trail holds at least and at most; between them, twice the sum of the map's sides.
+TRAIL_LENGTHS = (40, 400)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scene:
+    """One moment of an episode with N UAVs on a map of H x W cells; arrays may be live, copy them to keep them."""
+
+    truth: NDArray[np.uint8]
+    """(H, W) the true map: 1 free, 2 occupied."""
+    union: NDArray[np.uint8]
+    """(H, W) what the team knows together: 0 unknown, 1 free, 2 occupied."""
+    beliefs: NDArray[np.uint8]
+    """(N, H, W) what each UAV knows."""
+    in_view: Mask
+    """(N, H, W) cells each UAV's lidar sees now; none once the UAV has ended."""
+    trails: NDArray[np.int64]
+    """(K, N, 2) the cells of each UAV in the last K steps, the present one last."""
+    ends: NDArray[np.uint8]
+    """(N,) :class:`End` of each UAV."""
+    linked: Mask
+    """(N, N) UAVs in direct radio contact."""
+    heard_cell: NDArray[np.int64]
+    """(N, N, 2) where UAV i last heard UAV j."""
+    heard_age: NDArray[np.int64]
+    """(N, N) how many steps ago that was; -1 for never."""
+    step: int
+    """Steps flown."""
+    budget: int
+    """Steps of the whole episode."""
+    coverage: float
+    """Share of the cells to explore that the team knows together."""
+    lidar_range: float
+    """Lidar range in cells."""
+    radio: tuple[str, float] = ("none", 0.0)
+    """Radio model and range in cells; the reach of ``square`` and ``disc`` is drawn."""
+    title: str = ""
+    """Stands in the caption."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(H, W) of the map in cells."""
+        return (self.truth.shape[0], self.truth.shape[1])
+
+    @property
+    def team(self) -> int:
+        """UAVs in the team."""
+        return len(self.ends)
+
+    @property
+    def cells(self) -> NDArray[np.int64]:
+        """(N, 2) row and column of each UAV now."""
+        return np.asarray(self.trails[-1])
+
+
+class Trails:
+    """Remember where the UAVs of one episode have been in its last steps."""
+
+    def __init__(self, shape: tuple[int, int]) -> None:
+        least, most = TRAIL_LENGTHS
+        self._cells: deque[NDArray[np.int64]] = deque(maxlen=min(max(2 * sum(shape), least), most))
+
+    def restart(self, cells: NDArray[np.int64]) -> None:
+        """Forget everything and start at ``cells`` (N, 2)."""
+        self._cells.clear()
+        self.add(cells)
+
+    def add(self, cells: NDArray[np.int64]) -> None:
+        """Note where the UAVs are after a step, (N, 2)."""
+        self._cells.append(cells.copy())
+
+    @property
+    def cells(self) -> NDArray[np.int64]:
+        """(K, N, 2) positions, the present ones last."""
+        return np.stack(self._cells)
+
+
+def scene_of(world: World, episode: int, trails: Trails | None = None, title: str | None = None) -> Scene:
+    """Return the present moment of one episode; ``title`` is the scenario's name when it is left out."""
+    state, scenario = world.state, world.scenario
+    heard_cell, heard_age = _heard(world, episode)
+    return Scene(
+        truth=state.truth[episode],
+        union=state.union[episode],
+        beliefs=state.belief[episode],
+        in_view=_in_view(world, episode),
+        trails=state.cell[episode][None] if trails is None else trails.cells,
+        ends=state.end[episode],
+        linked=state.linked[episode],
+        heard_cell=heard_cell,
+        heard_age=heard_age,
+        step=int(state.step[episode]),
+        budget=int(state.budget[episode]),
+        coverage=float(world.team_coverage[episode]),
+        lidar_range=scenario.lidar.range,
+        radio=(scenario.radio.model, scenario.radio.range),
+        title=scenario.name if title is None else title,
+    )
+
+
+def _in_view(world: World, episode: int) -> Mask:
+    truth = world.state.truth[episode]
+    seen = np.zeros((world.scenario.team, *truth.shape), np.bool_)
+    for n in np.flatnonzero(world.state.end[episode] == End.FLYING).tolist():
+        row, col = world.state.cell[episode, n].tolist()
+        seen[n] = scan(truth, (row, col), world.scenario.lidar.range, world.scenario.lidar.model) != UNKNOWN
+    return seen
+
+
+def _heard(world: World, episode: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    team = world.scenario.team
+    cell, age = np.zeros((team, team, 2), np.int64), np.full((team, team), -1, np.int64)
+    for n in range(team):
+        for mate in world.view(episode, n).mates:
+            cell[n, mate.agent], age[n, mate.agent] = mate.cell, mate.age
+    return cell, age

@@ -1,0 +1,124 @@
+"""A window that shows pictures as they come, through pygame. Needs the extra ``render`` and a display."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+
+#: Share of the screen that a new window takes at most.
+SCREEN_SHARE = 0.9
+#: SDL's drivers that show nothing: fine when they were asked for, else a sign that there is no display.
+BLIND = ("dummy", "offscreen")
+
+
+class Window:
+    """Show (h, w, 3) uint8 pictures, at most ``fps`` a second.
+
+    It opens with the first picture. The close button and Esc close it for good: what comes later is not shown.
+    pygame has one window in a process; a second one takes its place.
+
+    Raises:
+        InputError: pygame is not installed, or there is no display.
+
+    """
+
+    def __init__(self, title: str, fps: float) -> None:
+        self._pygame = load_pygame()
+        self._title = title
+        self._fps = fps
+        self._clock: Any = None
+        #: Whether somebody has closed it.
+        self.closed = False
+        if sys.platform.startswith("linux") and not any(
+            os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
+        ):
+            raise _no_display("neither DISPLAY nor WAYLAND_DISPLAY is set")
+
+    def show(self, picture: NDArray[np.uint8]) -> None:
+        """Show a picture, scaled to the window, and wait until the next one is due."""
+        pygame = self._pygame
+        if not self.closed and (self._clock is None or not pygame.display.get_init()):
+            self._open(picture)
+        self._heed()
+        if self.closed:
+            return
+        screen = pygame.display.get_surface()
+        height, width = picture.shape[:2]
+        scale = min(screen.get_width() / width, screen.get_height() / height)
+        size = max(round(width * scale), 1), max(round(height * scale), 1)
+        surface = pygame.image.frombuffer(np.ascontiguousarray(picture).data, (width, height), "RGB")
+        if size != (width, height):
+            surface = pygame.transform.smoothscale(surface, size)
+        screen.fill((255, 255, 255))
+        screen.blit(surface, ((screen.get_width() - size[0]) // 2, (screen.get_height() - size[1]) // 2))
+        pygame.display.flip()
+        self._clock.tick(self._fps)
+
+    def linger(self, picture: NDArray[np.uint8]) -> None:
+        """Go on showing a picture until somebody closes the window; return at once when nobody can see it."""
+        self.show(picture)
+        while not self.closed and self._pygame.display.get_driver() not in BLIND:
+            self.show(picture)
+
+    def close(self) -> None:
+        """Close the window; another picture opens it again unless somebody at the screen has closed it."""
+        if self._clock is not None:
+            self._pygame.display.quit()
+        self._clock = None
+
+    def _open(self, picture: NDArray[np.uint8]) -> None:
+        pygame = self._pygame
+        try:
+            pygame.display.init()
+            if pygame.display.get_driver() in BLIND and os.environ.get("SDL_VIDEODRIVER") not in BLIND:
+                raise pygame.error("no video device")
+            height, width = picture.shape[:2]
+            screen = pygame.display.get_desktop_sizes()[0]
+            scale = min(1.0, SCREEN_SHARE * screen[0] / width, SCREEN_SHARE * screen[1] / height)
+            pygame.display.set_mode((max(int(width * scale), 1), max(int(height * scale), 1)), pygame.RESIZABLE)
+        except pygame.error as error:
+            pygame.display.quit()
+            raise _no_display(str(error)) from error
+        pygame.display.set_caption(self._title)
+        self._clock = pygame.time.Clock()
+
+    def _heed(self) -> None:
+        """Close when somebody asks for it."""
+        pygame = self._pygame
+        for event in pygame.event.get() if self._clock is not None else ():
+            if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
+                self.closed = True
+        if self.closed:
+            self.close()
+
+
+def load_pygame() -> Any:
+    """Import pygame, quietly.
+
+    Raises:
+        InputError: it is not installed.
+
+    """
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # pygame imports pkg_resources, which complains
+            import pygame
+    except ModuleNotFoundError as error:
+        raise InputError(
+            "pygame is not installed, which windows need; pip install 'indoor-explorers[render]'"
+        ) from error
+    return pygame
+
+
+def _no_display(reason: str) -> InputError:
+    return InputError(
+        f"expected a display to open a window on, got none ({reason}); use --save FILE.gif, or render_mode='rgb_array'"
+    )
