@@ -7,36 +7,21 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
+from indoor_explorers.env.maps.base import BaseMaps
+from indoor_explorers.env.maps.cave import CaveMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.maze import MazeMaps
+from indoor_explorers.env.maps.offices import OfficesMaps
+from indoor_explorers.env.maps.rooms import RoomsMaps
 from indoor_explorers.env.maps.thesis import thesis_room
 from indoor_explorers.env.randomness import Stream, generator
 
-
-class _Source(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
-
-    @property
-    def count(self) -> int:
-        """Maps to be explored with every seed; a generator counts as one, its seeds make the maps."""
-        return 1
-
-    @property
-    def generated(self) -> bool:
-        """True when the seed makes the map, so that another attempt gives another map."""
-        return False
-
-    def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
-        """Return map ``index`` (0 to count - 1) for an episode seed."""
-        raise NotImplementedError
-
-    def identity(self) -> Any:
-        """Return what tells this source from others, as JSON: the cells of files, not their paths."""
-        return self.model_dump(mode="json")
+__all__ = ["CaveMaps", "FileMaps", "MapSource", "MazeMaps", "OfficeMap", "OfficesMaps", "RoomsMaps", "ThesisMaps"]
 
 
-class ThesisMaps(_Source):
+class ThesisMaps(BaseMaps):
     """Random rooms as in the thesis."""
 
     source: Literal["thesis"] = "thesis"
@@ -75,7 +60,7 @@ class ThesisMaps(_Source):
         )
 
 
-class FileMaps(_Source):
+class FileMaps(BaseMaps):
     """Maps read from files: ROS map_server YAML, or an image."""
 
     source: Literal["files"] = "files"
@@ -101,7 +86,7 @@ class FileMaps(_Source):
         return {"source": self.source, "cells": [self.floorplan(index, 0).digest for index in range(self.count)]}
 
 
-class OfficeMap(_Source):
+class OfficeMap(BaseMaps):
     """The bundled office floor."""
 
     source: Literal["office"] = "office"
@@ -115,7 +100,7 @@ class OfficeMap(_Source):
         return {"source": self.source, "cells": [_office_once().digest]}
 
 
-MapSource = ThesisMaps | FileMaps | OfficeMap
+MapSource = ThesisMaps | RoomsMaps | OfficesMaps | CaveMaps | MazeMaps | FileMaps | OfficeMap
 
 
 @lru_cache(maxsize=64)
