@@ -34,7 +34,11 @@ class Picture:
         """Return the (H, W) luminance (ITU-R 601), 0 to 255; alpha is ignored."""
         if self.channels.shape[2] == 1:
             return self.channels[..., 0].astype(np.float32)
-        return np.asarray(self.channels @ np.array([0.299, 0.587, 0.114], np.float32), np.float32)
+        out = self.channels[..., 0] * np.float32(299)
+        out += self.channels[..., 1] * np.float32(587)  # whole numbers below 2**24: exact in any order
+        out += self.channels[..., 2] * np.float32(114)
+        out /= np.float32(1000)
+        return out
 
 
 def read_picture(path: Path) -> Picture:

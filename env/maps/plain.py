@@ -50,7 +50,7 @@ def find_mark(picture: Picture) -> Mask | None:
     Pixels of a spot touch by sides or corners. Several spots, or a large one, are part of a drawing.
     """
     channels = picture.channels
-    spread = channels.max(axis=2) - channels.min(axis=2)
+    spread = _spread(channels)
     if spread.any():
         return _only_spot(spread >= COLOURED)
     grey: NDArray[np.uint8] = channels[..., 0]
@@ -59,6 +59,14 @@ def find_mark(picture: Picture) -> Mask | None:
         return None
     found = [level for level in START_LEVELS if level in levels]
     return _only_spot(grey == found[0]) if found else None
+
+
+def _spread(channels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return the (H, W) difference of each pixel's strongest and weakest channel."""
+    low = high = channels[..., 0]
+    for k in range(1, channels.shape[2]):
+        low, high = np.minimum(low, channels[..., k]), np.maximum(high, channels[..., k])
+    return np.asarray(high - low)
 
 
 def _only_spot(mask: Mask) -> Mask | None:
