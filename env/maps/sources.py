@@ -61,13 +61,13 @@ class ThesisMaps(BaseMaps):
 
 
 class FileMaps(BaseMaps):
-    """Maps read from files: ROS map_server YAML, or an image."""
+    """Maps read from files of the kinds that :func:`~indoor_explorers.env.maps.files.read_map` knows."""
 
     source: Literal["files"] = "files"
     paths: tuple[str, ...] = Field(min_length=1)
     """Files, each explored with every seed."""
     resolution: float | None = Field(None, gt=0.0)
-    """Metres a cell to resample to; None keeps the file's. A plain image counts one pixel as one metre."""
+    """Metres a cell to resample to; None keeps the file's. Files without a scale count a pixel as one metre."""
 
     @property
     def count(self) -> int:
