@@ -152,12 +152,14 @@ def test_a_perfect_maze_is_a_tree_and_a_braided_one_has_no_dead_ends(height, wid
 @every_map
 @given(rooms(), seeds)
 def test_rooms_are_entered_by_doors_alone(maps, seed):
-    """A rectangle that is free and walled in, but for doors, is at least as large as the smallest room."""
+    """Every corridor opens one door in each of its two rooms, and nothing else opens their walls."""
     rng = np.random.default_rng(seed)
     gap = maps.gap
-    leaves = maps._leaves(rng, (maps.height + 2 * gap - 2, maps.width + 2 * gap - 2))
-    assert sum(leaf.tall * leaf.wide for leaf in leaves) == (maps.height + 2 * gap - 2) * (maps.width + 2 * gap - 2)
+    shape = (maps.height + 2 * gap - 2, maps.width + 2 * gap - 2)
+    leaves = maps._leaves(rng, shape)
+    assert sum(leaf.tall * leaf.wide for leaf in leaves) == shape[0] * shape[1]
     placed = [maps._room(rng, leaf) for leaf in leaves]
+    openings = 0
     free = maps.draw(np.random.default_rng(seed))
     for room in placed:
         top, left = room.top - gap + 1, room.left - gap + 1
@@ -169,9 +171,9 @@ def test_rooms_are_entered_by_doors_alone(maps, seed):
             free[top : top + room.tall, left - 1],
             free[top : top + room.tall, left + room.wide],
         ):
-            sizes = connected_parts(wall[None])[1][1:]
-            assert (sizes % maps.door == 0).all() or len(sizes) > 0
-            assert (sizes >= maps.door).all()
+            assert (connected_parts(wall[None])[1][1:] >= maps.door).all()
+            openings += wall.sum()
+    assert openings <= 2 * maps.door * len(neighbours(leaves, shape))
 
 
 def test_a_tree_of_rooms_has_no_spare_corridor():
@@ -219,7 +221,7 @@ def test_what_spares_the_way_never_parts_a_floor(seed, tall, wide):
     parts = len(connected_parts(free)[1])
     if spares_the_way(free, top, left, tall, wide):
         free[top : top + tall, left : left + wide] = False
-        assert len(connected_parts(free)[1]) == parts
+        assert len(connected_parts(free)[1]) <= parts  # one less where the rectangle was a part of its own
 
 
 @given(seeds, st.integers(1, 300), st.integers(1, 20), span(1, 30))
