@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from indoor_explorers.env.maps.base import BaseMaps
+from indoor_explorers.env.maps.base import BaseMaps as _Source
 from indoor_explorers.env.maps.cave import CaveMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.maze import MazeMaps
@@ -21,7 +21,7 @@ from indoor_explorers.env.randomness import Stream, generator
 __all__ = ["CaveMaps", "FileMaps", "MapSource", "MazeMaps", "OfficeMap", "OfficesMaps", "RoomsMaps", "ThesisMaps"]
 
 
-class ThesisMaps(BaseMaps):
+class ThesisMaps(_Source):
     """Random rooms as in the thesis."""
 
     source: Literal["thesis"] = "thesis"
@@ -60,7 +60,7 @@ class ThesisMaps(BaseMaps):
         )
 
 
-class FileMaps(BaseMaps):
+class FileMaps(_Source):
     """Maps read from files of the kinds that :func:`~indoor_explorers.env.maps.files.read_map` knows."""
 
     source: Literal["files"] = "files"
@@ -86,7 +86,7 @@ class FileMaps(BaseMaps):
         return {"source": self.source, "cells": [self.floorplan(index, 0).digest for index in range(self.count)]}
 
 
-class OfficeMap(BaseMaps):
+class OfficeMap(_Source):
     """The bundled office floor."""
 
     source: Literal["office"] = "office"

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from matplotlib.path import Path as Outline
 from PIL import Image
 
-from indoor_explorers.env import InputError
+from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
@@ -19,6 +19,7 @@ from indoor_explorers.env.maps.houseexpo import read_houseexpo
 from indoor_explorers.env.maps.movingai import read_movingai
 from indoor_explorers.env.maps.npy import occupancy, read_npy
 from indoor_explorers.env.maps.plain import read_plain
+from indoor_explorers.env.maps.sources import FileMaps
 
 SHARED = Path(__file__).parents[2] / ".." / "shared" / "maps"
 needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="the development maps (../shared/maps) are not here")
@@ -257,6 +258,18 @@ def test_a_start_makes_another_task_of_the_same_cells(tmp_path):
         assert (plan.truth == plain.truth).all()
         digests.add(plan.digest)
     assert len(digests) == 3
+
+
+def test_scenarios_that_differ_in_the_start_alone_are_different_tasks(tmp_path):
+    pixels = colours()
+    fingerprints = set()
+    for place in (None, (2, 3), (2, 4)):
+        marked = pixels.copy()
+        if place:
+            marked[place] = (255, 0, 0)
+        path = picture(tmp_path, marked, f"{place}.png")
+        fingerprints.add(Scenario(map=FileMaps(paths=(str(path),))).fingerprint)
+    assert len(fingerprints) == 3
 
 
 @pytest.mark.parametrize(
