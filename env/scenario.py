@@ -13,7 +13,16 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from indoor_explorers.env.errors import InputError, did_you_mean
-from indoor_explorers.env.maps.sources import FileMaps, MapSource, OfficeMap, ThesisMaps
+from indoor_explorers.env.maps.sources import (
+    CaveMaps,
+    FileMaps,
+    MapSource,
+    MazeMaps,
+    OfficeMap,
+    OfficesMaps,
+    RoomsMaps,
+    ThesisMaps,
+)
 
 #: Steps that an episode without a budget has at least.
 LEAST_BUDGET = 200
@@ -91,7 +100,8 @@ class Scenario(_Part):
     team: int = Field(1, ge=1, le=256)
     """UAVs."""
     spawn: Literal["random", "clustered"] | tuple[tuple[int, int], ...] = "random"
-    """Where UAVs start: anywhere, next to each other, or at listed (row, column) cells."""
+    """Where UAVs start: anywhere, next to each other (at the map's start mark when it has one), or at listed (row,
+    column) cells."""
     lidar: Lidar = Lidar()
     radio: Radio = Radio()
     rewards: Rewards = Rewards()
@@ -219,19 +229,20 @@ def _known_keys(model: type[BaseModel], where: tuple[int | str, ...]) -> list[st
     """List the field names of the (possibly nested) model at an error's location."""
     from typing import get_args
 
-    here: Any = model
+    kinds: list[type[BaseModel]] = [model]
     for part in where:
-        annotation = here.model_fields[part].annotation if part in here.model_fields else here
-        options = [
-            kind
-            for kind in (annotation, *get_args(annotation))
-            if isinstance(kind, type) and issubclass(kind, BaseModel)
-        ]
         tagged = [
-            kind for kind in options if "source" in kind.model_fields and kind.model_fields["source"].default == part
+            kind for kind in kinds if "source" in kind.model_fields and kind.model_fields["source"].default == part
         ]
-        here = (tagged or options or [here])[0]
-    return list(here.model_fields)
+        annotations = [kind.model_fields[str(part)].annotation for kind in kinds if part in kind.model_fields]
+        nested = [
+            option
+            for annotation in annotations
+            for option in (annotation, *get_args(annotation))
+            if isinstance(option, type) and issubclass(option, BaseModel)
+        ]
+        kinds = tagged or nested or kinds
+    return list(kinds[0].model_fields)
 
 
 def scenario(name: str) -> Scenario:
@@ -263,6 +274,22 @@ def _thesis(name: str, *, obstacles: int, team: int = 1, radio: float = 0.0) -> 
     )
 
 
+def _building(name: str, maps: MapSource, budget: int) -> Scenario:
+    """A building for two: lidar 10, radio 15, 99 % of what can be reached, known together; obstacles block."""
+    return Scenario(
+        name=name,
+        map=maps,
+        team=2,
+        spawn="clustered",
+        lidar=Lidar(range=10.0),
+        radio=Radio(model="disc", range=15.0),
+        on_collision="block",
+        goal=0.99,
+        goal_of="team",
+        budget=budget,
+    )
+
+
 #: Scenarios with a name.
 PRESETS: dict[str, Scenario] = {
     preset.name: preset
@@ -271,18 +298,11 @@ PRESETS: dict[str, Scenario] = {
         _thesis("thesis-obstacles", obstacles=5),
         _thesis("thesis-team-2", obstacles=5, team=2, radio=3.0),
         _thesis("thesis-team-4", obstacles=5, team=4, radio=3.0),
-        Scenario(
-            name="office",
-            map=OfficeMap(),
-            team=2,
-            spawn="clustered",
-            lidar=Lidar(range=10.0),
-            radio=Radio(model="disc", range=15.0),
-            on_collision="block",
-            goal=0.99,
-            goal_of="team",
-            budget=1500,
-        ),
+        _building("office", OfficeMap(), 1500),
+        _building("rooms", RoomsMaps(), 1000),
+        _building("offices", OfficesMaps(), 1000),
+        _building("cave", CaveMaps(), 1000),
+        _building("maze", MazeMaps(), 1500),
     )
 }
 

@@ -75,10 +75,7 @@ def build_parser() -> argparse.ArgumentParser:
     listing.set_defaults(run=commands.list_policies)
     listing = commands_.add_parser("scenarios", help="list the preset scenarios")
     listing.set_defaults(run=commands.list_scenarios)
-    shown = commands_.add_parser("maps", help="show map files and their facts")
-    shown.add_argument("paths", nargs="+", metavar="PATH", help="ROS map_server YAML or image files")
-    shown.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample to")
-    shown.set_defaults(run=commands.show_maps)
+    _add_maps(commands_.add_parser("maps", help="show map files, or what a scenario generates, and their facts"))
     speed = commands_.add_parser("bench", help="measure the speed figures on this machine")
     speed.add_argument("--json", type=Path, metavar="FILE", help="write them as a list of name, value and unit")
     speed.add_argument("--all", action="store_true", help="also those that take minutes")
@@ -123,6 +120,20 @@ def _add_watch(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--steps", type=_count, metavar="N", help="stop after N steps")
     parser.add_argument("--fps", type=_rate, metavar="N", help="frames a second (default 8; long videos up to 25)")
     parser.set_defaults(run=commands.run_watch, interrupted="nothing was written")
+
+
+def _add_maps(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "paths", nargs="*", metavar="PATH", help="map files: .yaml, .png, .pgm, .bmp, .map, .npy, .json"
+    )
+    parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample to")
+    parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="show the maps of this scenario instead")
+    parser.add_argument("--seed", type=_natural, metavar="S", help="makes the map of a scenario (default 0)")
+    parser.add_argument(
+        "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value",
+        help="scenario settings such as map.height=128",
+    )  # fmt: skip
+    parser.set_defaults(run=commands.show_maps)
 
 
 def _add_report(parser: argparse.ArgumentParser) -> None:

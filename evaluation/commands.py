@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 from rich.console import Console
 from rich.table import Table
 
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
 from indoor_explorers.env.errors import did_you_mean
-from indoor_explorers.env.grid import FREE
+from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.registry import policy_entry_points
 from indoor_explorers.env.scenario import named_scenario
+from indoor_explorers.env.world import draw_floorplan
 from indoor_explorers.evaluation import bench
 from indoor_explorers.evaluation.compare import plan, run
+from indoor_explorers.evaluation.map_text import facts, picture
 from indoor_explorers.evaluation.progress import ProgressBar
 from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.report import write_report
@@ -139,40 +141,26 @@ def list_scenarios(arguments: argparse.Namespace) -> int:
 
 
 def show_maps(arguments: argparse.Namespace) -> int:
-    """Print the facts and a picture of map files."""
-    from indoor_explorers.env.maps.files import read_map
-
+    """Print a picture and the facts of map files, or of the maps that a scenario's seed makes."""
     console = _console()
-    for path in arguments.paths:
-        floorplan = read_map(Path(path), arguments.resolution)
-        console.print(picture(floorplan, console.width), highlight=False, markup=False)
+    for floorplan in _maps_of(arguments):
+        console.print(picture(floorplan, console.width), highlight=False, markup=False, soft_wrap=True)
         console.print(facts(floorplan), highlight=False, markup=False, soft_wrap=True)
     return 0
 
 
-def facts(floorplan: Floorplan) -> str:
-    """Return one line on a map: size, free area, reachable part, resolution."""
-    free = floorplan.truth == FREE
-    part = floorplan.main_part
-    scale = f"{floorplan.resolution:g} m a cell" if floorplan.resolution else "no scale"
-    return (
-        f"{floorplan.name}: {floorplan.shape[0]} x {floorplan.shape[1]} cells, {scale}, {free.sum()} free, "
-        f"{part.sum() / free.sum():.1%} of them connected; {floorplan.kept:.1%} of the source's free area kept"
-    )
-
-
-def picture(floorplan: Floorplan, width: int) -> str:
-    """Return a map as text of at most ``width`` characters a line, two rows of cells to a line."""
-    free = floorplan.truth == FREE
-    scale = -(-free.shape[1] // max(width - 1, 1))
-    rows, cols = (-(-side // scale) for side in free.shape)
-    padded = np.zeros((2 * -(-rows // 2) * scale, cols * scale), np.bool_)
-    padded[: free.shape[0], : free.shape[1]] = free
-    shares = padded.reshape(-1, scale, cols, scale).mean(axis=(1, 3)) >= 0.5
-    return "\n".join(
-        "".join(" ▄▀█"[2 * int(not upper) + int(not lower)] for upper, lower in zip(*pair, strict=True))
-        for pair in zip(shares[::2], shares[1::2], strict=True)
-    )
+def _maps_of(arguments: argparse.Namespace) -> Iterator[Floorplan]:
+    if bool(arguments.paths) == bool(arguments.scenario):
+        got = "both" if arguments.paths else "neither"
+        raise InputError(f"expected the paths of map files or a --scenario, got {got}; see maps --help")
+    if not arguments.scenario and (arguments.settings or arguments.seed is not None):
+        raise InputError("expected --scenario with --seed and --set, got map files, which have none; leave them out")
+    if arguments.scenario and arguments.resolution is not None:
+        raise InputError("expected map files with --resolution, got --scenario; use --set map.resolution=... instead")
+    yield from (read_map(Path(path), arguments.resolution) for path in arguments.paths)
+    if arguments.scenario:
+        task = named_scenario(arguments.scenario).with_settings(dict(arguments.settings))
+        yield from (draw_floorplan(task, arguments.seed or 0, index) for index in range(task.map.count))
 
 
 def check(arguments: argparse.Namespace) -> int:

@@ -2,39 +2,81 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.maps.doorways import open_doorways
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.maps.image import check_file, read_plain
-from indoor_explorers.env.maps.reduction import Source, cropped, reduced
+from indoor_explorers.env.maps.houseexpo import RESOLUTION, read_houseexpo
+from indoor_explorers.env.maps.movingai import read_movingai
+from indoor_explorers.env.maps.npy import read_npy
+from indoor_explorers.env.maps.opening import check_file
+from indoor_explorers.env.maps.plain import read_plain
+from indoor_explorers.env.maps.reduction import Source, check_resolution, cropped, reduced
 from indoor_explorers.env.maps.ros import read_ros
-
-ROS_SUFFIXES = (".yaml", ".yml")
-IMAGE_SUFFIXES = (".png", ".pgm", ".pnm", ".bmp")
 
 
 def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     """Read a map file as a floor plan with cells of ``resolution`` metres; None keeps the file's.
 
-    A ``.yaml`` is a ROS map_server map: doorways that it leaves unknown are opened, and the unknown around
-    the building is cut away. A picture is a plain map, bright is free; one pixel counts as one metre and
-    nothing is cut away. In both, only the largest connected free part stays free; see
+    The ending tells what it is; of every map only the largest connected free part stays free, see
     :func:`~indoor_explorers.env.maps.reduction.reduced`.
+
+    - ``.yaml``, ``.yml``: a ROS map_server map; doorways that it leaves unknown are opened, and the unknown around
+      the building is cut away.
+    - ``.png``, ``.pgm``, ``.pnm``, ``.bmp``: a plain picture; bright is free, and a coloured spot marks the start.
+    - ``.map``: a grid of the MovingAI benchmarks.
+    - ``.npy``: a NumPy array of occupancies.
+    - ``.json``: a HouseExpo outline, cut to the house; cells of 0.1 m where none are asked for.
+
+    A pixel, character or element of the three in the middle counts as one metre, and nothing is cut away.
 
     Raises :class:`InputError` with one line for whatever is wrong with the file or the resolution.
     """
     path = Path(path)
     check_file(path)
     suffix = path.suffix.lower()
-    if suffix in ROS_SUFFIXES:
-        cells, metres = read_ros(path)
-        source = Source(name=path.stem, where=str(path), cells=open_doorways(cells, metres), resolution=metres)
-        return cropped(reduced(source, resolution))
-    if suffix in IMAGE_SUFFIXES:
-        return reduced(Source(name=path.stem, where=str(path), cells=read_plain(path), resolution=1.0), resolution)
-    raise InputError(
-        f"{path}: expected a map ending in {', '.join(ROS_SUFFIXES + IMAGE_SUFFIXES)}, got {suffix or 'no ending'!r}; "
-        "convert it to one of these"
-    )
+    if suffix not in READERS:
+        raise InputError(
+            f"{path}: expected a map ending in {', '.join(READERS)}, got {suffix or 'no ending'!r}; "
+            "convert it to one of these"
+        )
+    if resolution is not None:
+        check_resolution(str(path), resolution)
+    return READERS[suffix](path, resolution)
+
+
+def _read_ros(path: Path, resolution: float | None) -> Floorplan:
+    cells, metres = read_ros(path)
+    source = Source(name=path.stem, where=str(path), cells=open_doorways(cells, metres), resolution=metres)
+    return cropped(reduced(source, resolution))
+
+
+def _read_plain(path: Path, resolution: float | None) -> Floorplan:
+    cells, start = read_plain(path)
+    return reduced(Source(name=path.stem, where=str(path), cells=cells, resolution=1.0, start=start), resolution)
+
+
+def _read_movingai(path: Path, resolution: float | None) -> Floorplan:
+    return reduced(Source(name=path.stem, where=str(path), cells=read_movingai(path), resolution=1.0), resolution)
+
+
+def _read_npy(path: Path, resolution: float | None) -> Floorplan:
+    return reduced(Source(name=path.stem, where=str(path), cells=read_npy(path), resolution=1.0), resolution)
+
+
+def _read_houseexpo(path: Path, resolution: float | None) -> Floorplan:
+    asked = RESOLUTION if resolution is None else resolution
+    cells, metres = read_houseexpo(path, asked)
+    return cropped(reduced(Source(name=path.stem, where=str(path), cells=cells, resolution=metres), asked))
+
+
+#: How a file is read, by its ending.
+READERS: dict[str, Callable[[Path, float | None], Floorplan]] = {
+    **dict.fromkeys((".yaml", ".yml"), _read_ros),
+    **dict.fromkeys((".png", ".pgm", ".pnm", ".bmp"), _read_plain),
+    ".map": _read_movingai,
+    ".npy": _read_npy,
+    ".json": _read_houseexpo,
+}

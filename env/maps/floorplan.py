@@ -44,7 +44,13 @@ class Floorplan:
             raise InputError(
                 f"{self.name}: expected some free cells, got none; check the thresholds, or negate, of the map"
             )
+        if self.start is not None and not self._is_free(self.start):
+            raise InputError(f"{self.name}: expected the start on a free cell, got {self.start}; move the mark")
         self.truth.setflags(write=False)
+
+    def _is_free(self, cell: Cell) -> bool:
+        inside = all(0 <= place < side for place, side in zip(cell, self.shape, strict=True))
+        return inside and bool(self.truth[cell] == FREE)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -53,8 +59,9 @@ class Floorplan:
 
     @property
     def digest(self) -> str:
-        """A short hash of shape and cells: equal maps have equal digests whatever file they came from."""
-        return hashlib.sha256(repr(self.shape).encode() + self.truth.tobytes()).hexdigest()[:16]
+        """A short hash of shape, cells and start, if any: equal maps have equal digests whatever file they are from."""
+        mark = b"" if self.start is None else repr(self.start).encode()
+        return hashlib.sha256(repr(self.shape).encode() + self.truth.tobytes() + mark).hexdigest()[:16]
 
     @cached_property
     def main_part(self) -> Mask:
@@ -64,6 +71,8 @@ class Floorplan:
         return part
 
     @classmethod
-    def from_free(cls, free: Mask, name: str, resolution: float | None = None, kept: float = 1.0) -> Floorplan:
+    def from_free(
+        cls, free: Mask, name: str, resolution: float | None = None, kept: float = 1.0, start: Cell | None = None
+    ) -> Floorplan:
         """Build a floor plan from a (H, W) bool mask of its free cells."""
-        return cls(np.where(free, FREE, OCCUPIED).astype(np.uint8), name, resolution, kept)
+        return cls(np.where(free, FREE, OCCUPIED).astype(np.uint8), name, resolution, kept, start)

@@ -1,8 +1,7 @@
-"""Pictures of maps: grey levels from PNG, PGM and BMP files, however broken or hostile the file is."""
+"""Pictures of maps: grey levels and colours from PNG, PGM and BMP files, however broken or hostile the file is."""
 
 from __future__ import annotations
 
-import stat
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,14 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
-from indoor_explorers.env.arrays import Belief, Mask
+from indoor_explorers.env.arrays import Mask
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid import FREE, OCCUPIED
+from indoor_explorers.env.maps.opening import check_file, one_line
 
 #: The most pixels a picture may have (6,000 x 6,000), so that it is never decoded into trouble with memory.
 MAX_PIXELS = 36_000_000
-#: A plain picture's pixel is free above this luminance (0 black, 255 white).
-FREE_LUMINANCE = 127.5
 
 _FORMATS = ("PNG", "PPM", "BMP")
 _DEEP = ("I", "I;16", "I;16B", "I;16L", "I;16N")
@@ -37,12 +34,11 @@ class Picture:
         """Return the (H, W) luminance (ITU-R 601), 0 to 255; alpha is ignored."""
         if self.channels.shape[2] == 1:
             return self.channels[..., 0].astype(np.float32)
-        return np.asarray(self.channels @ np.array([0.299, 0.587, 0.114], np.float32), np.float32)
-
-
-def read_plain(path: Path) -> Belief:
-    """Read a plain picture as (H, W) uint8 cells: free above :data:`FREE_LUMINANCE`, else occupied."""
-    return np.where(read_picture(path).luminance() > FREE_LUMINANCE, FREE, OCCUPIED).astype(np.uint8)
+        out = self.channels[..., 0] * np.float32(299)
+        out += self.channels[..., 1] * np.float32(587)  # whole numbers below 2**24: exact in any order
+        out += self.channels[..., 2] * np.float32(114)
+        out /= np.float32(1000)
+        return out
 
 
 def read_picture(path: Path) -> Picture:
@@ -64,25 +60,10 @@ def read_picture(path: Path) -> Picture:
         raise InputError(f"{path}: expected at most {MAX_PIXELS:,} pixels, got far more; scale it down") from error
     except OSError as error:
         raise InputError(
-            f"{path}: cannot be read: {error.strerror or _one_line(error)}; check or save it again"
+            f"{path}: cannot be read: {error.strerror or one_line(error)}; check or save it again"
         ) from error
     except Exception as error:  # on broken files Pillow's decoders raise whatever their parsing trips over
-        raise InputError(f"{path}: expected a whole picture, got a broken one: {_one_line(error)}; save it") from error
-
-
-def check_file(path: Path) -> None:
-    """Raise :class:`InputError` unless ``path`` is a regular file."""
-    try:
-        mode = path.stat().st_mode
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: expected a file, got a path where there is none; correct the path") from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or _one_line(error)
-        raise InputError(f"{path}: cannot be read: {reason}; correct the path or its permissions") from error
-    if stat.S_ISDIR(mode):
-        raise InputError(f"{path}: expected a file, got a directory; name the map files in it")
-    if not stat.S_ISREG(mode):
-        raise InputError(f"{path}: expected a regular file, got a pipe or device; copy it to a file first")
+        raise InputError(f"{path}: expected a whole picture, got a broken one: {one_line(error)}; save it") from error
 
 
 def _decode(path: Path) -> Picture:
@@ -105,7 +86,3 @@ def _decode(path: Path) -> Picture:
 
 def _split(pixels: NDArray[np.uint8]) -> Picture:
     return Picture(pixels[..., :-1], np.asarray(pixels[..., -1] == 255))
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split()) or type(error).__name__

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, sparse
 
-from indoor_explorers.env.arrays import Belief, Mask
+from indoor_explorers.env.arrays import Belief, Cell, Mask
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid import FREE, OCCUPIED, largest_part
-from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.floorplan import MAX_CELLS, Floorplan
 
 #: Occupied shares that make a cell solid, most careful first; 0 stands for any occupied pixel at all.
 LADDER = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
@@ -40,6 +40,8 @@ class Source:
     """(H, W) uint8: 0 unknown, 1 free, 2 occupied."""
     resolution: float
     """Metres a pixel."""
+    start: Cell | None = None
+    """The pixel (row, column) that marks where to start, if any."""
 
 
 def reduced(source: Source, resolution: float | None) -> Floorplan:
@@ -50,33 +52,52 @@ def reduced(source: Source, resolution: float | None) -> Floorplan:
     threshold is the first of :data:`LADDER` that keeps :data:`ENOUGH` of the floor connected, else the one
     that keeps most: a small one keeps thin walls closed, a larger one keeps doors open. ``Floorplan.kept``
     is the share of all the source's free area that is still reached: in free cells, or in the solid ones
-    right beside them, where the rounding at walls leaves it.
+    right beside them, where the rounding at walls leaves it. The start becomes the cell that its pixel lies in, or
+    the nearest free one.
 
     Raises :class:`InputError` when the resolution is finer than the source's, or so coarse that no floor is left.
     """
+    factor = _factor(source, resolution)
     all_free = source.cells == FREE
     main = largest_part(all_free)
     if not main.any():
-        raise InputError(f"{source.where}: expected a map with free pixels, got none; check its thresholds, or negate")
+        raise InputError(
+            f"{source.where}: expected a map with free pixels, got none; check its values, or thresholds and negate"
+        )
     share = float(main.sum() / all_free.sum())
-    factor = _factor(source, resolution)
     if factor == 1.0:
-        return Floorplan.from_free(main, source.name, source.resolution, share)
+        return Floorplan.from_free(main, source.name, source.resolution, share, settled(source.start, main))
     free, connected = _best(area_share(source.cells == OCCUPIED, factor), area_share(main, factor))
     if not free.any():
         raise InputError(
             f"{source.where}: expected some floor left, got none at a resolution of {resolution:g} m; "
             f"ask for a finer one (the source has {source.resolution:g} m)"
         )
-    return Floorplan.from_free(free, source.name, resolution, share * connected)
+    return Floorplan.from_free(
+        free, source.name, resolution, share * connected, settled(source.start, free, factor=factor)
+    )
+
+
+def settled(start: Cell | None, free: Mask, factor: float = 1.0) -> Cell | None:
+    """Return the free cell nearest to the one that a start pixel lies in; ``factor`` is pixels a cell.
+
+    Of several the uppermost counts, then the leftmost; None stays None.
+    """
+    if start is None:
+        return None
+    cell = np.minimum(np.array(start) // factor, np.array(free.shape) - 1).astype(np.int64)
+    cells = np.argwhere(free)
+    row, col = cells[int(np.argmin(((cells - cell) ** 2).sum(axis=1)))]
+    return int(row), int(col)
 
 
 def _factor(source: Source, resolution: float | None) -> float:
-    """Return pixels a cell along each side, at least 1; whole numbers are exact."""
+    """Return pixels a cell along each side, at least 1 and enough for :data:`MAX_CELLS`; whole numbers are exact."""
+    height, width = source.cells.shape
     if resolution is None:
+        _check_cells(source, height, width)
         return 1.0
-    if not (math.isfinite(resolution) and resolution > 0.0):
-        raise InputError(f"{source.where}: expected a resolution above 0 m, got {resolution}; correct it")
+    check_resolution(source.where, resolution)
     factor = resolution / source.resolution
     factor = round(factor) if abs(factor - round(factor)) < 1e-6 * factor else factor
     if factor < 1.0:
@@ -89,7 +110,23 @@ def _factor(source: Source, resolution: float | None) -> float:
             f"{source.where}: expected cells smaller than the map, got {resolution:g} m a cell; ask for a finer "
             f"--resolution (the source has {source.resolution:g} m)"
         )
+    _check_cells(source, math.ceil(height / factor - _SLACK), math.ceil(width / factor - _SLACK))
     return float(factor)
+
+
+def _check_cells(source: Source, height: int, width: int) -> None:
+    """Raise :class:`InputError` when a map would have more than :data:`MAX_CELLS` cells."""
+    if height * width > MAX_CELLS:
+        raise InputError(
+            f"{source.where}: expected at most {MAX_CELLS:,} cells, got {height:,} x {width:,}; "
+            "ask for a coarser --resolution"
+        )
+
+
+def check_resolution(where: str, resolution: float) -> None:
+    """Raise :class:`InputError` unless a resolution in metres is a number above 0; ``where`` names the file."""
+    if not (math.isfinite(resolution) and resolution > 0.0):
+        raise InputError(f"{where}: expected a resolution above 0 m, got {resolution}; correct it")
 
 
 def _best(occupied: NDArray[np.float64], floor: NDArray[np.float64]) -> tuple[Mask, float]:
@@ -140,4 +177,5 @@ def cropped(plan: Floorplan) -> Floorplan:
     free = plan.truth == FREE
     rows, cols = np.flatnonzero(free.any(axis=1)), np.flatnonzero(free.any(axis=0))
     inner = free[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]
-    return Floorplan.from_free(np.pad(inner, 1), plan.name, plan.resolution, plan.kept)
+    start = None if plan.start is None else (plan.start[0] - int(rows[0]) + 1, plan.start[1] - int(cols[0]) + 1)
+    return Floorplan.from_free(np.pad(inner, 1), plan.name, plan.resolution, plan.kept, start)

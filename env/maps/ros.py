@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.maps.image import check_file, read_picture
+from indoor_explorers.env.maps.image import read_picture
+from indoor_explorers.env.maps.opening import check_file, read_bytes
 
 #: The most bytes a YAML file may have; real ones have about 200.
 MAX_BYTES = 65_536
@@ -114,7 +115,7 @@ def parse_ros(path: Path) -> RosMap:
 
 def _load(path: Path) -> Mapping[str, Any]:
     """Return the mapping in a YAML file with all scalars as text: no tags, merges or guesses at types."""
-    text = _read_text(path)
+    text = read_bytes(path, MAX_BYTES, "a map_server file").decode("utf-8-sig", errors="replace")
     try:
         _check_depth(path, text)
         data = yaml.load(text, Loader=yaml.BaseLoader)
@@ -124,17 +125,6 @@ def _load(path: Path) -> Mapping[str, Any]:
         got = "an empty file" if not data else "a list" if isinstance(data, list) else "plain text"
         raise InputError(f"{path}: expected lines such as 'resolution: 0.05', got {got}; is it a map_server file?")
     return data
-
-
-def _read_text(path: Path) -> str:
-    check_file(path)
-    try:
-        size = path.stat().st_size
-        if size > MAX_BYTES:
-            raise InputError(f"{path}: expected a map_server file of at most {MAX_BYTES} bytes, got {size}")
-        return path.read_bytes().decode("utf-8-sig", errors="replace")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}; check its permissions") from error
 
 
 def _check_depth(path: Path, text: str) -> None:

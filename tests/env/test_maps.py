@@ -12,8 +12,8 @@ from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.doorways import open_doorways
 from indoor_explorers.env.maps.files import read_map
-from indoor_explorers.env.maps.image import read_plain
 from indoor_explorers.env.maps.office import drawn, office
+from indoor_explorers.env.maps.plain import read_plain
 from indoor_explorers.env.maps.ros import RosMap, parse_ros, read_ros, trinary
 from indoor_explorers.env.maps.sources import FileMaps
 
@@ -92,10 +92,10 @@ def test_yaml_as_found_in_the_wild_reads_the_same(tmp_path: Path, old: str, new:
 
 def test_a_plain_picture_is_free_above_half_luminance(tmp_path: Path) -> None:
     Image.fromarray(np.array([[0, 127, 128, 195, 203, 255]], np.uint8)).save(tmp_path / "grey.pgm")
-    assert (read_plain(tmp_path / "grey.pgm") == FREE).tolist() == [[False, False, True, True, True, True]]
+    assert (read_plain(tmp_path / "grey.pgm")[0] == FREE).tolist() == [[False, False, True, True, True, True]]
     colours = np.array([[[127, 127, 127], [128, 128, 128], [0, 255, 0], [0, 0, 255], [255, 216, 0]]], np.uint8)
     Image.fromarray(colours).save(tmp_path / "colour.png")
-    assert (read_plain(tmp_path / "colour.png") == FREE).tolist() == [[False, True, True, False, True]]
+    assert (read_plain(tmp_path / "colour.png")[0] == FREE).tolist() == [[False, True, True, False, True]]
 
 
 @pytest.mark.parametrize(
@@ -109,7 +109,7 @@ def test_every_pixel_format_reads_alike(tmp_path: Path, suffix: str, mode: str) 
     image = Image.fromarray(wanted)
     image = Image.fromarray(wanted.astype(np.uint16) * 257) if mode == "I;16" else image.convert(mode)
     image.save(tmp_path / f"map{suffix}")
-    assert ((read_plain(tmp_path / f"map{suffix}") == FREE) == (wanted > 0)).all()
+    assert ((read_plain(tmp_path / f"map{suffix}")[0] == FREE) == (wanted > 0)).all()
 
 
 def test_plain_pictures_keep_their_canvas_and_lose_what_cannot_be_reached(tmp_path: Path) -> None:

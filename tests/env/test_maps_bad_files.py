@@ -116,7 +116,7 @@ MERGES = "a0: &a0 {x: 1}\n" + "".join(f"a{k}: &a{k} {{<<: [*a{k - 1}, *a{k - 1}]
         ("{a: " * 10_000, "nested deeper"),
         (ALIASES, "expected the key 'image'"),
         (MERGES, "expected the key 'image'"),
-        ("a: " + "x" * 70_000, "at most 65536 bytes"),
+        ("a: " + "x" * 70_000, "at most 65,536 bytes"),
     ],
     ids=lambda value: value[:12],
 )

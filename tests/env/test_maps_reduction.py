@@ -1,6 +1,7 @@
 """Coarser maps: areas are conserved, doors stay open, walls stay closed, and what was lost is reported."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -148,6 +149,49 @@ def test_impossible_resolutions_are_refused(resolution: float, message: str) -> 
         reduced(source(np.full((20, 20), FREE, np.uint8)), resolution)
 
 
+@pytest.mark.parametrize("factor", [None, 0.2])
+def test_more_cells_than_a_map_may_have_are_refused_before_any_work(factor: float | None) -> None:
+    with pytest.raises(InputError, match=r"plan.yaml: expected at most 4,194,304 cells, got .*coarser --resolution"):
+        reduced(source(np.zeros((6_000, 6_000), np.uint8)), factor)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 2**32), st.sampled_from([None, 0.2, 0.25, 0.37]))
+def test_a_start_becomes_the_nearest_free_cell_of_the_map(seed: int, resolution: float | None) -> None:
+    rng = np.random.default_rng(seed)
+    plan = np.where(rng.random((30, 41)) < 0.2, OCCUPIED, FREE).astype(np.uint8)
+    start = int(rng.integers(30)), int(rng.integers(41))
+    coarse = reduced(replace(source(plan), start=start), resolution)
+    assert coarse.start is not None
+    wanted = np.array(start) // (1.0 if resolution is None else resolution / 0.1)
+    distances = ((np.argwhere(coarse.truth == FREE) - wanted) ** 2).sum(axis=1)
+    assert ((np.array(coarse.start) - wanted) ** 2).sum() == distances.min()
+    small = cropped(coarse)
+    assert small.start is not None
+    assert small.truth[small.start] == FREE
+    row, col = (int(np.flatnonzero(free)[0]) for free in ((coarse.truth == FREE).any(1), (coarse.truth == FREE).any(0)))
+    assert small.start == (coarse.start[0] - row + 1, coarse.start[1] - col + 1)
+
+
+@pytest.mark.parametrize("resolution", [None, 0.2, 0.37])
+def test_the_largest_map_is_reduced_and_keeps_its_corridors(resolution: float | None) -> None:
+    """2048 x 2048 pixels: a grid of rooms with doors; at its own resolution also corridors of a single cell."""
+    plan = rooms(50, 50, side=38, wall=2, door=9)[:2048, :2048]
+    plan = np.pad(plan, [(0, 2048 - side) for side in plan.shape], constant_values=OCCUPIED)
+    coarse = reduced(source(plan), resolution)
+    assert coarse.kept > 0.99
+
+
+def test_a_single_corridor_up_and_down_the_largest_map_is_kept() -> None:
+    line = np.full((2048, 2048), OCCUPIED, np.uint8)
+    line[1:-1:2, 1:-1] = FREE
+    line[2:-2:4, -2] = line[4:-2:4, 1] = FREE
+    snake = cropped(reduced(replace(source(line), start=(2, 5)), None))
+    assert snake.kept == 1.0
+    assert snake.shape == (2047, 2048)
+    assert snake.start == (1, 5)
+
+
 def test_a_floor_too_narrow_for_its_cells_is_refused() -> None:
     plan = np.full((20, 20), OCCUPIED, np.uint8)
     plan[10] = FREE
@@ -156,5 +200,5 @@ def test_a_floor_too_narrow_for_its_cells_is_refused() -> None:
 
 
 def test_a_map_without_floor_is_refused() -> None:
-    with pytest.raises(InputError, match="expected a map with free pixels, got none; check its thresholds"):
+    with pytest.raises(InputError, match="expected a map with free pixels, got none; check its values, or thresholds"):
         reduced(source(np.full((5, 5), UNKNOWN, np.uint8)), None)

@@ -1,0 +1,72 @@
+"""What every source of maps has in common, and what every generator has."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from indoor_explorers.env.arrays import Mask
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.randomness import Stream, generator
+
+
+class BaseMaps(BaseModel):
+    """Describe where maps come from: frozen, validated, and told apart in a scenario by ``source``."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+
+    @property
+    def count(self) -> int:
+        """Maps to be explored with every seed; a generator counts as one, its seeds make the maps."""
+        return 1
+
+    @property
+    def generated(self) -> bool:
+        """True when the seed makes the map, so that another attempt gives another map."""
+        return False
+
+    def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
+        """Return map ``index`` (0 to count - 1) for an episode seed."""
+        raise NotImplementedError
+
+    def identity(self) -> Any:
+        """Return what tells this source from others, as JSON: the cells of files, not their paths."""
+        return self.model_dump(mode="json")
+
+
+class GeneratedMaps(BaseMaps):
+    """A generator of connected maps with a solid border: everything free can be reached from everywhere free."""
+
+    source: str
+    height: int = Field(64, ge=5, le=2048)
+    """Cells."""
+    width: int = Field(64, ge=5, le=2048)
+    """Cells."""
+
+    @property
+    def generated(self) -> bool:
+        """True: every seed has a map of its own."""
+        return True
+
+    def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
+        """Draw the map of an episode seed."""
+        return Floorplan.from_free(self.draw(generator(seed, Stream.MAP, attempt)), self.source)
+
+    def draw(self, rng: np.random.Generator) -> Mask:
+        """Return the (height, width) mask of the free cells of a random map."""
+        raise NotImplementedError
+
+
+def check_sizes(name: str, sizes: tuple[int, int]) -> None:
+    """Raise :class:`ValueError` unless ``sizes`` are a smallest and a largest one, from 1 on."""
+    smallest, largest = sizes
+    if not 1 <= smallest <= largest:
+        raise ValueError(f"{name} is {[smallest, largest]}, expected 1 <= smallest <= largest")
+
+
+def check_room(name: str, side: int, least: int, why: str) -> None:
+    """Raise :class:`ValueError` when a side of the map is shorter than what has to fit into it."""
+    if side < least:
+        raise ValueError(f"{name} is {side}, expected at least {least} ({why}); enlarge it or shrink what is in it")

@@ -1,0 +1,248 @@
+"""Broken and hostile MovingAI, NumPy and HouseExpo files: one clear line each, in no time and little memory."""
+
+import json
+import os
+import struct
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from indoor_explorers.env import InputError
+from indoor_explorers.env.maps.files import READERS, read_map
+
+#: What refusing a file may allocate, whatever its header promises.
+LITTLE = 200_000_000
+
+
+def refusal(folder, name, data):
+    """Return the message that a file is refused with: one line that names the file."""
+    path = folder / name
+    path.write_bytes(data)
+    tracemalloc.start()
+    with pytest.raises(InputError) as caught:
+        read_map(path)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    message = str(caught.value)
+    assert str(path) in message
+    assert "\n" not in message
+    assert len(message) - len(str(path)) < 400
+    assert most < LITTLE
+    return message
+
+
+def grid(height, width, body="", kind="octile"):
+    return f"type {kind}\nheight {height}\nwidth {width}\nmap\n{body}".encode()
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"", "expected the lines 'type octile'"),
+        (b"\x00" * 5000, "is it a MovingAI map?"),
+        (b"height 3\n" * 100_000, "no line 'map' in the first 1000 bytes"),
+        (b"map\n...\n", "expected a line 'height N' before the line 'map', got none; add it"),
+        (b"type octile\nheight 1\nmap\n.\n", "expected a line 'width N'"),
+        (grid(1, 1, ".", kind="hex"), "expected type octile, got 'hex'"),
+        (grid(10**9, 10**9), "height: expected a whole number from 1 to 999999999"),
+        (grid(10**8, 10**8), "expected at most 36,000,000 cells, got 100,000,000 x 100,000,000"),
+        (grid("9" * 800, 3), "height: expected a whole number"),
+        (grid(-3, 3), "got '-3'"),
+        (grid(3, 0), "width: expected a whole number from 1"),
+        (grid("3.0", 3), "got '3.0'"),
+        (grid("٣", 3, "...\n" * 3), "height: expected a whole number"),
+        (grid(30_000_000, 1, "\n" * 5_000_000), "expected 1 characters in row 1, got 0"),
+        (grid(3, 3, "\n" * 5_000_000), "expected 3 rows of 3 characters, got far more"),
+        (grid(3, 3, "...\n...\n"), "expected 3 rows of 3 characters, got 2; correct the header or the map"),
+        (grid(3, 3, "...\n" * 4), "expected 3 rows of 3 characters, got 4"),
+        (grid(3, 3, "...\n....\n...\n"), "expected 3 characters in row 2, got 4"),
+        (grid(3, 3, "...\n..\n....\n"), "expected 3 characters in row 2, got 2"),
+        (grid(2, 3, "...\n.x.\n"), ".GS (free) and @OTW (solid), got 'x' in row 2, column 2"),
+        (grid(2, 3, "...\n.\n.\n"), "expected 3 characters in row 2, got 1"),
+        (grid(1, 3, "@@@\n"), "expected a map with free pixels, got none"),
+    ],
+    ids=range(22),
+)  # fmt: skip
+def test_a_broken_movingai_map_is_refused(tmp_path, data, message):
+    assert message in refusal(tmp_path, "bad.map", data)
+
+
+def array(shape, descr="<f8", data=b"", order=False):
+    return raw(f"{{'descr': '{descr}', 'fortran_order': {order}, 'shape': {shape}, }}\n", data)
+
+
+def raw(header, data=b"", version=1):
+    size = struct.pack("<H" if version == 1 else "<I", len(header))
+    return b"\x93NUMPY" + bytes([version, 0]) + size + header.encode() + data
+
+
+def good(shape):
+    return f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}"
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"", "expected a file of numpy.save, got EOF"),
+        (b"PK\x03\x04" + bytes(100), "magic string is not correct"),
+        (b"\x80\x04\x95" + bytes(100), "magic string is not correct"),
+        (b"\x93NUMPY\x09\x00" + bytes(100), "expected numpy's format 1.0 or 2.0, got 9.0"),
+        (b"\x93NUMPY\x02\x00\xff\xff\xff\xff{", "expected a header of at most 10,000 bytes, got 4,294,967,295"),
+        (array((10**6, 10**6)), "expected 8,000,000,000,000 bytes of data, got 0; the file is truncated"),
+        (raw(good(f"({'9' * 4000}, 1)")), "expected far more of data, got 0"),
+        (array((3, 4), data=bytes(95)), "expected 96 bytes of data, got 95; the file is truncated"),
+        (array((3, 3), "|O", b"cos\nsystem\n" * 9), "expected bools, integers or floats, got object"),
+        (array((10**8, 10**8), "|V0"), "expected bools, integers or floats, got |V0"),
+        (array((3, 3), "<c16", bytes(144)), "got complex128"),
+        (array((3, 3), "<U1", bytes(36)), "got <U1"),
+        (array((3, 3), "<M8[s]", bytes(72)), "got datetime64"),
+        (raw("{'descr': [('a', '<f8')], 'fortran_order': False, 'shape': (2, 2)}", bytes(64)), "got [('a', '<f8')]"),
+        (array((9,), data=bytes(72)), "expected rows and columns, got an array of shape (9,)"),
+        (array((), data=bytes(8)), "shape ()"),
+        (array((2, 2, 2), data=bytes(64)), "shape (2, 2, 2)"),
+        (array((0, 5)), "expected rows and columns, got an array of shape (0, 5)"),
+        (array((-3, -3), data=bytes(72)), "shape (-3, -3)"),
+        (array((6001, 6000), "|b1", bytes(36_006_000)), "expected at most 36,000,000 cells, got 6,001 x 6,000"),
+        (array((6000, 6000), "|b1", bytes(36_000_000)), "expected at most 4,194,304 cells, got 6,000 x 6,000"),
+        (array((2, 2), data=np.array([0, 0, np.nan, 0]).tobytes()), "got nan in row 1, column 0; replace it"),
+        (array((2, 2), data=np.array([0, np.inf, 0, 0]).tobytes()), "got inf in row 0, column 1"),
+        (array((2, 2), data=np.array([0, 1, 2, 0.0]).tobytes()), "occupancies from 0 to 1, or -1 for unknown, got 2.0"),
+        (array((2, 2), "<i8", np.array([0, -1, -2, 0]).tobytes()), "-1 for unknown and no lower value, got -2"),
+        (array((2, 2), "|b1", b"\x01" * 4), "expected a map with free pixels, got none"),
+        (raw("(" * 9000), "expected a file of numpy.save"),
+        (raw("-" * 9900 + "1"), "expected a file of numpy.save"),
+        (raw("[" * 5000 + "]" * 5000, version=2), "expected a file of numpy.save"),
+        (raw(good("(3,"+ "+".join("1" * 4000) + "j)")), "expected a file of numpy.save"),
+        (raw("{'descr': " + "(" * 150 + ")" * 150 + ", 'fortran_order': False, 'shape': (2, 2)}"), "numpy.save"),
+        (raw("x" * 100_000, version=2), "expected a header of at most 10,000 bytes, got 100,000"),
+        (raw("{}"), "expected a file of numpy.save"),
+        (raw("{'descr': '<f8', 'fortran_order': 3, 'shape': (2, 2)}", bytes(32)), "fortran_order"),
+        (raw(good("'ab'"), bytes(32)), "expected a file of numpy.save"),
+        (raw(good("(1.5, 2)"), bytes(32)), "expected a file of numpy.save"),
+        (raw(good("(2, 2)").replace("<f8", "(1000000,1000000)f8"), bytes(32)), "expected a file of numpy.save"),
+    ],
+    ids=range(37),
+)  # fmt: skip
+def test_a_broken_array_is_refused(tmp_path, data, message):
+    assert message in refusal(tmp_path, "bad.npy", data)
+
+
+def house(verts):
+    text = verts if isinstance(verts, bytes) else json.dumps(verts).encode()
+    return b'{"id": "x", "room_num": 1, "verts": ' + text + b"}"
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"", "expected JSON, got Expecting value"),
+        (b"\xff\xfe\x00\xd8", "expected JSON"),
+        (b"nonsense", "expected JSON"),
+        (house([[0, 0], [4, 0], [4, 3]])[:-9], "expected JSON"),
+        (b"[]", "expected the key 'verts' (the outline's corners in metres), got a JSON list; add it"),
+        (b"null", "got a JSON null"),
+        (b"{}", "got a JSON object"),
+        (b'{"' + b"k" * 1_000_000 + b'": 1}', "got the keys kkk"),
+        (b"[" * 4_000_000, "JSON nested too deeply"),
+        (b'{"verts":' * 400_000, "JSON nested too deeply"),
+        (b" " * 4_000_001, "expected a HouseExpo file of at most 4,000,000 bytes, got 4,000,001"),
+        (house(None), "verts: expected 3 to 10000 corners [x, y], got a JSON null"),
+        (house({"a": 1}), "got a JSON object"),
+        (house([]), "got 0"),
+        (house([[0, 0], [1, 1]]), "got 2; correct it"),
+        (house([[0, 0]] * 10_001), "got 10001"),
+        (house([[0, 0], [1, 0], [1, 1, 1]]), "got a list of 3 as number 3"),
+        (house([[0, 0], ["1", 0], [1, 1]]), "got ['1', 0.0] as number 2"),
+        (house([[0, 0], [True, 0], [1, 1]]), "got [True, 0.0] as number 2"),
+        (house([[0, 0], [[1], {}], [1, 1]]), "got [a list of 1, a JSON object]"),
+        (house([[0, 0], 5, [1, 1]]), "got 5.0 as number 2"),
+        (house(b"[[0, 0], [NaN, 0], [1, 1]]"), "got [nan, 0.0] as number 2"),
+        (house(b"[[0, 0], [Infinity, 0], [1, 1]]"), "got [inf, 0.0]"),
+        (house(b"[[0, 0], [1e999999999999, 0], [1, 1]]"), "got [inf, 0.0]"),
+        (house(b"[[0, 0], [" + b"9" * 5000 + b", 0], [1, 1]]"), "got [inf, 0.0]"),
+        (house(b"[[0, 0], [-" + b"9" * 3_900_000 + b", 0], [1, 1]]"), "got [-inf, 0.0]"),
+        (house([[0, 0], [1e308, -1e308], [-1e308, 1e308]]), "outline of at most 36,000,000 pixels, got inf"),
+        (house([[0, 0], [1e9, 0], [0, 1e9]]), "got 3e+10 x 3e+10 of 0.0333 m; ask for a coarser --resolution"),
+        (house([[0, 0], [1e300, 0], [0, 1]]), "expected an outline of at most 36,000,000 pixels"),
+        (house([[1e300, 0], [1e300, 1], [1e300, 2]]), "expected an outline around some floor, got a straight line"),
+        (house([[0, 0], [1, 0], [2, 0]]), "got a straight line"),
+        (house([[0, 0]] * 3), "got a straight line"),
+        (house([[0, 0], [1e-9, 0], [0, 1e-9]]), "expected cells smaller than the map, got 0.1 m a cell for a house of"),
+        (house([[0, 0], [1e5, 0], [1e5, 0.001]]), "for a house of 0.001 m x 1e+05 m"),
+    ],
+    ids=range(34),
+)  # fmt: skip
+def test_a_broken_house_is_refused(tmp_path, data, message):
+    assert message in refusal(tmp_path, "bad.json", data)
+
+
+@pytest.mark.parametrize("resolution", [0.0, -1.0, float("nan"), float("inf"), 1e300, 50.0, 1e-9])
+def test_an_impossible_resolution_of_a_house_is_refused(tmp_path, resolution):
+    (tmp_path / "a.json").write_bytes(house([[0, 0], [8, 0], [8, 5]]))
+    with pytest.raises(
+        InputError, match=r"a\.json: expected (a resolution above 0|cells smaller|an outline of at most)"
+    ):
+        read_map(tmp_path / "a.json", resolution)
+
+
+def test_a_house_that_crosses_itself_is_read(tmp_path):
+    (tmp_path / "bow.json").write_bytes(house([[0, 0], [4, 3], [4, 0], [0, 3]]))
+    assert read_map(tmp_path / "bow.json").kept > 0.4
+
+
+@pytest.mark.parametrize("suffix", READERS)
+def test_nothing_but_a_regular_file_is_opened(tmp_path, suffix):
+    path = tmp_path / f"map{suffix}"
+    os.mkfifo(path)
+    with pytest.raises(InputError, match="expected a regular file, got a pipe or device"):
+        read_map(path)
+    path.unlink()
+    path.mkdir()
+    with pytest.raises(InputError, match="expected a file, got a directory"):
+        read_map(path)
+    (tmp_path / f"null{suffix}").symlink_to("/dev/zero")
+    with pytest.raises(InputError, match="got a pipe or device"):
+        read_map(tmp_path / f"null{suffix}")
+
+
+@pytest.mark.parametrize("suffix", READERS)
+@settings(max_examples=60, deadline=None)
+@given(st.one_of(st.binary(max_size=300), st.text(max_size=300).map(str.encode)))
+def test_junk_is_refused_in_one_line(tmp_path_factory, suffix, data):
+    refusal(tmp_path_factory.mktemp("junk"), f"junk{suffix}", data)
+
+
+def whole(suffix):
+    """A good small file of each new kind."""
+    body = "\n".join(["......", ".@@...", "......"])
+    return {
+        ".map": grid(3, 6, body),
+        ".npy": array((3, 4), "<i4", bytes(48)),
+        ".json": house([[0, 0], [2, 0], [2, 1.5], [0, 1.5]]),
+    }[suffix]
+
+
+@pytest.mark.parametrize("suffix", [".map", ".npy", ".json"])
+@settings(max_examples=300, deadline=None)
+@given(st.data())
+def test_damage_is_refused_in_one_line_or_read_in_spite_of_it(tmp_path_factory, suffix, data):
+    damaged = bytearray(whole(suffix))
+    for place in data.draw(st.lists(st.integers(0, len(damaged) - 1), max_size=4)):
+        damaged[place] = data.draw(st.integers(0, 255))
+    cut = data.draw(st.one_of(st.none(), st.integers(0, len(damaged))))
+    path = tmp_path_factory.mktemp("damage") / f"map{suffix}"
+    path.write_bytes(bytes(damaged[:cut]))
+    assert "\n" not in outcome(path)
+
+
+def outcome(path):
+    """Return what a file that may be read or refused gives: its digest, or the message, which names it."""
+    try:
+        return read_map(path).digest
+    except InputError as error:
+        message = str(error)
+    assert str(path) in message
+    return message
