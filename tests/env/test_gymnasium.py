@@ -142,7 +142,7 @@ def test_a_scenario_may_be_a_file_or_an_object(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('preset = "thesis-open"\nbudget = 7\n', encoding="utf-8")
     assert IndoorExplorersEnv(str(path)).world.scenario.budget == 7
-    assert IndoorExplorersEnv(PRESETS["office"], settings={"team": 1}).observation_space.shape[0] == 6
+    assert IndoorExplorersEnv(PRESETS["office"], settings={"team": 1}).observation_space.shape[0] == 7
 
 
 def test_a_picture_shows_the_map_dimmed_and_the_uav():
@@ -188,7 +188,7 @@ def test_a_masked_reset_starts_the_chosen_episodes_only():
     (seen, info), (wanted, _) = (e.reset(seed=[7, None, 8], options={"reset_mask": mask}) for e in (ours, theirs))
     assert np.array_equal(seen, wanted)
     assert info["_step"].tolist() == mask.tolist()
-    assert info["step"].tolist() == [0, 1, 0]
+    assert info["step"].tolist() == [0, 0, 0]
 
 
 def test_vectors_with_an_encoder_that_knows_no_batches_and_with_wrappers():
