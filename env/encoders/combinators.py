@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from gymnasium.spaces import Box, Dict, Space
@@ -44,36 +44,46 @@ class PartsEncoder(Encoder):
             part.reset()
 
 
+class _Slot(NamedTuple):
+    """Where a part lies in a flat vector."""
+
+    name: str
+    span: slice
+    box: Box
+    scale: np.float32
+
+    @property
+    def direct(self) -> bool:
+        """Whether the part can be written into the vector as it is."""
+        return self.box.dtype == np.float32
+
+
 class FlatEncoder(Encoder):
-    """Join all numbers to one float32 vector, in the order of ``gymnasium.spaces.flatten``, bytes as 0 to 1."""
+    """Join all numbers to one float32 vector, in the order of ``gymnasium.spaces.flatten``, bytes divided by 255."""
 
     def __init__(self, inner: Encoder) -> None:
-        boxes = boxes_of(inner.space)
-        self._named = isinstance(inner.space, Dict)
         self._inner = inner
+        self._named = isinstance(inner.space, Dict)
         self.stateless = inner.stateless
-        self._slots: list[tuple[str, slice, tuple[int, ...], np.float32 | None]] = []
+        self._slots: list[_Slot] = []
         start = 0
-        for name, box in boxes.items():
-            stop = start + int(np.prod(box.shape))
-            scale = np.float32(1 / 255) if box.dtype == np.uint8 else np.float32(1)
-            direct = box.dtype == np.float32
-            self._slots.append((name, slice(start, stop), box.shape, None if direct else scale))
-            start = stop
-        low, high = (_joined([getattr(box, bound) for box in boxes.values()], self._slots) for bound in ("low", "high"))
+        for name, box in boxes_of(inner.space).items():
+            span = slice(start, start + int(np.prod(box.shape)))
+            self._slots.append(_Slot(name, span, box, np.float32(1 / 255 if box.dtype == np.uint8 else 1)))
+            start = span.stop
+        low = np.concatenate([slot.box.low.astype(np.float32).ravel() * slot.scale for slot in self._slots])
+        high = np.concatenate([slot.box.high.astype(np.float32).ravel() * slot.scale for slot in self._slots])
         self.space = Box(low, high, dtype=np.float32)
-        self._scratch = {name: np.empty(box.shape, box.dtype) for name, box in boxes.items()}
+        self._places = [(slot.name, slot.span, slot.box.shape) for slot in self._slots if slot.direct]
+        self._others = [slot for slot in self._slots if not slot.direct]
+        self._scratch = {slot.name: np.empty(slot.box.shape, slot.box.dtype) for slot in self._others}
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:
         """Encode one view; float32 parts are written where they belong at once."""
-        parts = {
-            name: out[span].reshape(shape) if scale is None else self._scratch[name]
-            for name, span, shape, scale in self._slots
-        }
+        parts = self._scratch | {name: out[span].reshape(shape) for name, span, shape in self._places}
         self._inner.encode(view, parts if self._named else parts[""])
-        for name, span, _, scale in self._slots:
-            if scale is not None:
-                np.multiply(parts[name].reshape(-1), scale, out=out[span], casting="unsafe")
+        for name, span, _, scale in self._others:
+            np.multiply(parts[name].reshape(-1), scale, out=out[span], casting="unsafe")
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
         """Encode UAVs that fly alone."""
@@ -82,19 +92,11 @@ class FlatEncoder(Encoder):
         self._inner.encode_batch(views, parts)
         for name, span, _, scale in self._slots:
             part = parts[name] if self._named else parts
-            np.multiply(part.reshape(count, -1), scale or np.float32(1), out=out[:, span], casting="unsafe")
+            np.multiply(part.reshape(count, -1), scale, out=out[:, span], casting="unsafe")
 
     def reset(self) -> None:
         """Reset what is inside."""
         self._inner.reset()
-
-
-def _joined(bounds: list[NDArray[Any]], slots: list[tuple[str, slice, tuple[int, ...], Any]]) -> NDArray[np.float32]:
-    scaled = [
-        bound.ravel().astype(np.float32) * (scale or np.float32(1))
-        for bound, (_, _, _, scale) in zip(bounds, slots, strict=True)
-    ]
-    return np.concatenate(scaled).astype(np.float32)
 
 
 class StackedEncoder(Encoder):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box
 
-from indoor_explorers.env import PRESETS, World
+from indoor_explorers.env import PRESETS, World, parallel_env
 from indoor_explorers.env.encoders import Egocentric, Encoder, Flat, Masked, Parts, Stacked, make_encoder
 from indoor_explorers.env.gym import IndoorExplorersEnv
 from indoor_explorers.env.vector import IndoorExplorersVectorEnv
@@ -59,23 +59,16 @@ def test_flat_is_gymnasium_s_order_with_bytes_as_shares(observation):
 
 
 @pytest.mark.parametrize(
-    ("observation", "shape"),
+    ("stacked", "plain", "shape"),
     [
-        ("free+self", (8, 16, 16)),
-        ("thesis", (4, 16, 16)),
-        (Flat("thesis"), (1024,)),
-        (Flat(Stacked("thesis", 4)), (1024,)),
+        (Stacked("free+self", 4), "free+self", (8, 16, 16)),
+        (Stacked("thesis", 4), "thesis", (4, 16, 16)),
+        (Stacked(Flat("thesis"), 4), "thesis", (1024,)),
+        (Flat(Stacked("thesis", 4)), "thesis", (1024,)),
     ],
 )
-def test_a_stack_is_the_last_observations_oldest_first(observation, shape):
-    inner = "free+self" if observation == "free+self" else "thesis"
-    env = IndoorExplorersEnv(
-        CALM,
-        observation=observation
-        if isinstance(observation, Flat) and "Stacked" in repr(observation)
-        else Stacked(observation, 4),
-    )
-    plain = IndoorExplorersEnv(CALM, observation=inner)
+def test_a_stack_is_the_last_observations_oldest_first(stacked, plain, shape):
+    env, plain = IndoorExplorersEnv(CALM, observation=stacked), IndoorExplorersEnv(CALM, observation=plain)
     assert env.observation_space.shape == shape
     for episode in range(3):
         seen, last = env.reset(seed=episode)[0], plain.reset(seed=episode)[0]
@@ -136,9 +129,26 @@ def test_each_episode_of_a_batch_has_a_memory_of_its_own(mode):
     assert seen.tolist() == wanted
 
 
-def test_a_team_s_memories_are_its_members():
-    from indoor_explorers.env import parallel_env
+class Peek(Encoder):
+    """One encoder for a whole batch, without a kernel for it."""
 
+    stateless = True
+
+    def __init__(self, briefing):
+        self.space = Box(0, 2, briefing.shape, np.uint8)
+
+    def encode(self, view, out):
+        assert not any(array.flags.writeable for array in (view.belief, view.legal, view.visited))
+        out[:] = view.belief
+
+
+def test_an_encoder_can_neither_change_the_world_nor_must_know_batches():
+    envs, team = IndoorExplorersVectorEnv(3, observation=Peek), parallel_env(observation=Peek)
+    assert np.array_equal(envs.reset(seed=0)[0], envs.world.state.belief[:, 0])
+    assert len(team.reset(seed=0)[0]) == 4
+
+
+def test_a_team_s_memories_are_its_members():
     team = parallel_env("thesis-team-2", observation=Clock, settings={"on_collision": "block"})
     for _ in range(2):
         assert all(seen == 1 for seen in team.reset(seed=0)[0].values())

@@ -47,7 +47,7 @@ def _cluster():
 @pytest.mark.usefixtures("_cluster")
 def test_a_team_trains_with_shared_parameters_as_the_readme_shows():
     (snippet,) = (text for text in re.findall(r"```python\n(.*?)```", README, re.DOTALL) if "from ray" in text)
-    shown: dict = {}
+    shown = {}
     exec(compile(snippet, "README.md", "exec"), shown)
     algorithm = shown["algorithm"]
     try:
