@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 from gymnasium.error import ResetNeeded
-from gymnasium.spaces import Box, Discrete
+from gymnasium.spaces import Discrete, Space
 from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from indoor_explorers.env.encoders import Observation, make_encoder
+from indoor_explorers.env.encoders.base import Arrays
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.faces import (
     RENDER_FPS,
@@ -60,7 +61,7 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         self._encoders = [make_encoder(observation, self.world.briefing(0, n)) for n in self._numbers.values()]
         self._action_spaces: list[Discrete[np.int64]] = [Discrete(5) for _ in self.possible_agents]
 
-    def observation_space(self, agent: str) -> Box:
+    def observation_space(self, agent: str) -> Space[Any]:
         """Return the space of one agent's observations, the same object each time."""
         return self._encoders[self._numbers[agent]].space
 
@@ -70,19 +71,21 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, NDArray[Any]], dict[str, dict[str, Any]]]:
+    ) -> tuple[dict[str, Arrays], dict[str, dict[str, Any]]]:
         """Start an episode, seed ``seed`` as ``World.reset([seed])`` does; no options are read."""
         if self._rng is None or seed is not None:
             self._rng = np_random(seed)[0]
         self.world.begin(0, draw_seed(self._rng) if seed is None else seed, index=self._index)
         self._begun = True
         self._camera.begun(0)
+        for encoder in self._encoders:
+            encoder.reset()
         self.agents = list(self.possible_agents)
         return self._observations(), self._infos()
 
     def step(
         self, actions: Mapping[str, int]
-    ) -> tuple[dict[str, NDArray[Any]], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
+    ) -> tuple[dict[str, Arrays], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
         """Fly one step; ``actions`` has one action for each of ``agents``. Those that end leave ``agents``."""
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
@@ -113,7 +116,7 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         """Close the window, if there is one."""
         self._camera.close()
 
-    def _observations(self) -> dict[str, NDArray[Any]]:
+    def _observations(self) -> dict[str, Arrays]:
         numbers = ((agent, self._numbers[agent]) for agent in self.agents)
         return {agent: self._encoders[n].observation(self.world.view(0, n)) for agent, n in numbers}
 

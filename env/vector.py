@@ -10,12 +10,14 @@ from gymnasium.error import ResetNeeded
 from gymnasium.spaces import Discrete
 from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
+from gymnasium.vector.utils import batch_space, create_empty_array
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Mask
-from indoor_explorers.env.encoders import BatchEncoder, Observation, make_encoder
-from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.encoders import Observation, Views
+from indoor_explorers.env.encoders.base import Arrays, copy_of, row_of
+from indoor_explorers.env.encoders.lanes import Lanes
+from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.faces import (
     RENDER_FPS,
     VECTOR_RENDER_MODES,
@@ -31,14 +33,17 @@ from indoor_explorers.env.state import End
 Seeds = int | Sequence[int | None] | None
 
 
-class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]], NDArray[Any]]):
+class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArray[Any]]):
     """Explore in ``num_envs`` episodes at once, each just as :class:`indoor_explorers.env.gym.IndoorExplorersEnv` does.
 
-    Autoreset is ``NEXT_STEP``: the step after an episode's last one ignores its action, pays nothing and
-    returns the first observation of its next episode. An integer seed ``s`` seeds the episodes with ``s``,
-    ``s + 1`` and so on; a sequence seeds each; every environment then draws its later episodes from a
-    generator of its own, as the single environment does. Infos hold arrays (B, ...) of what the single
-    environment's hold, each with the mask ``_key`` that Gymnasium asks for.
+    Autoreset is one of Gymnasium's modes. ``NEXT_STEP``: the step after an episode's last one ignores its action,
+    pays nothing and returns the first observation of its next episode. ``SAME_STEP``: the last step returns it,
+    and infos hold the last observation and info as ``final_obs`` and ``final_info``. ``DISABLED``: whoever steps
+    resets what ended, with ``options["reset_mask"]``.
+
+    An integer seed ``s`` seeds the episodes with ``s``, ``s + 1`` and so on; a sequence seeds each; every
+    environment then draws its later episodes from a generator of its own, as the single environment does. Infos
+    hold arrays (B, ...) of what the single environment's hold, each with the mask ``_key`` that Gymnasium asks for.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (declared so by the base class)
@@ -55,6 +60,8 @@ class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]],
         render_mode: str | None = None,
         settings: Mapping[str, Any] | None = None,
         index: int = 0,
+        copy: bool = True,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     ) -> None:
         """Prepare ``num_envs`` episodes; the rest as for the single environment."""
         if num_envs < 1:
@@ -63,19 +70,20 @@ class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]],
         self.render_mode = find_render_mode(render_mode, VECTOR_RENDER_MODES)
         self.world = new_lone_world(find_scenario(scenario, settings), num_envs, index)
         self._camera = Camera(self.world, self.render_mode, RENDER_FPS)
-        self._encoder = make_encoder(observation, self.world.briefing(0, 0))
+        self.metadata = self.metadata | {"autoreset_mode": _find_mode(autoreset_mode)}
+        self._lanes = Lanes(observation, self.world.briefing(0, 0), num_envs)
         self._index = index
+        self._copy = copy
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self._begun = np.zeros(num_envs, np.bool_)
         self._over = np.zeros(num_envs, np.bool_)
-        self.single_observation_space = self._encoder.space
+        self.single_observation_space = self._lanes.space
         self.single_action_space = Discrete(5)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
+        self._observed: Any = create_empty_array(self.single_observation_space, num_envs)
 
-    def reset(
-        self, *, seed: Seeds = None, options: dict[str, Any] | None = None
-    ) -> tuple[NDArray[Any], dict[str, Any]]:
+    def reset(self, *, seed: Seeds = None, options: dict[str, Any] | None = None) -> tuple[Arrays, dict[str, Any]]:
         """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``."""
         seeds = self._spread(seed)
         chosen = self._chosen(options)
@@ -83,28 +91,32 @@ class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]],
             self._begin(b, seeds[b])
         self._begun |= chosen
         self._over &= ~chosen
-        return self._observations(), self._infos(chosen)
+        self._observe(chosen)
+        return self._given(), self._infos(chosen)
 
-    def step(
-        self, actions: NDArray[np.integer[Any]]
-    ) -> tuple[NDArray[Any], NDArray[np.float64], Mask, Mask, dict[str, Any]]:
-        """Fly one step in every episode, or start the next one where the last step ended it."""
+    def step(self, actions: NDArray[np.integer[Any]]) -> tuple[Arrays, NDArray[np.float64], Mask, Mask, dict[str, Any]]:
+        """Fly one step in every episode, or start the next one, as the autoreset mode has it."""
         if not self._begun.all():
             raise ResetNeeded("expected episodes to step in, got a new environment; call reset first")
+        mode = self.metadata["autoreset_mode"]
+        if mode is AutoresetMode.DISABLED and self._over.any():
+            raise ResetNeeded("expected episodes that go on, got some that have ended; reset them with reset_mask")
         self.world.step(np.asarray(actions)[..., None])  # nothing happens in an episode that is over
         self._camera.stepped()
         for b in np.flatnonzero(self._over).tolist():
             self._begin(b, None)
-        end = self.world.state.end[:, 0]
+        end = self.world.state.end[:, 0].copy()
+        reward = self.world.state.reward[:, 0].copy()
+        self._over = over = end != End.FLYING
+        everywhere = np.ones(self.num_envs, np.bool_)
+        self._observe(everywhere)
+        last = self._start_anew(over) if mode is AutoresetMode.SAME_STEP and over.any() else {}
         truncated = end == End.BUDGET
-        self._over = end != End.FLYING
-        return (
-            self._observations(),
-            self.world.state.reward[:, 0].copy(),
-            self._over & ~truncated,
-            truncated,
-            self._infos(np.ones(self.num_envs, np.bool_)),
-        )
+        return self._given(), reward, over & ~truncated, truncated, last | self._infos(everywhere)
+
+    def action_masks(self) -> Mask:
+        """Return the (B, 5) bool mask of legal moves."""
+        return self.world.state.legal[:, 0].copy()
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:  # type: ignore[override]  # base: a free type variable
         """Return one picture for each episode, as the single environment renders it."""
@@ -136,17 +148,39 @@ class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]],
             rng = self._generators[b] = np_random(draw_seed(self.np_random) if seed is None else seed)[0]
         self.world.begin(b, draw_seed(rng) if seed is None else seed, index=self._index)
         self._camera.begun(b)
+        self._lanes.begin(b)
 
-    def _observations(self) -> NDArray[Any]:
-        out = np.empty((self.num_envs, *self._encoder.space.shape), self._encoder.space.dtype)
-        if isinstance(self._encoder, BatchEncoder):
-            self._encoder.encode_batch(self.world.state.belief[:, 0], self.world.state.cell[:, 0], out)
+    def _start_anew(self, over: Mask) -> dict[str, Any]:
+        """Start the next episode where one is over; return the infos that tell how the last one ended."""
+        final_obs, final_info = np.full(self.num_envs, None, object), self._infos(over)
+        for b in np.flatnonzero(over).tolist():
+            final_obs[b] = copy_of(row_of(self._observed, b))
+            self._begin(b, None)
+        self._observe(over)
+        self._over = np.zeros(self.num_envs, np.bool_)
+        return {"final_obs": final_obs, "_final_obs": over, "final_info": final_info, "_final_info": over.copy()}
+
+    def _observe(self, chosen: Mask) -> None:
+        """Encode what the chosen episodes' UAVs know."""
+        if chosen.all():
+            self._lanes.encode(self._views(), self._observed)
         else:
-            for b in range(self.num_envs):
-                self._encoder.encode(self.world.view(b, 0), out[b])
-        return out
+            views = self._views()
+            for b in np.flatnonzero(chosen).tolist():
+                self._lanes.encode_lane(b, views, self._observed)
+
+    def _views(self) -> Views:
+        state = self.world.state
+        arrays = state.belief, state.cell, state.legal, state.visited
+        belief, cell, legal, visited = (_read_only(array[:, 0]) for array in arrays)
+        return Views(belief, cell, legal, state.step, state.budget, visited)
+
+    def _given(self) -> Arrays:
+        observed: Arrays = copy_of(self._observed) if self._copy else self._observed
+        return observed
 
     def _infos(self, present: Mask) -> dict[str, Any]:
+        """Return the infos of the episodes that ``present`` marks, zeros for the others."""
         state = self.world.state
         infos: dict[str, Any] = {
             "action_mask": state.legal[:, 0].astype(np.int8),
@@ -154,4 +188,22 @@ class IndoorExplorersVectorEnv(VectorEnv[NDArray[Any], NDArray[np.integer[Any]],
             "step": state.step.copy(),
             "end": state.end[:, 0].astype(np.int64),
         }
+        if not present.all():
+            for array in infos.values():
+                array[~present] = 0
         return infos | {f"_{key}": present.copy() for key in infos}
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    array.setflags(write=False)  # a slice of its own; the state's array stays as it is
+    return array
+
+
+def _find_mode(mode: AutoresetMode | str) -> AutoresetMode:
+    """Return an autoreset mode, found by its name or value."""
+    if isinstance(mode, AutoresetMode):
+        return mode
+    names = AutoresetMode.__members__ | {member.value: member for member in AutoresetMode}
+    if mode not in names:
+        raise InputError(f"unknown autoreset mode {mode!r}{did_you_mean(str(mode), AutoresetMode.__members__)}")
+    return names[mode]

@@ -8,13 +8,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
+from gymnasium.utils.env_checker import data_equivalence
 
 from indoor_explorers.env import PRESETS, InputError, World, env, parallel_env
-from indoor_explorers.env.encoders import make_encoder
+from indoor_explorers.env.encoders import Masked, Stacked, make_encoder
 from indoor_explorers.env.rendering.layout import layout_of
 from indoor_explorers.env.rendering.palette import uav_colours
 from indoor_explorers.env.rendering.window import load_pygame
 from indoor_explorers.env.state import End
+
+from .arrays import assert_same
 
 SAFE = {"on_collision": "block", "stuck.rule": "off"}
 
@@ -28,7 +31,9 @@ def _installed():
         import pettingzoo.test  # noqa: F401
 
 
-@pytest.mark.parametrize("observation", ["channels", "thesis"])
+@pytest.mark.parametrize(
+    "observation", ["channels", "thesis", "egocentric", Masked("channels"), Stacked("thesis")], ids=str
+)
 @pytest.mark.parametrize("settings", [{}, SAFE | {"budget": 40}])
 def test_pettingzoo_s_parallel_checks(observation, settings):
     from pettingzoo.test import parallel_api_test, parallel_seed_test
@@ -38,10 +43,13 @@ def test_pettingzoo_s_parallel_checks(observation, settings):
 
 
 @pytest.mark.parametrize("settings", [{}, SAFE | {"budget": 40}])
-def test_pettingzoo_s_turn_by_turn_checks(settings):
+@pytest.mark.parametrize("observation", ["channels", "egocentric", Masked("egocentric-flat")], ids=str)
+@pytest.mark.filterwarnings("ignore:Observation is not a NumPy array:UserWarning")  # PettingZoo warns of every dict
+@pytest.mark.filterwarnings("ignore:Observation space for each agent probably should be:UserWarning")
+def test_pettingzoo_s_turn_by_turn_checks(settings, observation):
     from pettingzoo.test import api_test, seed_test
 
-    api_test(env(settings=settings), num_cycles=200)
+    api_test(env(settings=settings, observation=observation), num_cycles=200)
     seed_test(lambda: env(settings=settings), num_cycles=50)
 
 
@@ -88,18 +96,20 @@ def test_a_team_s_window_shows_every_step_by_itself():
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("settings", [{}, SAFE | {"budget": 30}, {"goal_of": "team", "goal": 0.5}])
-def test_an_episode_is_the_bare_world_s(seed, settings):
+@pytest.mark.parametrize("observation", ["channels", Stacked("egocentric", 2)], ids=str)
+def test_an_episode_is_the_bare_world_s(seed, settings, observation):
     scenario = PRESETS["thesis-team-4"].with_settings(settings)
-    team, world, rng = parallel_env(settings=settings), World(scenario), np.random.default_rng(seed)
+    team = parallel_env(settings=settings, observation=observation)
+    world, rng = World(scenario), np.random.default_rng(seed)
     world.reset([seed])
-    encoders = [make_encoder("channels", world.briefing(0, n)) for n in range(4)]
+    encoders = [make_encoder(observation, world.briefing(0, n)) for n in range(4)]
     observations, infos = team.reset(seed=seed)
     while True:
         assert observations.keys() == infos.keys()
         for agent, info in infos.items():
             n = int(agent.removeprefix("uav_"))
             view = world.view(0, n)
-            assert np.array_equal(observations[agent], encoders[n].observation(view))
+            assert_same(observations[agent], encoders[n].observation(view))
             assert info["action_mask"].dtype == np.int8
             assert np.array_equal(info["action_mask"], view.legal)
             assert (info["coverage"], info["step"]) == (world.coverage[0, n], view.step)
@@ -122,30 +132,38 @@ def test_an_episode_is_the_bare_world_s(seed, settings):
             assert infos[agent]["end"] == end
 
 
-def test_turn_by_turn_is_the_same_episode():
+@pytest.mark.parametrize("observation", ["channels", Masked(Stacked("egocentric", 2))], ids=str)
+def test_turn_by_turn_is_the_same_episode(observation):
     """With actions that each agent draws from a stream of its own."""
 
     def draws():
         return {f"uav_{n}": np.random.default_rng(n) for n in range(4)}
 
     def parallel():
-        team, rng, paid = parallel_env(), draws(), dict.fromkeys(draws(), 0.0)
-        team.reset(seed=6)
+        team, rng, told = parallel_env(observation=observation), draws(), {agent: [] for agent in draws()}
+        seen, infos = team.reset(seed=6)
+        for agent in team.agents:
+            told[agent].append((seen[agent], 0, False, False, infos[agent]))
         while team.agents:
-            for agent, pay in team.step({a: int(rng[a].integers(5)) for a in team.agents})[1].items():
-                paid[agent] += pay
-        return paid
+            results = team.step({a: int(rng[a].integers(5)) for a in team.agents})
+            for agent in results[0]:
+                told[agent].append(tuple(result[agent] for result in results))
+        return told
 
     def in_turn():
-        team, rng, paid = env(), draws(), dict.fromkeys(draws(), 0.0)
+        team, rng, told = env(observation=observation), draws(), {agent: [] for agent in draws()}
         team.reset(seed=6)
         for agent in team.agent_iter():
-            _, pay, terminated, truncated, _ = team.last()
-            paid[agent] += pay
-            team.step(None if terminated or truncated else int(rng[agent].integers(5)))
-        return paid
+            told[agent].append(team.last())
+            over = told[agent][-1][2] or told[agent][-1][3]
+            team.step(None if over else int(rng[agent].integers(5)))
+        return told
 
-    assert parallel() == in_turn()
+    one, other = parallel(), in_turn()
+    assert one.keys() == other.keys()
+    for agent in one:
+        assert len(one[agent]) == len(other[agent]) > 1
+        assert data_equivalence(one[agent], other[agent], exact=True)
 
 
 def test_resets_without_a_seed_draw_new_episodes_that_the_first_seed_decides():
