@@ -2,37 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
-from indoor_explorers.env.compiled import inner, kernel
+from indoor_explorers.env.compiled import inner, kernel, leaf
+from indoor_explorers.env.engine import Engine, Work
 from indoor_explorers.env.grid import FREE, MOVES, OCCUPIED, UNKNOWN
-from indoor_explorers.env.lidar import Optics, Scan, new_scan, visible_cells
+from indoor_explorers.env.lidar import Optics, Scan, visible_cells
 from indoor_explorers.env.radio import exchange, learn, link
 from indoor_explorers.env.randomness import shuffled
 from indoor_explorers.env.state import Rules, State
 
 FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET = 0, 1, 2, 3, 4, 5
-
-
-class Work(NamedTuple):
-    """Working arrays of a step, not to be shared between threads."""
-
-    scan: Scan
-    order: NDArray[np.int64]
-    """(N,) agents in the order in which they move."""
-    component: NDArray[np.int64]
-    """(N,) see :func:`indoor_explorers.env.radio.link`."""
-    before: NDArray[np.int64]
-    """(N,) lengths of the journals before an exchange."""
-
-
-@kernel()
-def new_work(optics: Optics, team: int) -> Work:
-    """Allocate the working arrays of steps."""
-    return Work(new_scan(optics), np.empty(team, np.int64), np.empty(team, np.int64), np.empty(team, np.int64))
 
 
 @inner()
@@ -157,9 +137,10 @@ def _advance_one(rules: Rules, state: State, optics: Optics, work: Work, b: int,
     _settle(rules, state, b)
 
 
-@kernel()
-def advance(rules: Rules, state: State, optics: Optics, work: Work, actions: np.ndarray, first: int, last: int) -> None:
-    """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
+@inner()
+def _advance_all(
+    rules: Rules, state: State, optics: Optics, work: Work, actions: np.ndarray, first: int, last: int
+) -> None:
     team = state.end.shape[1]
     for b in range(first, last):
         flying = False
@@ -170,3 +151,18 @@ def advance(rules: Rules, state: State, optics: Optics, work: Work, actions: np.
             flying |= state.end[b, n] == FLYING
         if flying:
             _advance_one(rules, state, optics, work, b, actions)
+
+
+@kernel()
+def advance(engine: Engine, actions: np.ndarray, first: int, last: int) -> None:
+    """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
+    _advance_all(engine.rules, engine.state, engine.optics, engine.work, actions, first, last)
+
+
+@leaf()
+def are_actions(actions: np.ndarray) -> bool:
+    """Tell whether all of (B, N) numbers are actions."""
+    good = True
+    for action in actions.flat:
+        good &= 0 <= action <= 4
+    return good

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.compiled import inner, kernel, leaf
+from indoor_explorers.env.engine import Engine, Work
 from indoor_explorers.env.grid import MOVES, OCCUPIED, flood, mark_largest_part
-from indoor_explorers.env.kernels import Work, begin
+from indoor_explorers.env.kernels import begin
 from indoor_explorers.env.lidar import Optics
 from indoor_explorers.env.maps.thesis import Room, draw_room
 from indoor_explorers.env.randomness import Stream, below, stream_key
@@ -121,14 +122,19 @@ def _count(rules: Rules, state: State, ground: Ground, b: int) -> None:
     state.budget[b] = rules.budget if rules.budget > 0 else max(rules.least_budget, reachable)
 
 
-@kernel()
-def open_episode(rules: Rules, state: State, optics: Optics, work: Work, ground: Ground, b: int, seed: int) -> None:
-    """Begin episode ``b`` on the true map and at the cells that the state holds."""
+@inner()
+def _open(rules: Rules, state: State, optics: Optics, work: Work, ground: Ground, b: int, seed: int) -> None:
     _clear(state, b)
     _count(rules, state, ground, b)
     state.order_key[b] = stream_key(seed, ORDER, 0)
     state.radio_key[b] = stream_key(seed, RADIO, 0)
     begin(rules, state, optics, work, b)
+
+
+@kernel()
+def open_episode(engine: Engine, ground: Ground, b: int, seed: int) -> None:
+    """Begin episode ``b`` on the true map and at the cells that the state holds."""
+    _open(engine.rules, engine.state, engine.optics, engine.work, ground, b, seed)
 
 
 @inner()
@@ -141,26 +147,33 @@ def _draw_attainable(rules: Rules, room: Room, truth: np.ndarray, ground: Ground
     return False
 
 
-@kernel()
-def open_rooms(
+@inner()
+def _open_all(
     rules: Rules,
-    room: Room,
-    clustered: bool,
     state: State,
     optics: Optics,
     work: Work,
+    room: Room,
+    clustered: bool,
     ground: Ground,
     episodes: np.ndarray,
     seeds: np.ndarray,
 ) -> int:
-    """Begin episodes (K,) in the random rooms of seeds (K,).
-
-    Returns how many were begun; fewer than K when no room of a seed will do.
-    """
     for k in range(episodes.shape[0]):
         b = episodes[k]
         if not _draw_attainable(rules, room, state.truth[b], ground, state.end.shape[1], seeds[k]):
             return k
         place_team(stream_key(seeds[k], SPAWN, 0), clustered, -1, state.truth[b], ground, state.cell[b])
-        open_episode(rules, state, optics, work, ground, b, seeds[k])
+        _open(rules, state, optics, work, ground, b, seeds[k])
     return len(episodes)
+
+
+@kernel()
+def open_rooms(
+    engine: Engine, room: Room, clustered: bool, ground: Ground, episodes: np.ndarray, seeds: np.ndarray
+) -> int:
+    """Begin episodes (K,) in the random rooms of seeds (K,).
+
+    Returns how many were begun; fewer than K when no room of a seed will do.
+    """
+    return _open_all(engine.rules, engine.state, engine.optics, engine.work, room, clustered, ground, episodes, seeds)

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief, Cell, Mask
+from indoor_explorers.env.engine import Engine, bind, new_work
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid import FREE
-from indoor_explorers.env.kernels import advance, new_work
+from indoor_explorers.env.kernels import advance, are_actions
 from indoor_explorers.env.lidar import optics
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import ThesisMaps
@@ -44,11 +45,15 @@ class World:
         self.scenario = scenario
         self.batch = batch
         self.seeds = [0] * batch
+        self.openings = np.zeros(batch, np.int64)
+        """(B,) how often an episode has begun in each place of the batch."""
         self._floorplans: list[Floorplan | None] = [None] * batch
         self._rules = rules_of(scenario)
         self._optics = optics(scenario.lidar.range, scenario.lidar.model)
-        self._works = [new_work(self._optics, scenario.team) for _ in range(max(1, min(threads, batch)))]
-        self._pool = ThreadPoolExecutor(len(self._works) - 1, "world") if len(self._works) > 1 else None
+        threads = max(1, min(threads, batch))
+        self._bounds: list[int] = [batch * thread // threads for thread in range(threads + 1)]
+        self._pool = ThreadPoolExecutor(threads - 1, "world") if threads > 1 else None
+        self._engines: list[Engine] = []
         self._state: State | None = None
         self._ground: Ground | None = None
         self._beliefs: list[list[Belief]] = []
@@ -77,10 +82,10 @@ class World:
             return
         for episode, seed in zip(episodes, seeds, strict=True):
             self._floorplans[episode], self.seeds[episode] = None, checked_seed(seed)
-        state, ground = self._allocated((maps.height, maps.width))
+        _, ground = self._allocated((maps.height, maps.width))
         places, keys = np.asarray(episodes, np.int64), np.asarray(seeds, np.int64)
-        clustered, work = spawn == "clustered", self._works[0]
-        begun = open_rooms(self._rules, maps.room, clustered, state, self._optics, work, ground, places, keys)
+        self.openings[places] += 1
+        begun = open_rooms(self._engines[0], maps.room, spawn == "clustered", ground, places, keys)
         if begun < len(places):
             draw_floorplan(self.scenario, int(keys[begun]), index)  # says what is wrong
             raise AssertionError("a floor plan was drawn where compiled code found none")
@@ -109,13 +114,18 @@ class World:
         self._floorplans[episode], self.seeds[episode] = floorplan, seed
         state.truth[episode] = floorplan.truth
         state.cell[episode] = spawns
-        open_episode(self._rules, state, self._optics, self._works[0], ground, episode, seed)
+        self.openings[episode] += 1
+        open_episode(self._engines[0], ground, episode, seed)
 
     def _allocated(self, shape: tuple[int, int]) -> tuple[State, Ground]:
         if self._state is None or self._ground is None:
             window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
             self._state = empty_state(self.batch, self.scenario.team, shape, window)
             self._ground = new_ground(shape)
+            self._engines = [
+                bind(self._rules, self._state, self._optics, new_work(self._optics, self.scenario.team))
+                for _ in self._bounds[1:]
+            ]
             self._beliefs = [[_read_only(belief) for belief in team] for team in self._state.belief]
             self._legals = [[_read_only(legal) for legal in team] for team in self._state.legal]
             self._visited = [[_read_only(visited) for visited in team] for team in self._state.visited]
@@ -135,22 +145,18 @@ class World:
             raise InputError(
                 f"expected actions of shape {self.state.end.shape} (episodes, agents), got {actions.shape}"
             )
-        if actions.min() < 0 or actions.max() > 4:
+        if not are_actions(actions):
             raise InputError(f"expected actions from 0 to 4, got {int(actions.min())} to {int(actions.max())}")
-        self.in_slices(
-            lambda thread, first, last: advance(
-                self._rules, self.state, self._optics, self._works[thread], actions, first, last
-            )
-        )
+        self.in_slices(lambda engine, first, last: advance(engine, actions, first, last))
 
-    def in_slices(self, work: Callable[[int, int, int], object]) -> None:
-        """Call ``work(thread, first, last)`` for a share of the episodes in each thread, and wait for all."""
-        bounds = np.linspace(0, self.batch, len(self._works) + 1).astype(int).tolist()
+    def in_slices(self, work: Callable[[Engine, int, int], object]) -> None:
+        """Call ``work(engine, first, last)`` for a share of the episodes in each thread, and wait for all."""
+        bounds, engines = self._bounds, self._engines
         if self._pool is None:
-            work(0, 0, self.batch)
+            work(engines[0], 0, self.batch)
             return
-        others = [self._pool.submit(work, t, bounds[t], bounds[t + 1]) for t in range(1, len(self._works))]
-        work(0, 0, bounds[1])
+        others = [self._pool.submit(work, engines[t], bounds[t], bounds[t + 1]) for t in range(1, len(engines))]
+        work(engines[0], 0, bounds[1])
         for other in others:
             other.result()
 
