@@ -62,11 +62,11 @@ def place_team(key: np.uint64, clustered: bool, start: int, truth: np.ndarray, g
 
     Random cells, or, ``clustered``, those that a flood from ``start`` (a flat index, -1 for a random cell) meets first.
     """
-    width, size = truth.shape[1], 0
-    for cell in range(truth.size):
-        if ground.part[cell // width, cell % width] > 0:
-            ground.queue[size] = cell
-            size += 1
+    (height, width), size = truth.shape, 0
+    for row in range(height):
+        for col in range(width):
+            ground.queue[size] = row * width + col
+            size += ground.part[row, col] > 0
     if clustered:
         first = start if start >= 0 else ground.queue[below(key, 0, size)]
         ground.part[:] = 0
@@ -106,14 +106,21 @@ def _clear(state: State, b: int) -> None:
 
 
 @inner()
-def _count(rules: Rules, state: State, ground: Ground, b: int) -> None:
-    """Fix what coverage counts, the goal and the budget."""
-    height, width = ground.part.shape
+def _reach(state: State, ground: Ground, b: int) -> int:
+    """Mark the cells that can be reached from the spawns in ``ground.part``; return how many they are."""
     ground.part[:] = 0
     reachable = 0
     for n in range(state.end.shape[1]):
-        if ground.part[state.cell[b, n, 0], state.cell[b, n, 1]] == 0:
-            reachable += flood(state.truth[b], state.cell[b, n, 0], state.cell[b, n, 1], 1, ground.part, ground.queue)
+        row, col = state.cell[b, n, 0], state.cell[b, n, 1]
+        if ground.part[row, col] == 0:
+            reachable += flood(state.truth[b], row, col, 1, ground.part, ground.queue)
+    return reachable
+
+
+@inner()
+def _count(rules: Rules, state: State, ground: Ground, b: int, reachable: int) -> None:
+    """Fix what coverage counts, the goal and the budget, from the cells that can be reached."""
+    height, width = ground.part.shape
     for row in range(height):
         for col in range(width):
             state.counts[b, row, col] = rules.counts_map or ground.part[row, col] > 0
@@ -123,9 +130,12 @@ def _count(rules: Rules, state: State, ground: Ground, b: int) -> None:
 
 
 @inner()
-def _open(rules: Rules, state: State, optics: Optics, work: Work, ground: Ground, b: int, seed: int) -> None:
+def _open(
+    rules: Rules, state: State, optics: Optics, work: Work, ground: Ground, b: int, seed: int, reachable: int
+) -> None:
+    """Begin an episode; ``ground.part`` marks the cells that can be reached, so many."""
     _clear(state, b)
-    _count(rules, state, ground, b)
+    _count(rules, state, ground, b, reachable)
     state.order_key[b] = stream_key(seed, ORDER, 0)
     state.radio_key[b] = stream_key(seed, RADIO, 0)
     begin(rules, state, optics, work, b)
@@ -134,17 +144,19 @@ def _open(rules: Rules, state: State, optics: Optics, work: Work, ground: Ground
 @kernel()
 def open_episode(engine: Engine, ground: Ground, b: int, seed: int) -> None:
     """Begin episode ``b`` on the true map and at the cells that the state holds."""
-    _open(engine.rules, engine.state, engine.optics, engine.work, ground, b, seed)
+    reachable = _reach(engine.state, ground, b)
+    _open(engine.rules, engine.state, engine.optics, engine.work, ground, b, seed, reachable)
 
 
 @inner()
-def _draw_attainable(rules: Rules, room: Room, truth: np.ndarray, ground: Ground, team: int, seed: int) -> bool:
+def _draw_attainable(rules: Rules, room: Room, truth: np.ndarray, ground: Ground, team: int, seed: int) -> int:
+    """Draw the first room of a seed that will do and mark its main part; return that part's size, -1 for none."""
     for attempt in range(MAX_ATTEMPTS):
         draw_room(room, stream_key(seed, MAP, attempt), truth)
         size = mark_largest_part(truth, ground.part, ground.queue)
         if is_attainable(rules, truth, ground.part, size, team):
-            return True
-    return False
+            return size
+    return -1
 
 
 @inner()
@@ -161,10 +173,11 @@ def _open_all(
 ) -> int:
     for k in range(episodes.shape[0]):
         b = episodes[k]
-        if not _draw_attainable(rules, room, state.truth[b], ground, state.end.shape[1], seeds[k]):
+        size = _draw_attainable(rules, room, state.truth[b], ground, state.end.shape[1], seeds[k])
+        if size < 0:
             return k
         place_team(stream_key(seeds[k], SPAWN, 0), clustered, -1, state.truth[b], ground, state.cell[b])
-        _open(rules, state, optics, work, ground, b, seeds[k])
+        _open(rules, state, optics, work, ground, b, seeds[k], size)  # all spawns are in the main part
     return len(episodes)
 
 
