@@ -41,16 +41,16 @@ def find_render_mode(render_mode: str | None, modes: Collection[str] = RENDER_MO
     return render_mode
 
 
-def new_world(scenario: Scenario, batch: int, index: int) -> World:
+def new_world(scenario: Scenario, batch: int, index: int, threads: int = 1) -> World:
     """Return a world in which episode 0 has begun on map ``index``, so that shapes and briefings are known."""
     if not 0 <= index < scenario.map.count:
         raise InputError(f"expected index to be one of the scenario's {scenario.map.count} maps, got {index}")
-    world = World(scenario, batch)
+    world = World(scenario, batch, threads=threads)
     world.begin(0, 0, index=index)
     return world
 
 
-def new_lone_world(scenario: Scenario, batch: int, index: int) -> World:
+def new_lone_world(scenario: Scenario, batch: int, index: int, threads: int = 1) -> World:
     """Return a world like :func:`new_world` for a scenario with one UAV.
 
     Raises:
@@ -62,7 +62,7 @@ def new_lone_world(scenario: Scenario, batch: int, index: int) -> World:
             f"expected a scenario with one UAV, got {scenario.name!r} with a team of {scenario.team}; "
             "use indoor_explorers.env.parallel_env, or settings={'team': 1}"
         )
-    return new_world(scenario, batch, index)
+    return new_world(scenario, batch, index, threads)
 
 
 def draw_seed(rng: np.random.Generator) -> int:

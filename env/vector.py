@@ -17,6 +17,7 @@ from indoor_explorers.env.arrays import Mask
 from indoor_explorers.env.encoders import Observation, Views
 from indoor_explorers.env.encoders.base import Arrays, copy_of, row_of
 from indoor_explorers.env.encoders.lanes import Lanes
+from indoor_explorers.env.encoders.planes import ChannelsEncoder
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.faces import (
     RENDER_FPS,
@@ -26,6 +27,7 @@ from indoor_explorers.env.faces import (
     find_scenario,
     new_lone_world,
 )
+from indoor_explorers.env.live import LivePlanes
 from indoor_explorers.env.rendering.camera import Camera
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
@@ -62,13 +64,14 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         index: int = 0,
         copy: bool = True,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        threads: int = 1,
     ) -> None:
-        """Prepare ``num_envs`` episodes; the rest as for the single environment."""
+        """Prepare ``num_envs`` episodes, shared out among ``threads``; the rest as for the single environment."""
         if num_envs < 1:
             raise InputError(f"expected num_envs to be at least 1, got {num_envs}")
         self.num_envs = num_envs
         self.render_mode = find_render_mode(render_mode, VECTOR_RENDER_MODES)
-        self.world = new_lone_world(find_scenario(scenario, settings), num_envs, index)
+        self.world = new_lone_world(find_scenario(scenario, settings), num_envs, index, threads)
         self._camera = Camera(self.world, self.render_mode, RENDER_FPS)
         self.metadata = self.metadata | {"autoreset_mode": _find_mode(autoreset_mode)}
         self._lanes = Lanes(observation, self.world.briefing(0, 0), num_envs)
@@ -81,14 +84,17 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         self.single_action_space = Discrete(5)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
+        shared = self._lanes.shared
+        self._live = LivePlanes(self.world, shared.planes) if isinstance(shared, ChannelsEncoder) else None
         self._observed: Any = create_empty_array(self.single_observation_space, num_envs)
+        if self._live is not None:
+            self._observed = self._live.planes[:, 0]
 
     def reset(self, *, seed: Seeds = None, options: dict[str, Any] | None = None) -> tuple[Arrays, dict[str, Any]]:
         """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``."""
         seeds = self._spread(seed)
         chosen = self._chosen(options)
-        for b in np.flatnonzero(chosen).tolist():
-            self._begin(b, seeds[b])
+        self._begin(np.flatnonzero(chosen).tolist(), seeds)
         self._begun |= chosen
         self._over &= ~chosen
         self._observe(chosen)
@@ -103,8 +109,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
             raise ResetNeeded("expected episodes that go on, got some that have ended; reset them with reset_mask")
         self.world.step(np.asarray(actions)[..., None])  # nothing happens in an episode that is over
         self._camera.stepped()
-        for b in np.flatnonzero(self._over).tolist():
-            self._begin(b, None)
+        self._begin(np.flatnonzero(self._over).tolist(), [None] * self.num_envs)
         end = self.world.state.end[:, 0].copy()
         reward = self.world.state.reward[:, 0].copy()
         self._over = over = end != End.FLYING
@@ -141,28 +146,35 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
             raise InputError(f"expected a bool reset_mask of shape {(self.num_envs,)}, got {mask.dtype} {mask.shape}")
         return mask
 
-    def _begin(self, b: int, seed: int | None) -> None:
-        """Start an episode, seeding its environment first when a seed is given."""
+    def _begin(self, episodes: Sequence[int], seeds: Sequence[int | None]) -> None:
+        """Start episodes, seeding their environments first where a seed is given."""
+        self.world.restart(episodes, [self._next_seed(b, seeds[b]) for b in episodes], index=self._index)
+        for b in episodes:
+            self._camera.begun(b)
+            self._lanes.begin(b)
+
+    def _next_seed(self, b: int, seed: int | None) -> int:
         rng = self._generators[b]
         if rng is None or seed is not None:
             rng = self._generators[b] = np_random(draw_seed(self.np_random) if seed is None else seed)[0]
-        self.world.begin(b, draw_seed(rng) if seed is None else seed, index=self._index)
-        self._camera.begun(b)
-        self._lanes.begin(b)
+        return draw_seed(rng) if seed is None else seed
 
     def _start_anew(self, over: Mask) -> dict[str, Any]:
         """Start the next episode where one is over; return the infos that tell how the last one ended."""
         final_obs, final_info = np.full(self.num_envs, None, object), self._infos(over)
-        for b in np.flatnonzero(over).tolist():
+        episodes = np.flatnonzero(over).tolist()
+        for b in episodes:
             final_obs[b] = copy_of(row_of(self._observed, b))
-            self._begin(b, None)
+        self._begin(episodes, [None] * self.num_envs)
         self._observe(over)
         self._over = np.zeros(self.num_envs, np.bool_)
         return {"final_obs": final_obs, "_final_obs": over, "final_info": final_info, "_final_info": over.copy()}
 
     def _observe(self, chosen: Mask) -> None:
         """Encode what the chosen episodes' UAVs know."""
-        if chosen.all():
+        if self._live is not None:
+            self._live.update()
+        elif chosen.all():
             self._lanes.encode(self._views(), self._observed)
         else:
             views = self._views()

@@ -75,19 +75,28 @@ class World:
 
     def restart(self, episodes: Sequence[int], seeds: Sequence[int], *, index: int = 0) -> None:
         """Start some episodes anew, each on the map and spawns of its seed, exactly as :meth:`begin` does."""
-        maps, spawn = self.scenario.map, self.scenario.spawn
-        if not isinstance(maps, ThesisMaps) or not isinstance(spawn, str) or len(episodes) == 0:
-            for episode, seed in zip(episodes, seeds, strict=True):
-                self.begin(episode, seed, index=index)
+        if self._draws_rooms and len(episodes) > 0:
+            self._restart_in_rooms(episodes, seeds)
             return
+        for episode, seed in zip(episodes, seeds, strict=True):
+            self.begin(episode, seed, index=index)
+
+    @property
+    def _draws_rooms(self) -> bool:
+        """Whether maps and spawns can be drawn in compiled code."""
+        return isinstance(self.scenario.map, ThesisMaps) and isinstance(self.scenario.spawn, str)
+
+    def _restart_in_rooms(self, episodes: Sequence[int], seeds: Sequence[int]) -> None:
+        maps = self.scenario.map
+        assert isinstance(maps, ThesisMaps)
         for episode, seed in zip(episodes, seeds, strict=True):
             self._floorplans[episode], self.seeds[episode] = None, checked_seed(seed)
         _, ground = self._allocated((maps.height, maps.width))
         places, keys = np.asarray(episodes, np.int64), np.asarray(seeds, np.int64)
         self.openings[places] += 1
-        begun = open_rooms(self._engines[0], maps.room, spawn == "clustered", ground, places, keys)
+        begun = open_rooms(self._engines[0], maps.room, self.scenario.spawn == "clustered", ground, places, keys)
         if begun < len(places):
-            draw_floorplan(self.scenario, int(keys[begun]), index)  # says what is wrong
+            draw_floorplan(self.scenario, int(keys[begun]))  # says what is wrong
             raise AssertionError("a floor plan was drawn where compiled code found none")
 
     def begin(
@@ -100,20 +109,20 @@ class World:
         spawns: Sequence[Cell] | None = None,
     ) -> None:
         """Start one episode; a given ``floorplan`` or ``spawns`` replaces what the seed would draw."""
+        if floorplan is None and spawns is None and self._draws_rooms:
+            self._restart_in_rooms([episode], [seed])
+            return
         seed = checked_seed(seed)
-        if floorplan is None:
-            floorplan = draw_floorplan(self.scenario, seed, index)
-        if spawns is None:
-            spawns = draw_spawns(self.scenario, floorplan, seed)
-        state, ground = self._allocated(floorplan.shape)
-        if floorplan.shape != state.truth.shape[1:]:
+        plan = draw_floorplan(self.scenario, seed, index) if floorplan is None else floorplan
+        cells = draw_spawns(self.scenario, plan, seed) if spawns is None else spawns
+        state, ground = self._allocated(plan.shape)
+        if plan.shape != state.truth.shape[1:]:
             raise InputError(
                 f"expected a map of shape {state.truth.shape[1:]} like the others of the batch, "
-                f"got {floorplan.shape} ({floorplan.name}); use a world for each shape"
+                f"got {plan.shape} ({plan.name}); use a world for each shape"
             )
-        self._floorplans[episode], self.seeds[episode] = floorplan, seed
-        state.truth[episode] = floorplan.truth
-        state.cell[episode] = spawns
+        self._floorplans[episode], self.seeds[episode] = plan, seed
+        state.truth[episode], state.cell[episode] = plan.truth, cells
         self.openings[episode] += 1
         open_episode(self._engines[0], ground, episode, seed)
 

@@ -48,6 +48,7 @@ class ChannelsEncoder(Encoder):
 
     def __init__(self, recipe: Channels, briefing: Briefing) -> None:
         self.space = Box(0, FULL, (len(recipe.planes), *briefing.shape), np.uint8)
+        self.planes = recipe.planes
         self._codes = codes_of(recipe.planes)
         self._mates = np.flatnonzero(self._codes == MATES).tolist()
 

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from indoor_explorers.env import InputError, Scenario, World
 from indoor_explorers.env.grid import FREE, OCCUPIED
-from indoor_explorers.env.maps.sources import ThesisMaps
+from indoor_explorers.env.maps.thesis import ThesisMaps
+from indoor_explorers.env.world import draw_floorplan, draw_spawns
 
 
 def solid(seed, **options):
@@ -84,8 +85,9 @@ def test_compiled_openings_equal_those_in_python(seed, spawn, denominator):
     worlds = World(scenario, 2), World(scenario, 2)
     worlds[0].reset([seed, seed ^ 1])
     for b in range(2):
-        worlds[1].begin(b, seed ^ b, floorplan=None if b else scenario.map.floorplan(0, 1))
-        worlds[1].begin(b, seed ^ b)
+        worlds[1].begin(b, 5, floorplan=scenario.map.floorplan(0, 1))  # leaves nothing behind
+        plan = draw_floorplan(scenario, seed ^ b)
+        worlds[1].begin(b, seed ^ b, floorplan=plan, spawns=draw_spawns(scenario, plan, seed ^ b))
     for name, array in worlds[0].state._asdict().items():
         np.testing.assert_array_equal(array, getattr(worlds[1].state, name), err_msg=name)
     assert (worlds[0].state.truth[0] == worlds[0].floorplan(0).truth).all()
