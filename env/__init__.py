@@ -7,8 +7,9 @@ from indoor_explorers.env.errors import InputError, PolicyError
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN, Action
 from indoor_explorers.env.marl import env, parallel_env
 from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.presets import PRESETS, scenario
 from indoor_explorers.env.registry import make_policy, policy_names
-from indoor_explorers.env.scenario import PRESETS, Scenario, scenario
+from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.view import Briefing, Mate, Message, View
 from indoor_explorers.env.world import World
 

@@ -15,7 +15,8 @@ from indoor_explorers.env.errors import PolicyError
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policy import Pilot, Policy, is_action
-from indoor_explorers.env.scenario import PRESETS, Scenario
+from indoor_explorers.env.presets import PRESETS
+from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.view import MESSAGE_LIMIT, View
 from indoor_explorers.env.world import World
 

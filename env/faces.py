@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env.errors import InputError, did_you_mean
-from indoor_explorers.env.scenario import Scenario, named_scenario
+from indoor_explorers.env.presets import named_scenario
+from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 from indoor_explorers.env.world import World
 

@@ -14,13 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.sources import (
-    CaveMaps,
-    FileMaps,
     MapSource,
-    MazeMaps,
-    OfficeMap,
-    OfficesMaps,
-    RoomsMaps,
     ThesisMaps,
 )
 
@@ -168,6 +162,8 @@ class Scenario(_Part):
         maps = data.get("map")
         if isinstance(maps, dict) and isinstance(maps.get("paths"), list):
             maps["paths"] = [str(path.parent / str(one)) for one in maps["paths"]]
+        from indoor_explorers.env.presets import scenario
+
         base = data.pop("preset", None)
         data.setdefault("name", path.stem)
         if base is None:
@@ -243,77 +239,3 @@ def _known_keys(model: type[BaseModel], where: tuple[int | str, ...]) -> list[st
         ]
         kinds = tagged or nested or kinds
     return list(kinds[0].model_fields)
-
-
-def scenario(name: str) -> Scenario:
-    """Return the preset scenario of that name."""
-    if name not in PRESETS:
-        raise InputError(f"unknown scenario {name!r}{did_you_mean(name, PRESETS)}")
-    return PRESETS[name]
-
-
-def named_scenario(name: str, folder: Path | None = None) -> Scenario:
-    """Return a preset by name, or the scenario of a ``.toml`` file, whose path may be relative to ``folder``."""
-    if name.endswith(".toml"):
-        return Scenario.load((folder or Path()) / name)
-    if name not in PRESETS:
-        raise InputError(f"unknown scenario {name!r} (expected a preset or a .toml file){did_you_mean(name, PRESETS)}")
-    return PRESETS[name]
-
-
-def _thesis(name: str, *, obstacles: int, team: int = 1, radio: float = 0.0) -> Scenario:
-    """A room of the thesis: 16x16, lidar 3, 400 steps, 90 % of the whole map, ended for oscillating."""
-    return Scenario(
-        name=name,
-        map=ThesisMaps(obstacles=obstacles),
-        team=team,
-        radio=Radio(model="square", range=radio) if team > 1 else Radio(),
-        stuck=Stuck(rule="oscillation"),
-        denominator="map",
-        budget=400,
-    )
-
-
-def _building(name: str, maps: MapSource, budget: int) -> Scenario:
-    """A building for two: lidar 10, radio 15, 99 % of what can be reached, known together; obstacles block."""
-    return Scenario(
-        name=name,
-        map=maps,
-        team=2,
-        spawn="clustered",
-        lidar=Lidar(range=10.0),
-        radio=Radio(model="disc", range=15.0),
-        on_collision="block",
-        goal=0.99,
-        goal_of="team",
-        budget=budget,
-    )
-
-
-#: Scenarios with a name.
-PRESETS: dict[str, Scenario] = {
-    preset.name: preset
-    for preset in (
-        _thesis("thesis-open", obstacles=0),
-        _thesis("thesis-obstacles", obstacles=5),
-        _thesis("thesis-team-2", obstacles=5, team=2, radio=3.0),
-        _thesis("thesis-team-4", obstacles=5, team=4, radio=3.0),
-        _building("office", OfficeMap(), 1500),
-        _building("rooms", RoomsMaps(), 1000),
-        _building("offices", OfficesMaps(), 1000),
-        _building("cave", CaveMaps(), 1000),
-        _building("maze", MazeMaps(), 1500),
-    )
-}
-
-
-def on_files(paths: tuple[str, ...], resolution: float | None) -> Scenario:
-    """Return the scenario for maps from files when none is named: office-like sensing, a budget by map size."""
-    return PRESETS["office"].model_copy(
-        update={
-            "name": Path(paths[0]).stem if len(paths) == 1 else f"{len(paths)} maps",
-            "map": FileMaps(paths=paths, resolution=resolution),
-            "team": 1,
-            "budget": None,
-        }
-    )

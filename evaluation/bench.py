@@ -22,8 +22,9 @@ import numpy as np
 from indoor_explorers.env import InputError, Scenario, World, make_policy, parallel_env
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.maps.sources import ThesisMaps
+from indoor_explorers.env.presets import scenario
 from indoor_explorers.env.registry import policy_entry_points
-from indoor_explorers.env.scenario import Lidar, Radio, scenario
+from indoor_explorers.env.scenario import Lidar, Radio
 from indoor_explorers.evaluation.compare import plan, run
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.runner import fly

@@ -9,12 +9,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
+from indoor_explorers.env import PRESETS, InputError, check_policy, make_policy
 from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.presets import named_scenario
 from indoor_explorers.env.registry import policy_entry_points
-from indoor_explorers.env.scenario import named_scenario
 from indoor_explorers.env.world import draw_floorplan
 from indoor_explorers.evaluation import bench
 from indoor_explorers.evaluation.compare import plan, run
@@ -126,15 +126,16 @@ def list_policies(arguments: argparse.Namespace) -> int:
 
 def list_scenarios(arguments: argparse.Namespace) -> int:
     """Print the preset scenarios."""
-    table = Table("scenario", "map", "UAVs", "lidar", "radio", "goal", "steps", box=None, header_style="bold")
+    headings = ("scenario", "map", "UAVs", "lidar", "radio", "goal", "steps", "stuck", "step, cell, goal")
+    table = Table(*headings, box=None, header_style="bold")
     for name, preset in PRESETS.items():
-        world = World(preset)
-        world.begin(0, 0)
-        rows, cols = world.state.truth.shape[1:]
+        rows, cols = preset.map.floorplan(0, 0).shape
+        pay = preset.rewards
         radio = preset.radio.model + (f" {preset.radio.range:g}" if preset.radio.model in {"square", "disc"} else "")
         table.add_row(
             *(name, f"{rows} x {cols}", str(preset.team), f"{preset.lidar.range:g} cells", radio),
-            *(f"{preset.goal:.0%} of {preset.denominator}", str(preset.budget)),
+            *(f"{preset.goal:.0%} of {preset.denominator}", str(preset.budget), preset.stuck.rule),
+            f"{pay.step:+g}, {pay.discovered:+g}, {pay.goal:+g}",
         )
     _console().print(table)
     return 0

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import pandas as pd
 
 from indoor_explorers.env import InputError, Policy, Scenario
-from indoor_explorers.env.scenario import named_scenario, on_files
+from indoor_explorers.env.presets import named_scenario, on_files
 from indoor_explorers.env.world import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.experiment import Experiment, Task, build_experiment, read_experiment
 from indoor_explorers.evaluation.local import Job, fly_jobs

@@ -80,6 +80,25 @@ def test_the_thesis_presets_are_the_thesis():
         )
 
 
+def test_the_thesis_s_experiments_are_presets():
+    """Tables 4.1 and 4.2, and the tests of section 4.2, one by one."""
+    table = {1: (-0.5, -400, -400, 1, 400), 2: (-1, -100000, -10000, 10, 10000), 3: (-10, -1000, -1000, 10, 1000)}
+    for number, (step, crash, stuck, cell, goal) in table.items():
+        for method, rule in enumerate(("off", "no-discovery", "oscillation")):
+            task = scenario(f"thesis-rewards-{number}-stuck-{method}")
+            paid = task.rewards
+            assert (paid.step, paid.collision, paid.out_of_bounds, paid.stuck) == (step, crash, crash, stuck)
+            assert (paid.discovered, paid.received, paid.goal) == (cell, cell, goal)
+            assert (task.stuck.rule, task.stuck.window, task.stuck.repeats) == (rule, 50, 20)
+            assert (task.map.obstacles, task.team, task.budget) == (0, 1, 400)
+    for team in (2, 4):
+        for reach in (0, 1, 3):
+            task = scenario(f"thesis-team-{team}-radio-{reach}")
+            assert (task.team, task.radio.range, task.map.obstacles) == (team, reach, 5)
+            assert task.radio.model == ("square" if reach else "none")
+            assert task.rewards.received == task.rewards.discovered == 1.0
+
+
 def test_map_files_are_looked_for_beside_the_scenario(tmp_path):
     (tmp_path / "task.toml").write_text('team = 2\n[map]\nsource = "files"\npaths = ["floor.png"]\n')
     assert Scenario.load(tmp_path / "task.toml").map.paths == (str(tmp_path / "floor.png"),)
