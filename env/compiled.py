@@ -48,9 +48,13 @@ def leaf() -> Callable[[Function], Function]:
     return kernel(error_model="numpy", _nrt=False)
 
 
-def inner() -> Callable[[Function], Function]:
-    """Return a decorator for functions that allocate nothing and that Python never calls."""
-    return kernel(error_model="numpy", _nrt=False, no_cpython_wrapper=True)
+def inner(*, inlined: bool = True) -> Callable[[Function], Function]:
+    """Return a decorator for functions that allocate nothing and that Python never calls.
+
+    They become part of their callers unless they are not to be ``inlined``: handing over all the arrays of a state,
+    three hundred numbers, costs more than most of them do. Long functions with few arguments are better called.
+    """
+    return kernel(error_model="numpy", _nrt=False, no_cpython_wrapper=True, forceinline=inlined)
 
 
 class _Cache(_FunctionCache):  # type: ignore[misc]  # a base class without types
