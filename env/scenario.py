@@ -8,9 +8,17 @@ import tomllib
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+    model_validator,
+)
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.sources import (
@@ -26,6 +34,16 @@ from indoor_explorers.env.maps.sources import (
 
 #: Steps that an episode without a budget has at least.
 LEAST_BUDGET = 200
+
+#: The kinds of maps by name.
+SOURCES: dict[str, type[BaseModel]] = {kind.model_fields["source"].default: kind for kind in get_args(MapSource)}
+
+#: What pydantic says of its own types, in the words of TOML.
+_PLAINLY = {
+    **dict.fromkeys(("model_type", "model_attributes_type"), "expected a table of settings"),
+    **dict.fromkeys(("union_tag_invalid", "union_tag_not_found"), "expected a kind of map"),
+    "tuple_type": "expected a list",
+}
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -117,6 +135,14 @@ class Scenario(_Part):
     budget: int | None = Field(None, ge=1, le=10_000_000)
     """Steps before the episode is cut; None: as many as the map has reachable cells, at least 200."""
 
+    @field_validator("spawn", mode="wrap")
+    @classmethod
+    def _places(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        try:
+            return handler(value)
+        except ValidationError as error:
+            raise ValueError("expected random, clustered, or a list of a [row, column] cell for each UAV") from error
+
     @model_validator(mode="after")
     def _consistent(self) -> Scenario:
         if isinstance(self.spawn, tuple) and len(self.spawn) != self.team:
@@ -142,13 +168,21 @@ class Scenario(_Part):
         return self.with_settings({"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"})
 
     def with_settings(self, settings: Mapping[str, Any]) -> Scenario:
-        """Return a copy with dotted keys replaced, such as ``{"lidar.range": 5, "team": 2}``."""
+        """Return a copy with dotted keys replaced, such as ``{"lidar.range": 5, "team": 2}``.
+
+        Another ``map.source`` brings its own settings, at their defaults where they are not replaced too.
+        """
         data = self.model_dump()
+        if settings.get("map.source", self.map.source) != self.map.source:  # another kind of map has other settings
+            data["map"] = _defaults_of(settings["map.source"]) or data["map"]
         for key, value in settings.items():
             *parents, leaf = key.split(".")
             place: Any = data
             for depth, parent in enumerate(parents):
-                if not isinstance(place.get(parent), dict):
+                if parent in place and not isinstance(place[parent], dict):
+                    whole = ".".join(parents[: depth + 1])
+                    raise InputError(f"no setting {key!r}, since {whole!r} is a single one; set that")
+                if parent not in place:
                     known = [name for name, entry in place.items() if isinstance(entry, dict)]
                     raise InputError(f"no setting {'.'.join(parents[: depth + 1])!r}{did_you_mean(parent, known)}")
                 place = place[parent]
@@ -214,21 +248,36 @@ def validated(model: type[Model], data: Mapping[str, Any], where: str) -> Model:
         return model.model_validate(data)
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
+        place = _place(first["loc"])
         if first["type"] == "extra_forbidden":
             key = str(first["loc"][-1])
             raise InputError(
                 f"{where}: unknown key {place!r}{did_you_mean(key, _known_keys(model, first['loc'][:-1]))}"
             ) from error
         message = first["msg"].removeprefix("Value error, ")
-        received = f", got {first['input']!r}" if place and len(repr(first["input"])) < 80 else ""
+        message, value, hint = _PLAINLY.get(first["type"], message), first["input"], ""
+        if first["type"].startswith("union_tag"):
+            value = first["ctx"].get("tag", "none")
+            place, hint = f"{place}.source", did_you_mean(value, SOURCES)
+        received = f", got {value!r}{hint}" if place and len(repr(value)) < 80 else ""
         raise InputError(f"{where}: {place + ': ' if place else ''}{message}{received}") from error
+
+
+def _place(location: tuple[int | str, ...]) -> str:
+    """Return where an error is as a dotted key, without the kind of map that pydantic puts after ``map``."""
+    parts = zip(("", *location), location, strict=False)
+    return ".".join(str(part) for before, part in parts if not (before == "map" and part in SOURCES))
+
+
+def _defaults_of(source: str) -> dict[str, Any]:
+    """Return the settings of a kind of map, None where there is no default; none for a kind that is none."""
+    kind = SOURCES.get(source) if isinstance(source, str) else None
+    fields = {} if kind is None else kind.model_fields
+    return {name: None if field.is_required() else field.get_default() for name, field in fields.items()}
 
 
 def _known_keys(model: type[BaseModel], where: tuple[int | str, ...]) -> list[str]:
     """List the field names of the (possibly nested) model at an error's location."""
-    from typing import get_args
-
     kinds: list[type[BaseModel]] = [model]
     for part in where:
         tagged = [
