@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar, get_args
+from typing import Annotated, Any, Literal
 
 from pydantic import (
     BaseModel,
@@ -22,6 +21,7 @@ from pydantic import (
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.sources import (
+    SOURCES,
     CaveMaps,
     FileMaps,
     MapSource,
@@ -31,21 +31,10 @@ from indoor_explorers.env.maps.sources import (
     RoomsMaps,
     ThesisMaps,
 )
+from indoor_explorers.env.validation import read_toml, validated
 
 #: Steps that an episode without a budget has at least.
 LEAST_BUDGET = 200
-
-#: The kinds of maps by name.
-SOURCES: dict[str, type[BaseModel]] = {kind.model_fields["source"].default: kind for kind in get_args(MapSource)}
-
-#: What pydantic says of its own types, in the words of TOML.
-_PLAINLY = {
-    **dict.fromkeys(("model_type", "model_attributes_type"), "expected a table of settings"),
-    **dict.fromkeys(("union_tag_invalid", "union_tag_not_found"), "expected a kind of map"),
-    "tuple_type": "expected a list",
-}
-
-Model = TypeVar("Model", bound=BaseModel)
 
 
 class _Part(BaseModel):
@@ -230,68 +219,11 @@ def _flattened(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-def read_toml(path: Path) -> dict[str, Any]:
-    """Read a TOML file, with one clear line for everything that can go wrong."""
-    try:
-        if path.stat().st_size > 1_000_000:
-            raise InputError(f"{path}: expected a TOML file of at most 1 MB, got {path.stat().st_size} bytes")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: expected TOML, got {error}") from error
-
-
-def validated(model: type[Model], data: Mapping[str, Any], where: str) -> Model:
-    """Build a pydantic model, turning its first error into one line with a did-you-mean."""
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = _place(first["loc"])
-        if first["type"] == "extra_forbidden":
-            key = str(first["loc"][-1])
-            raise InputError(
-                f"{where}: unknown key {place!r}{did_you_mean(key, _known_keys(model, first['loc'][:-1]))}"
-            ) from error
-        message = first["msg"].removeprefix("Value error, ")
-        message, value, hint = _PLAINLY.get(first["type"], message), first["input"], ""
-        if first["type"].startswith("union_tag"):
-            value = first["ctx"].get("tag", "none")
-            place, hint = f"{place}.source", did_you_mean(value, SOURCES)
-        received = f", got {value!r}{hint}" if place and len(repr(value)) < 80 else ""
-        raise InputError(f"{where}: {place + ': ' if place else ''}{message}{received}") from error
-
-
-def _place(location: tuple[int | str, ...]) -> str:
-    """Return where an error is as a dotted key, without the kind of map that pydantic puts after ``map``."""
-    parts = zip(("", *location), location, strict=False)
-    return ".".join(str(part) for before, part in parts if not (before == "map" and part in SOURCES))
-
-
 def _defaults_of(source: str) -> dict[str, Any]:
     """Return the settings of a kind of map, None where there is no default; none for a kind that is none."""
     kind = SOURCES.get(source) if isinstance(source, str) else None
     fields = {} if kind is None else kind.model_fields
     return {name: None if field.is_required() else field.get_default() for name, field in fields.items()}
-
-
-def _known_keys(model: type[BaseModel], where: tuple[int | str, ...]) -> list[str]:
-    """List the field names of the (possibly nested) model at an error's location."""
-    kinds: list[type[BaseModel]] = [model]
-    for part in where:
-        tagged = [
-            kind for kind in kinds if "source" in kind.model_fields and kind.model_fields["source"].default == part
-        ]
-        annotations = [kind.model_fields[str(part)].annotation for kind in kinds if part in kind.model_fields]
-        nested = [
-            option
-            for annotation in annotations
-            for option in (annotation, *get_args(annotation))
-            if isinstance(option, type) and issubclass(option, BaseModel)
-        ]
-        kinds = tagged or nested or kinds
-    return list(kinds[0].model_fields)
 
 
 def scenario(name: str) -> Scenario:

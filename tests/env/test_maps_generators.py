@@ -16,7 +16,7 @@ from indoor_explorers.env.maps.joining import joined
 from indoor_explorers.env.maps.offices import shares
 from indoor_explorers.env.maps.rooms import Rectangle, neighbours
 from indoor_explorers.env.maps.sources import CaveMaps, MazeMaps, OfficesMaps, RoomsMaps
-from indoor_explorers.env.scenario import validated
+from indoor_explorers.env.validation import validated
 
 KINDS = (RoomsMaps, OfficesMaps, CaveMaps, MazeMaps)
 
