@@ -4,24 +4,31 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+    model_validator,
+)
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.sources import (
+    SOURCES,
     MapSource,
     ThesisMaps,
 )
+from indoor_explorers.env.validation import read_toml, validated
 
 #: Steps that an episode without a budget has at least.
 LEAST_BUDGET = 200
-
-Model = TypeVar("Model", bound=BaseModel)
 
 
 class _Part(BaseModel):
@@ -111,6 +118,14 @@ class Scenario(_Part):
     budget: int | None = Field(None, ge=1, le=10_000_000)
     """Steps before the episode is cut; None: as many as the map has reachable cells, at least 200."""
 
+    @field_validator("spawn", mode="wrap")
+    @classmethod
+    def _places(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        try:
+            return handler(value)
+        except ValidationError as error:
+            raise ValueError("expected random, clustered, or a list of a [row, column] cell for each UAV") from error
+
     @model_validator(mode="after")
     def _consistent(self) -> Scenario:
         if isinstance(self.spawn, tuple) and len(self.spawn) != self.team:
@@ -136,13 +151,21 @@ class Scenario(_Part):
         return self.with_settings({"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"})
 
     def with_settings(self, settings: Mapping[str, Any]) -> Scenario:
-        """Return a copy with dotted keys replaced, such as ``{"lidar.range": 5, "team": 2}``."""
+        """Return a copy with dotted keys replaced, such as ``{"lidar.range": 5, "team": 2}``.
+
+        Another ``map.source`` brings its own settings, at their defaults where they are not replaced too.
+        """
         data = self.model_dump()
+        if settings.get("map.source", self.map.source) != self.map.source:  # another kind of map has other settings
+            data["map"] = _defaults_of(settings["map.source"]) or data["map"]
         for key, value in settings.items():
             *parents, leaf = key.split(".")
             place: Any = data
             for depth, parent in enumerate(parents):
-                if not isinstance(place.get(parent), dict):
+                if parent in place and not isinstance(place[parent], dict):
+                    whole = ".".join(parents[: depth + 1])
+                    raise InputError(f"no setting {key!r}, since {whole!r} is a single one; set that")
+                if parent not in place:
                     known = [name for name, entry in place.items() if isinstance(entry, dict)]
                     raise InputError(f"no setting {'.'.join(parents[: depth + 1])!r}{did_you_mean(parent, known)}")
                 place = place[parent]
@@ -192,50 +215,8 @@ def _flattened(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-def read_toml(path: Path) -> dict[str, Any]:
-    """Read a TOML file, with one clear line for everything that can go wrong."""
-    try:
-        if path.stat().st_size > 1_000_000:
-            raise InputError(f"{path}: expected a TOML file of at most 1 MB, got {path.stat().st_size} bytes")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: expected TOML, got {error}") from error
-
-
-def validated(model: type[Model], data: Mapping[str, Any], where: str) -> Model:
-    """Build a pydantic model, turning its first error into one line with a did-you-mean."""
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        if first["type"] == "extra_forbidden":
-            key = str(first["loc"][-1])
-            raise InputError(
-                f"{where}: unknown key {place!r}{did_you_mean(key, _known_keys(model, first['loc'][:-1]))}"
-            ) from error
-        message = first["msg"].removeprefix("Value error, ")
-        received = f", got {first['input']!r}" if place and len(repr(first["input"])) < 80 else ""
-        raise InputError(f"{where}: {place + ': ' if place else ''}{message}{received}") from error
-
-
-def _known_keys(model: type[BaseModel], where: tuple[int | str, ...]) -> list[str]:
-    """List the field names of the (possibly nested) model at an error's location."""
-    from typing import get_args
-
-    kinds: list[type[BaseModel]] = [model]
-    for part in where:
-        tagged = [
-            kind for kind in kinds if "source" in kind.model_fields and kind.model_fields["source"].default == part
-        ]
-        annotations = [kind.model_fields[str(part)].annotation for kind in kinds if part in kind.model_fields]
-        nested = [
-            option
-            for annotation in annotations
-            for option in (annotation, *get_args(annotation))
-            if isinstance(option, type) and issubclass(option, BaseModel)
-        ]
-        kinds = tagged or nested or kinds
-    return list(kinds[0].model_fields)
+def _defaults_of(source: str) -> dict[str, Any]:
+    """Return the settings of a kind of map, None where there is no default; none for a kind that is none."""
+    kind = SOURCES.get(source) if isinstance(source, str) else None
+    fields = {} if kind is None else kind.model_fields
+    return {name: None if field.is_required() else field.get_default() for name, field in fields.items()}

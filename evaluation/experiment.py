@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 
 from indoor_explorers.env import InputError, Policy, Scenario, make_policy
 from indoor_explorers.env.errors import did_you_mean
-from indoor_explorers.env.scenario import read_toml, validated
+from indoor_explorers.env.validation import read_toml, validated
 
 
 class Task(NamedTuple):

@@ -22,7 +22,7 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.experiment import Experiment, Task
 from indoor_explorers.evaluation.record import Outcome, Record
 
-FORMAT = 1
+FORMAT = 2
 
 SCHEMA = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
@@ -33,7 +33,7 @@ CREATE TABLE scenario (
 ) STRICT;
 CREATE TABLE floorplan (
     digest TEXT PRIMARY KEY, name TEXT NOT NULL, height INTEGER NOT NULL, width INTEGER NOT NULL,
-    resolution REAL, kept REAL NOT NULL, cells BLOB NOT NULL
+    resolution REAL, kept REAL NOT NULL, cells BLOB NOT NULL, start_row INTEGER, start_column INTEGER
 ) STRICT;
 CREATE TABLE episode (
     policy TEXT NOT NULL REFERENCES policy (name), scenario TEXT NOT NULL REFERENCES scenario (name),
@@ -158,8 +158,16 @@ class Store:
         with self._db:
             self._db.execute("BEGIN IMMEDIATE")
             self._db.execute(
-                "INSERT OR IGNORE INTO floorplan VALUES (?, ?, ?, ?, ?, ?, ?)",
-                (plan.digest, plan.name, *plan.shape, plan.resolution, plan.kept, _packed(plan.truth)),
+                "INSERT OR IGNORE INTO floorplan VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                (
+                    plan.digest,
+                    plan.name,
+                    *plan.shape,
+                    plan.resolution,
+                    plan.kept,
+                    _packed(plan.truth),
+                    *(plan.start or (None, None)),
+                ),
             )
             self._db.execute(
                 "INSERT OR IGNORE INTO episode VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
@@ -220,6 +228,7 @@ class Store:
             )
 
 
-def _floorplan(row: tuple[Any, ...]) -> Floorplan:
-    _, name, height, width, resolution, kept, cells = row
-    return Floorplan(_unpacked(cells, np.uint8, height, width), name, resolution, kept)
+def _floorplan(facts: tuple[Any, ...]) -> Floorplan:
+    _, name, height, width, resolution, kept, cells, row, column = facts
+    start = None if row is None else (row, column)
+    return Floorplan(_unpacked(cells, np.uint8, height, width), name, resolution, kept, start)

@@ -11,9 +11,9 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.houseexpo import RESOLUTION, read_houseexpo
 from indoor_explorers.env.maps.movingai import read_movingai
 from indoor_explorers.env.maps.npy import read_npy
-from indoor_explorers.env.maps.opening import check_file
+from indoor_explorers.env.maps.opening import Fits, check_file
 from indoor_explorers.env.maps.plain import read_plain
-from indoor_explorers.env.maps.reduction import Source, check_resolution, cropped, reduced
+from indoor_explorers.env.maps.reduction import Source, check_resolution, checked_factor, cropped, reduced
 from indoor_explorers.env.maps.ros import read_ros
 
 
@@ -47,14 +47,19 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     return READERS[suffix](path, resolution)
 
 
+def _fits(path: Path, resolution: float | None) -> Fits:
+    """Return the check that a map of these pixels can have cells of ``resolution`` metres."""
+    return lambda shape, metres: checked_factor(str(path), shape, metres, resolution)
+
+
 def _read_ros(path: Path, resolution: float | None) -> Floorplan:
-    cells, metres = read_ros(path)
+    cells, metres = read_ros(path, _fits(path, resolution))
     source = Source(name=path.stem, where=str(path), cells=open_doorways(cells, metres), resolution=metres)
     return cropped(reduced(source, resolution))
 
 
 def _read_plain(path: Path, resolution: float | None) -> Floorplan:
-    cells, start = read_plain(path)
+    cells, start = read_plain(path, _fits(path, resolution))
     return reduced(Source(name=path.stem, where=str(path), cells=cells, resolution=1.0, start=start), resolution)
 
 
@@ -63,7 +68,8 @@ def _read_movingai(path: Path, resolution: float | None) -> Floorplan:
 
 
 def _read_npy(path: Path, resolution: float | None) -> Floorplan:
-    return reduced(Source(name=path.stem, where=str(path), cells=read_npy(path), resolution=1.0), resolution)
+    cells = read_npy(path, _fits(path, resolution))
+    return reduced(Source(name=path.stem, where=str(path), cells=cells, resolution=1.0), resolution)
 
 
 def _read_houseexpo(path: Path, resolution: float | None) -> Floorplan:

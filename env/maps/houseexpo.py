@@ -25,7 +25,7 @@ RESOLUTION = 0.1
 #: The outline is drawn in pixels of at most this many metres, and at least this many to a cell's side.
 FINEST, FINER = 0.05, 3
 #: The most bytes and corners a file may have; real ones have some thousand bytes and a hundred corners.
-MAX_BYTES, MAX_CORNERS = 4_000_000, 10_000
+MAX_BYTES, MAX_CORNERS = 4_000_000, 2_000
 
 
 def read_houseexpo(path: Path, resolution: float) -> tuple[Belief, float]:

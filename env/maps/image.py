@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,10 +13,15 @@ from PIL import Image, UnidentifiedImageError
 
 from indoor_explorers.env.arrays import Mask
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.maps.opening import check_file, one_line
+from indoor_explorers.env.maps.opening import Fits, check_file, one_line
 
 #: The most pixels a picture may have (6,000 x 6,000), so that it is never decoded into trouble with memory.
 MAX_PIXELS = 36_000_000
+
+#: The most bytes of a PNM picture in text (P1 to P3), and the most comments in it.
+MAX_TEXT, MAX_COMMENTS = 10_000_000, 1_000
+#: The most bytes of the header of a PNM picture; real ones have about 100.
+MAX_HEADER = 10_000
 
 _FORMATS = ("PNG", "PPM", "BMP")
 _DEEP = ("I", "I;16", "I;16B", "I;16L", "I;16N")
@@ -41,8 +47,10 @@ class Picture:
         return out
 
 
-def read_picture(path: Path) -> Picture:
+def read_picture(path: Path, fits: Fits | None = None, metres: float = 1.0) -> Picture:
     """Decode a PNG, PGM (PNM) or BMP file of at most :data:`MAX_PIXELS` pixels.
+
+    ``fits`` is asked about its size, at ``metres`` a pixel, before any pixel is decoded.
 
     Raises :class:`InputError` with one line for a file that is missing, truncated, too large or no picture.
     """
@@ -50,7 +58,8 @@ def read_picture(path: Path) -> Picture:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return _decode(path)
+            _check_pnm(path)
+            return _decode(path, fits, metres)
     except InputError:
         raise
     except UnidentifiedImageError as error:
@@ -66,13 +75,34 @@ def read_picture(path: Path) -> Picture:
         raise InputError(f"{path}: expected a whole picture, got a broken one: {one_line(error)}; save it") from error
 
 
-def _decode(path: Path) -> Picture:
+def _check_pnm(path: Path) -> None:
+    """Raise for a PNM picture whose header or text Pillow, which reads them byte by byte, would take minutes over."""
+    with path.open("rb") as file:
+        head = file.read(MAX_HEADER)
+        words = re.sub(rb"#[^\r\n]*", b"", head).split(maxsplit=4)
+        kind = words[0] if head.startswith(b"P") and words else b""
+        if len(words) < (3 if kind in (b"P1", b"P4") else 4) and kind and len(head) == MAX_HEADER:
+            raise InputError(
+                f"{path}: expected a header of at most {MAX_HEADER:,} bytes, got a longer one; save it again"
+            )
+        if kind not in (b"P1", b"P2", b"P3"):
+            return
+        text = head + file.read(MAX_TEXT)
+    if len(text) > MAX_TEXT:
+        raise InputError(f"{path}: expected at most {MAX_TEXT:,} bytes of text, got more; save it as a binary picture")
+    if text.count(b"#") > MAX_COMMENTS:
+        raise InputError(f"{path}: expected at most {MAX_COMMENTS:,} comments, got more; save it without them")
+
+
+def _decode(path: Path, fits: Fits | None, metres: float) -> Picture:
     with Image.open(path, formats=_FORMATS) as image:
         width, height = image.size
         if width * height > MAX_PIXELS:
             raise InputError(
                 f"{path}: expected at most {MAX_PIXELS:,} pixels, got {height:,} x {width:,}; scale it down"
             )
+        if fits is not None:
+            fits((height, width), metres)
         if image.mode in _DEEP:
             return Picture((np.asarray(image) >> 8).clip(0, 255).astype(np.uint8)[..., None], None)
         if image.mode in ("1", "L"):

@@ -17,7 +17,7 @@ from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.image import MAX_PIXELS
-from indoor_explorers.env.maps.opening import check_file, one_line
+from indoor_explorers.env.maps.opening import Fits, check_file, one_line
 
 #: Occupancies between these are unknown, as map_server's are by default.
 FREE_BELOW, OCCUPIED_ABOVE = 0.196, 0.65
@@ -29,7 +29,7 @@ _HEADERS = {(1, 0): (npy.read_array_header_1_0, 2), (2, 0): (npy.read_array_head
 """How to read the header of each version, and the bytes that hold its length."""
 
 
-def read_npy(path: Path) -> Belief:
+def read_npy(path: Path, fits: Fits | None = None) -> Belief:
     """Read a ``.npy`` array as (H, W) uint8 cells (0 unknown, 1 free, 2 occupied).
 
     - bool and unsigned integers: 0 is free, all else occupied;
@@ -38,6 +38,7 @@ def read_npy(path: Path) -> Belief:
     - floats: occupancies from 0 to 1, or -1 for unknown.
 
     An occupancy is free below :data:`FREE_BELOW`, occupied above :data:`OCCUPIED_ABOVE` and unknown between.
+    ``fits`` is asked about the size, an element counting as a metre, before the data is read.
 
     Raises :class:`InputError` with one line for whatever is wrong with the file. Nothing is ever unpickled.
     """
@@ -47,6 +48,8 @@ def read_npy(path: Path) -> Belief:
             warnings.simplefilter("ignore")
             shape, dtype = _parse_header(path, file)
             _check(path, shape, dtype)
+            if fits is not None:
+                fits((shape[0], shape[1]), 1.0)
             file.seek(0)
             array = np.load(file, allow_pickle=False)
     except InputError:

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import stat
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeAlias
 
 from indoor_explorers.env.errors import InputError
+
+Fits: TypeAlias = Callable[[tuple[int, int], float], object]
+"""What a reader asks of a map's (H, W) pixels and the metres a pixel, as soon as a header has told: it raises
+:class:`InputError` where they make no map that can be used, so that nothing is decoded in vain."""
 
 
 def check_file(path: Path) -> None:

@@ -11,6 +11,7 @@ from scipy import ndimage
 from indoor_explorers.env.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid import FREE, OCCUPIED
 from indoor_explorers.env.maps.image import Picture, read_picture
+from indoor_explorers.env.maps.opening import Fits
 
 #: A pixel is free above this luminance (0 black, 255 white).
 FREE_LUMINANCE = 127.5
@@ -24,13 +25,13 @@ MOST_LEVELS = 4
 LARGEST_MARK = 0.1
 
 
-def read_plain(path: Path) -> tuple[Belief, Cell | None]:
+def read_plain(path: Path, fits: Fits | None = None) -> tuple[Belief, Cell | None]:
     """Read a plain picture; return (H, W) uint8 cells, 1 free or 2 occupied, and the marked start pixel, if any.
 
     A pixel is free above :data:`FREE_LUMINANCE`, and where it is part of the mark; see :func:`find_mark`. The start
-    is the pixel of the mark that is nearest to its middle.
+    is the pixel of the mark that is nearest to its middle. A pixel counts as a metre when ``fits`` is asked.
     """
-    picture = read_picture(path)
+    picture = read_picture(path, fits)
     free = picture.luminance() > FREE_LUMINANCE
     mark = find_mark(picture)
     start = None

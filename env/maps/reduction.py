@@ -57,7 +57,7 @@ def reduced(source: Source, resolution: float | None) -> Floorplan:
 
     Raises :class:`InputError` when the resolution is finer than the source's, or so coarse that no floor is left.
     """
-    factor = _factor(source, resolution)
+    factor = checked_factor(source.where, source.cells.shape, source.resolution, resolution)
     all_free = source.cells == FREE
     main = largest_part(all_free)
     if not main.any():
@@ -91,35 +91,44 @@ def settled(start: Cell | None, free: Mask, factor: float = 1.0) -> Cell | None:
     return int(row), int(col)
 
 
-def _factor(source: Source, resolution: float | None) -> float:
-    """Return pixels a cell along each side, at least 1 and enough for :data:`MAX_CELLS`; whole numbers are exact."""
-    height, width = source.cells.shape
+def checked_factor(where: str, shape: tuple[int, ...], metres: float, resolution: float | None) -> float:
+    """Return pixels a cell along each side, at least 1 and enough for :data:`MAX_CELLS`; whole numbers are exact.
+
+    A reader that knows the (H, W) ``shape`` and the ``metres`` a pixel from a header asks before it decodes the rest.
+
+    Raises :class:`InputError` when cells of ``resolution`` metres, None for one a pixel, are too many, too fine or too
+    coarse; ``where`` names the file.
+    """
+    height, width = shape
     if resolution is None:
-        _check_cells(source, height, width)
+        _check_cells(where, height, width)
         return 1.0
-    check_resolution(source.where, resolution)
-    factor = resolution / source.resolution
+    check_resolution(where, resolution)
+    if max(shape) > MAX_CELLS:
+        raise InputError(
+            f"{where}: expected at most {MAX_CELLS:,} pixels along a side, got {height:,} x {width:,}; cut it to size"
+        )
+    factor = resolution / metres
     factor = round(factor) if abs(factor - round(factor)) < 1e-6 * factor else factor
     if factor < 1.0:
         raise InputError(
-            f"{source.where}: expected a resolution of at least the source's {source.resolution:g} m, "
+            f"{where}: expected a resolution of at least the source's {metres:g} m, "
             f"got {resolution:g} m; ask for that or coarser"
         )
-    if factor > max(source.cells.shape):
+    if factor > max(shape):
         raise InputError(
-            f"{source.where}: expected cells smaller than the map, got {resolution:g} m a cell; ask for a finer "
-            f"--resolution (the source has {source.resolution:g} m)"
+            f"{where}: expected cells smaller than the map, got {resolution:g} m a cell; ask for a finer "
+            f"--resolution (the source has {metres:g} m)"
         )
-    _check_cells(source, math.ceil(height / factor - _SLACK), math.ceil(width / factor - _SLACK))
+    _check_cells(where, math.ceil(height / factor - _SLACK), math.ceil(width / factor - _SLACK))
     return float(factor)
 
 
-def _check_cells(source: Source, height: int, width: int) -> None:
+def _check_cells(where: str, height: int, width: int) -> None:
     """Raise :class:`InputError` when a map would have more than :data:`MAX_CELLS` cells."""
     if height * width > MAX_CELLS:
         raise InputError(
-            f"{source.where}: expected at most {MAX_CELLS:,} cells, got {height:,} x {width:,}; "
-            "ask for a coarser --resolution"
+            f"{where}: expected at most {MAX_CELLS:,} cells, got {height:,} x {width:,}; ask for a coarser --resolution"
         )
 
 
@@ -173,9 +182,11 @@ def _overlaps(pixels: int, factor: float) -> sparse.csr_array[np.float64]:
 
 
 def cropped(plan: Floorplan) -> Floorplan:
-    """Cut a floor plan to its free cells and one solid cell on each side."""
+    """Cut a floor plan to its free cells and one solid cell on each side, left out where it makes too large a map."""
     free = plan.truth == FREE
     rows, cols = np.flatnonzero(free.any(axis=1)), np.flatnonzero(free.any(axis=0))
     inner = free[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]
-    start = None if plan.start is None else (plan.start[0] - int(rows[0]) + 1, plan.start[1] - int(cols[0]) + 1)
-    return Floorplan.from_free(np.pad(inner, 1), plan.name, plan.resolution, plan.kept, start)
+    walled = np.pad(inner, 1)
+    wall = int(walled.size <= MAX_CELLS)
+    start = None if plan.start is None else (plan.start[0] - int(rows[0]) + wall, plan.start[1] - int(cols[0]) + wall)
+    return Floorplan.from_free(walled if wall else inner, plan.name, plan.resolution, plan.kept, start)

@@ -19,7 +19,7 @@ from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.image import read_picture
-from indoor_explorers.env.maps.opening import check_file, read_bytes
+from indoor_explorers.env.maps.opening import Fits, check_file, read_bytes
 
 #: The most bytes a YAML file may have; real ones have about 200.
 MAX_BYTES = 65_536
@@ -54,19 +54,20 @@ class RosMap:
     """True in map_server's mode ``scale``, where transparent pixels are unknown."""
 
 
-def read_ros(path: Path) -> tuple[Belief, float]:
+def read_ros(path: Path, fits: Fits | None = None) -> tuple[Belief, float]:
     """Read a map_server map; return its (H, W) uint8 cells (0 unknown, 1 free, 2 occupied) and metres a pixel.
 
     The thresholds act as in map_server's mode ``trinary``. Mode ``scale`` differs in transparent pixels
     alone, which are unknown: the shades it tells apart between the thresholds are neither free nor occupied.
-    Mode ``raw`` is refused, since its values are not occupancies. The origin is checked and ignored.
+    Mode ``raw`` is refused, since its values are not occupancies. The origin is checked and ignored. ``fits`` is
+    asked about the picture's size before it is decoded.
     """
     facts = parse_ros(path)
     try:
         check_file(facts.image)
     except InputError as error:
         raise InputError(f"{path}: image: {error}") from error
-    picture = read_picture(facts.image)
+    picture = read_picture(facts.image, fits, facts.resolution)
     cells = trinary(picture.channels, facts)
     if facts.scale and picture.opaque is not None:
         cells[~picture.opaque] = UNKNOWN

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from pydantic import Field
 
@@ -17,7 +17,17 @@ from indoor_explorers.env.maps.offices import OfficesMaps
 from indoor_explorers.env.maps.rooms import RoomsMaps
 from indoor_explorers.env.maps.thesis import ThesisMaps
 
-__all__ = ["CaveMaps", "FileMaps", "MapSource", "MazeMaps", "OfficeMap", "OfficesMaps", "RoomsMaps", "ThesisMaps"]
+__all__ = [
+    "SOURCES",
+    "CaveMaps",
+    "FileMaps",
+    "MapSource",
+    "MazeMaps",
+    "OfficeMap",
+    "OfficesMaps",
+    "RoomsMaps",
+    "ThesisMaps",
+]
 
 
 class FileMaps(BaseMaps):
@@ -61,6 +71,9 @@ class OfficeMap(BaseMaps):
 
 
 MapSource = ThesisMaps | RoomsMaps | OfficesMaps | CaveMaps | MazeMaps | FileMaps | OfficeMap
+
+#: The kinds of maps by name.
+SOURCES: dict[str, type[BaseMaps]] = {kind.model_fields["source"].default: kind for kind in get_args(MapSource)}
 
 
 @lru_cache(maxsize=64)

@@ -66,6 +66,19 @@ def gone(scene: Scene) -> Mask:
     return np.asarray((scene.ends != End.FLYING) & ~together)
 
 
+def nearest_links(scene: Scene) -> Mask:
+    """Return (N, N) the links that no third UAV shortens, being linked to both ends and nearer to either.
+
+    They join the same UAVs (Toussaint's relative neighbourhood graph, 1980), and are few enough to be told apart.
+    """
+    away = ((scene.cells[:, None] - scene.cells) ** 2).sum(axis=2)
+    away[~scene.linked] = np.iinfo(away.dtype).max
+    kept = scene.linked.copy()
+    for third in away:  # from one UAV to all
+        kept &= away <= np.maximum(third[:, None], third)
+    return kept
+
+
 def percent(share: float) -> str:
     """Return a share in percent, rounded down, so that 100.0% is all of it."""
     return f"{np.floor(1000 * share + 1e-9) / 10:.1f}%"
@@ -73,7 +86,7 @@ def percent(share: float) -> str:
 
 def _caption(canvas: Canvas, layout: Layout, scene: Scene) -> None:
     """Write title, step and coverage above a bar of the coverage."""
-    left, right = layout.main.left, layout.width - layout.main.left
+    left, right = MARGIN, layout.width - MARGIN
     ends = {End(int(end)) for end in scene.ends}
     over = "" if End.FLYING in ends else f"ended: {', '.join(ENDS[end] for end in sorted(ends))}  \u00b7  "
     facts = f"{over}step {scene.step:,} / {scene.budget:,}  \u00b7  coverage {percent(scene.coverage)}"
@@ -101,7 +114,7 @@ def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]
                 marks.radio_reach(chart, scene.cells[agent], *scene.radio, colours[agent])
     for agent in range(scene.team):
         marks.trail(chart, scene.trails[:, agent], colours[agent], _lane(scene, agent))
-    marks.links(chart, scene.cells, scene.linked)
+    marks.links(chart, scene.cells, scene.linked if scene.team <= NUMBERED else nearest_links(scene))
     for agent in np.flatnonzero(gone(scene)).tolist() if scene.team <= LABELLED else ():
         marks.label(chart, scene.cells, agent, ENDS[End(int(scene.ends[agent]))])
     for agent in np.argsort(flying, kind="stable").tolist():  # those that fly last, on top

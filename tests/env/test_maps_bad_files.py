@@ -163,6 +163,10 @@ def png(width: int, height: int, data: bytes = b"") -> bytes:
         ("a.pgm", b"P5\n4 4\n0\n" + bytes(100), "a.pgm"),
         ("a.pgm", b"P5\n4 " + b"4" * 5000, "a.pgm"),
         ("a.pgm", b"P2\n4 4\n255\n1 2 3 x", "a.pgm"),
+        ("a.pgm", b"P5\n" + b"# x\n" * 5_000 + b"4 4\n255\n" + bytes(16), "expected a header of at most 10,000 bytes"),
+        ("a.pgm", b"P5 4 4 " + b" " * 20_000 + b"255\n" + bytes(16), "expected a header of at most 10,000 bytes"),
+        ("a.pgm", b"P2\n4 4\n255\n" + b"#\n" * 5_000, "expected at most 1,000 comments"),
+        ("a.pgm", b"P2\n2000 2000\n255\n" + b"255 " * 2_500_000, "expected at most 10,000,000 bytes of text"),
         ("a.bmp", b"BM" + bytes(60), "a.bmp"),
         ("a.pgm", b"P5\n4 4\n255\n" + bytes(16), "expected a map with free pixels, got none"),
     ],
@@ -170,6 +174,27 @@ def png(width: int, height: int, data: bytes = b"") -> bytes:
 def test_a_broken_picture_is_refused(tmp_path: Path, name: str, data: bytes, message: str) -> None:
     (tmp_path / name).write_bytes(data)
     assert message in refusal(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "resolution", "message"),
+    [
+        (6_000, 6_000, None, "expected at most 4,194,304 cells, got 6,000 x 6,000; ask for a coarser --resolution"),
+        (2_049, 2_048, 1.0, "expected at most 4,194,304 cells, got 2,048 x 2,049"),
+        (6_000, 6_000, 0.5, "expected a resolution of at least the source's 1 m"),
+        (1, 36_000_000, 3000.0, "expected at most 4,194,304 pixels along a side"),
+    ],
+)
+def test_a_map_of_an_impossible_size_is_refused_before_it_is_decoded(
+    tmp_path: Path, width: int, height: int, resolution: float | None, message: str
+) -> None:
+    """The picture holds no more than its header."""
+    (tmp_path / "a.png").write_bytes(png(width, height))
+    (tmp_path / "a.yaml").write_bytes(yaml_file(tmp_path, image="a.png", resolution="1.0").read_bytes())
+    for name in ("a.png", "a.yaml"):
+        with pytest.raises(InputError) as caught:
+            read_map(tmp_path / name, resolution)
+        assert str(caught.value).startswith(f"{tmp_path / name}: {message}")
 
 
 def test_a_truncated_picture_says_so(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from indoor_explorers.env.maps.joining import joined
 from indoor_explorers.env.maps.offices import shares
 from indoor_explorers.env.maps.rooms import Rectangle, neighbours
 from indoor_explorers.env.maps.sources import CaveMaps, MazeMaps, OfficesMaps, RoomsMaps
-from indoor_explorers.env.scenario import validated
+from indoor_explorers.env.validation import validated
 
 KINDS = (RoomsMaps, OfficesMaps, CaveMaps, MazeMaps)
 
@@ -260,8 +260,8 @@ def test_a_cave_of_nothing_but_rock_starts_from_less():
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ({"source": "rooms", "height": 4}, "map.rooms.height: Input should be greater than or equal to 5, got 4"),
-        ({"source": "maze", "width": 2049}, "map.maze.width: Input should be less than or equal to 2048, got 2049"),
+        ({"source": "rooms", "height": 4}, "map.height: Input should be greater than or equal to 5, got 4"),
+        ({"source": "maze", "width": 2049}, "map.width: Input should be less than or equal to 2048, got 2049"),
         ({"source": "rooms", "room_size": [9, 4]}, r"room_size is \[9, 4\], expected 1 <= smallest <= largest"),
         ({"source": "rooms", "corridor": 6}, "are 1, 6 and 5, expected each at most the next"),
         (

@@ -155,6 +155,13 @@ def test_more_cells_than_a_map_may_have_are_refused_before_any_work(factor: floa
         reduced(source(np.zeros((6_000, 6_000), np.uint8)), factor)
 
 
+def test_a_largest_map_without_walls_gets_none() -> None:
+    open_ = replace(source(np.full((2048, 2048), FREE, np.uint8)), start=(0, 7))
+    plan = cropped(reduced(open_, None))
+    assert (plan.shape, plan.start) == ((2048, 2048), (0, 7))
+    assert (plan.truth == FREE).all()
+
+
 @settings(max_examples=50, deadline=None)
 @given(st.integers(0, 2**32), st.sampled_from([None, 0.2, 0.25, 0.37]))
 def test_a_start_becomes_the_nearest_free_cell_of_the_map(seed: int, resolution: float | None) -> None:

@@ -3,6 +3,7 @@
 import pytest
 
 from indoor_explorers.env import PRESETS, InputError, Scenario, scenario
+from indoor_explorers.env.maps.sources import RoomsMaps
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -37,6 +38,17 @@ def test_a_file_may_start_from_a_preset(tmp_path):
         ('preset = "thesis-opne"', "unknown scenario 'thesis-opne'; did you mean 'thesis-open'"),
         ("team = ", "expected TOML"),
         ("preset = 3", "expected preset to be the name"),
+        ("lidar = 3", "lidar: expected a table of settings, got 3"),
+        ("map = 3", "map: expected a table of settings, got 3"),
+        ('[map]\nsource = "romos"', "map.source: expected a kind of map, got 'romos'; did you mean 'rooms'"),
+        ("[map]\nheight = 3", "map.source: expected a kind of map, got 'none'; known: cave, files"),
+        ('[map]\nsource = "rooms"\nheight = 3', "map.height: .*greater than or equal to 5"),
+        (
+            'spawn = "here"',
+            "spawn: expected random, clustered, or a list of .*, got 'here'",
+        ),
+        ("spawn = [[1.5, 2]]", "spawn: expected random, clustered, or a list"),
+        ('preset = "rooms"\ngoal.a = 3', "no setting 'goal.a', since 'goal' is a single one; set that"),
     ],
 )
 def test_bad_files_give_one_clear_line(toml, message, tmp_path):
@@ -55,6 +67,17 @@ def test_settings_are_dotted_and_checked():
         scenario("thesis-open").with_settings({"lidar.rang": 5})
     with pytest.raises(InputError, match=r"no setting 'radoi'; did you mean 'radio'"):
         scenario("thesis-open").with_settings({"radoi.range": 5})
+    with pytest.raises(InputError, match=r"no setting 'lidar\.range\.x', since 'lidar\.range' is a single one"):
+        scenario("thesis-open").with_settings({"lidar.range.x": 5})
+
+
+def test_another_kind_of_map_brings_its_own_settings():
+    for settings in ({"map.source": "rooms", "map.loops": 0.5}, {"map.loops": 0.5, "map.source": "rooms"}):
+        assert scenario("thesis-open").with_settings(settings).map == RoomsMaps(loops=0.5)
+    assert scenario("rooms").with_settings({"map.source": "rooms", "map.height": 40}).map == RoomsMaps(height=40)
+    for wrong, message in (("romos", "map.source: expected a kind of map"), ("files", "map.paths: ")):
+        with pytest.raises(InputError, match=message):
+            scenario("thesis-open").with_settings({"map.source": wrong})
 
 
 def test_the_fingerprint_is_of_the_task_and_not_of_its_name():

@@ -1,11 +1,13 @@
 """The store: round trip, growth, refusal of another experiment."""
 
 import sqlite3
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, InputError
+from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.experiment import Task, build_experiment
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.runner import fly
@@ -51,6 +53,17 @@ def test_what_goes_in_comes_out(tmp_path):
         assert (record.task, record.outcome, record.steps) == (copy.task, copy.outcome, copy.steps)
 
 
+def test_floor_plans_are_read_back_whole(tmp_path):
+    marked = Floorplan.from_free(np.ones((5, 7), np.bool_), "marked", 0.25, 0.5, (4, 6))
+    record = filled(tmp_path / "results.db")[0]
+    with Store(tmp_path / "results.db") as store:
+        store.add(replace(record, floorplan=marked, task=record.task._replace(seed=99)), 1)
+        plans = [copy.floorplan for copy in store.records()]
+    assert [plan.digest for plan in plans[:-1]].count(record.floorplan.digest) == 1
+    assert (plans[0].start, plans[-1].digest, plans[-1].start) == (None, marked.digest, (4, 6))
+    assert (plans[-1].name, plans[-1].resolution, plans[-1].kept) == ("marked", 0.25, 0.5)
+
+
 def test_an_experiment_may_grow(tmp_path):
     filled(tmp_path / "results.db")
     grown = experiment(episodes=5, policies=[{"use": POLICY, "name": "w"}, {"use": POLICY, "name": "v"}])
@@ -87,7 +100,7 @@ def test_a_file_that_is_no_store_is_refused(tmp_path):
     with pytest.raises(InputError, match="expected a results store"):
         Store(tmp_path / "results.db")
     sqlite3.connect(tmp_path / "other.db").execute("CREATE TABLE meta (key, value)").connection.close()
-    with pytest.raises(InputError, match="expected a store of format 1"):
+    with pytest.raises(InputError, match="expected a store of format 2"):
         Store(tmp_path / "other.db")
 
 

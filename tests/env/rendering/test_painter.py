@@ -4,11 +4,13 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scipy.sparse.csgraph import connected_components
 
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.lidar import scan
 from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
-from indoor_explorers.env.rendering.layout import PANELS, layout_of
+from indoor_explorers.env.rendering.layout import CAPTION, MARGIN, PANELS, layout_of
+from indoor_explorers.env.rendering.painter import nearest_links
 from indoor_explorers.env.rendering.palette import HIDDEN, INK, KNOWN, PAGE, paler, uav_colours
 from indoor_explorers.env.state import End
 from tests.env.rendering.scenes import copied, flown, main_map, panel, pixel, plan, random_plan, scene
@@ -211,3 +213,28 @@ def test_trails_forget():
     assert trails.cells[-1, 0].tolist() == [99, 1]
     trails.restart(np.array([(2, 2)]))
     assert trails.cells.tolist() == [[[2, 2]]]
+
+
+@pytest.mark.parametrize("reach", [4, 12, 100])
+def test_the_links_drawn_of_a_large_team_are_few_and_join_the_same_uavs(reach):
+    cells = np.random.default_rng(reach).permutation(1600)[:60]
+    places = np.stack(np.divmod(cells, 40), axis=1)
+    away = np.hypot(*np.moveaxis(places[:, None] - places, -1, 0))
+    one = copied(scene(team=60, floorplan=plan(np.ones((40, 40), bool))), trails=places[None])
+    one = copied(one, linked=(away <= reach) & ~np.eye(60, dtype=bool))
+    drawn = nearest_links(one)
+    assert (drawn == drawn.T).all()
+    assert not (drawn & ~one.linked).any()
+    assert drawn.sum() <= 6 * 60
+    parts, drawn_parts = (connected_components(links)[1] for links in (one.linked, drawn))
+    assert (parts == drawn_parts).all()
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (60, 1), (5, 2)])
+def test_a_caption_fits_over_the_narrowest_map(shape):
+    one = copied(scene(steps=0, team=1, floorplan=plan(np.ones(shape, bool))), title="1")
+    picture = paint(copied(one, ends=np.array([End.GOAL], np.uint8)))
+    caption = picture[: MARGIN + CAPTION - 22].min(axis=(0, 2)) < 255
+    assert not caption[:MARGIN].any()
+    assert caption[MARGIN : MARGIN + 10].any()
+    assert not caption[-MARGIN + 1 :].any()

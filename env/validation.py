@@ -1,0 +1,79 @@
+"""Settings that a user wrote: read, checked, and one clear line for what is wrong with them."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.maps.sources import SOURCES
+
+#: What pydantic says of its own types, in the words of TOML.
+_PLAINLY = {
+    **dict.fromkeys(("model_type", "model_attributes_type"), "expected a table of settings"),
+    **dict.fromkeys(("union_tag_invalid", "union_tag_not_found"), "expected a kind of map"),
+    "tuple_type": "expected a list",
+}
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Read a TOML file, with one clear line for everything that can go wrong."""
+    try:
+        if path.stat().st_size > 1_000_000:
+            raise InputError(f"{path}: expected a TOML file of at most 1 MB, got {path.stat().st_size} bytes")
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise InputError(f"{path}: expected TOML, got {error}") from error
+
+
+def validated(model: type[Model], data: Mapping[str, Any], where: str) -> Model:
+    """Build a pydantic model, turning its first error into one line with a did-you-mean."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = _place(first["loc"])
+        if first["type"] == "extra_forbidden":
+            key = str(first["loc"][-1])
+            raise InputError(
+                f"{where}: unknown key {place!r}{did_you_mean(key, _known_keys(model, first['loc'][:-1]))}"
+            ) from error
+        message = first["msg"].removeprefix("Value error, ")
+        message, value, hint = _PLAINLY.get(first["type"], message), first["input"], ""
+        if first["type"].startswith("union_tag"):
+            value = first["ctx"].get("tag", "none")
+            place, hint = f"{place}.source", did_you_mean(value, SOURCES)
+        received = f", got {value!r}{hint}" if place and len(repr(value)) < 80 else ""
+        raise InputError(f"{where}: {place + ': ' if place else ''}{message}{received}") from error
+
+
+def _place(location: tuple[int | str, ...]) -> str:
+    """Return where an error is as a dotted key, without the kind of map that pydantic puts after ``map``."""
+    parts = zip(("", *location), location, strict=False)
+    return ".".join(str(part) for before, part in parts if not (before == "map" and part in SOURCES))
+
+
+def _known_keys(model: type[BaseModel], where: tuple[int | str, ...]) -> list[str]:
+    """List the field names of the (possibly nested) model at an error's location."""
+    kinds: list[type[BaseModel]] = [model]
+    for part in where:
+        tagged = [
+            kind for kind in kinds if "source" in kind.model_fields and kind.model_fields["source"].default == part
+        ]
+        annotations = [kind.model_fields[str(part)].annotation for kind in kinds if part in kind.model_fields]
+        nested = [
+            option
+            for annotation in annotations
+            for option in (annotation, *get_args(annotation))
+            if isinstance(option, type) and issubclass(option, BaseModel)
+        ]
+        kinds = tagged or nested or kinds
+    return list(kinds[0].model_fields)
