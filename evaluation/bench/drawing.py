@@ -10,6 +10,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Picture
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
 
@@ -43,8 +44,7 @@ def write_growth(measured: Iterable[Figure], folder: Path) -> list[Path]:
 
 def growth_figure(values: dict[str, float]) -> Picture:
     """Draw four panels of agent-steps a second; ``values`` are by the figures' names, missing ones are left out."""
-    picture = Picture(figsize=(7.2, 5.8), layout="constrained")
-    picture.get_layout_engine().set(hspace=0.09, wspace=0.03)  # type: ignore[union-attr]
+    picture = Picture(figsize=(7.2, 5.6), layout=ConstrainedLayoutEngine(hspace=0.06, wspace=0.03))
     FigureCanvasAgg(picture)
     picture.suptitle("Speed of the world while UAVs explore", x=0.01, ha="left", fontsize=10.5, fontweight="bold")
     panels = picture.subplots(2, 2, sharey=True).flat

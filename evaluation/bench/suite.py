@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fnmatch import fnmatchcase
 from functools import cache, partial
 
-from indoor_explorers.env import InputError
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.registry import policy_entry_points
 from indoor_explorers.evaluation.bench import ancestor, decisions, exploring, faces, growth, worlds
 from indoor_explorers.evaluation.bench.figure import Measure
@@ -34,8 +37,8 @@ def chosen(among: Sequence[Measure], patterns: Sequence[str]) -> list[Measure]:
 
 
 def _world() -> Iterator[Measure]:
-    """Yield the worlds' speeds and what they are next to the ancestor's, each measured once."""
-    takes = {name: cache(partial(_world_speed, name)) for name in _variants()}
+    """Yield the worlds' speeds, and two of them next to the ancestor's, each measured once."""
+    takes = {name: cache(take) for base in WORLDS for name, take in _variants(base)}
     yield from (Measure("World", name, SPEED, take) for name, take in takes.items())
     for team in (1, 4):
         name = f"world-16x16-lidar3-team{team}"
@@ -46,18 +49,17 @@ def _world() -> Iterator[Measure]:
             yield Measure("Ancestor", f"ratio-to-ancestor-team{team}{tail}", "x", ratio)
 
 
-def _variants() -> list[str]:
-    tails = ("", "-core", "-exploring", "-exploring-core")
-    return [name + tail for name in WORLDS for tail in tails]
+def _variants(name: str) -> Iterator[tuple[str, Callable[[], float]]]:
+    """Yield a world under random moves and such that explore, each with all cores and with one."""
+    task, batch = WORLDS[name]
+    recorded = cache(partial(exploring.exploring_moves, task, batch, STEPS))
+    for kind, moves in (("", lambda: None), ("-exploring", recorded)):
+        for tail, threads in (("", worlds.cores()), ("-core", 1)):
+            yield name + kind + tail, partial(_speed, task, batch, threads, moves)
 
 
-def _world_speed(name: str) -> float:
-    """Measure a world with all cores or, ``-core``, with one; with random moves or, ``-exploring``, with such."""
-    threads = 1 if name.endswith("-core") else worlds.cores()
-    plain = name.removesuffix("-core").removesuffix("-exploring")
-    task, batch = WORLDS[plain]
-    moves = exploring.exploring_moves(task, batch, STEPS) if "-exploring" in name else None
-    return worlds.world_speed(task, batch, threads=threads, moves=moves)
+def _speed(task: Scenario, batch: int, threads: int, moves: Callable[[], NDArray[np.int64] | None]) -> float:
+    return worlds.world_speed(task, batch, threads=threads, moves=moves())
 
 
 def _memory() -> Iterator[Measure]:

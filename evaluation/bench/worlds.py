@@ -34,7 +34,7 @@ def square(side: int, lidar_range: float, team: int, radio: Radio | None = None)
     )
 
 
-#: Worlds whose speed is measured: (scenario, episodes in a batch).
+#: Worlds whose speed is measured: (scenario, episodes in a batch, about where two cores are fastest).
 WORLDS = {
     "world-16x16-lidar3-team1": (square(16, 3.0, 1), 4096),
     "world-16x16-lidar3-team4": (square(16, 3.0, 4), 1024),
