@@ -76,10 +76,7 @@ def build_parser() -> argparse.ArgumentParser:
     listing = commands_.add_parser("scenarios", help="list the preset scenarios")
     listing.set_defaults(run=commands.list_scenarios)
     _add_maps(commands_.add_parser("maps", help="show map files, or what a scenario generates, and their facts"))
-    speed = commands_.add_parser("bench", help="measure the speed figures on this machine")
-    speed.add_argument("--json", type=Path, metavar="FILE", help="write them as a list of name, value and unit")
-    speed.add_argument("--all", action="store_true", help="also those that take minutes")
-    speed.set_defaults(run=commands.run_bench)
+    _add_bench(commands_.add_parser("bench", help="measure the speed figures on this machine"))
     check = commands_.add_parser("check", help="run the conformance suite on a policy")
     check.add_argument("policy", metavar="MODULE:CLASS", help="or the name of an installed policy")
     check.set_defaults(run=commands.check)
@@ -153,6 +150,15 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="checkpoints, weights and history")
     parser.add_argument("--resume", action="store_true", help="go on from the checkpoint in DIR")
     parser.set_defaults(run=commands.run_train)
+
+
+def _add_bench(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write them as a list of name, value and unit")
+    parser.add_argument("--growth", action="store_true", help="also how speed grows with map, lidar, team and batch")
+    parser.add_argument("--figures", type=Path, metavar="DIR", help="draw that, too: growth.svg and growth.png")
+    parser.add_argument("--all", action="store_true", help="all there are, also those that take minutes")
+    parser.add_argument("--only", type=_names, metavar="PATTERN,...", help="of all, those named so: 'world-*-core'")
+    parser.set_defaults(run=commands.run_bench, interrupted="nothing was written")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

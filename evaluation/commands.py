@@ -180,10 +180,15 @@ def check(arguments: argparse.Namespace) -> int:
 def run_bench(arguments: argparse.Namespace) -> int:
     """Measure the speed figures and print them as they come."""
     console = _console()
-    measured = []
-    for figure in bench.figures(everything=arguments.all):
-        measured.append(figure)
-        console.print(f"{figure.name:<36} {figure.value:>14,.4g} {figure.unit}", highlight=False)
+    growing = arguments.growth or arguments.figures is not None
+    measures = bench.measures(everything=arguments.all or bool(arguments.only), growing=growing)
+    if arguments.only:
+        wanted = [*arguments.only, *(["growth-*"] if growing else [])]
+        measures = bench.chosen(measures, wanted)
+    figures = list(bench.measured(measures, console))
     if arguments.json is not None:
-        bench.write_json(measured, arguments.json)
+        bench.write_json(figures, arguments.json)
+    if arguments.figures is not None:
+        for path in bench.write_growth(figures, arguments.figures):
+            console.print(f"Figure: {path}", highlight=False, soft_wrap=True)
     return 0

@@ -1,0 +1,36 @@
+"""What a decision of a policy costs, and what a whole comparison does."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from indoor_explorers.env import make_policy
+from indoor_explorers.env.presets import scenario
+from indoor_explorers.env.scenario import Radio
+from indoor_explorers.evaluation.bench.figure import REPEATS, seconds_of
+from indoor_explorers.evaluation.bench.worlds import square
+from indoor_explorers.evaluation.compare import plan, run
+from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.runner import fly
+
+
+def decision_time(policy: str, side: int, lidar_range: float) -> float:
+    """Return the median microseconds of a decision, following plans included, of two UAVs on a square map."""
+    radio = Radio(model="square", range=3 * lidar_range)
+    task = square(side, lidar_range, 2, radio).with_settings({"budget": 200})
+    pilot = make_policy(policy)
+    medians = []
+    for seed in range(REPEATS + 1):
+        (record,) = fly(pilot, policy, task, [Task(task.name, 0, seed)])
+        medians.append(record.metrics["latency_p50_us"] or np.nan)
+    return float(np.median(medians[1:]))
+
+
+def comparison_time(episodes: int) -> float:
+    """Return the seconds of a whole comparison with ``frontier-nearest``: workers, store, table and report."""
+    planned = plan(policies=["frontier-nearest"], scenario=scenario("thesis-obstacles"), episodes=episodes)
+    with tempfile.TemporaryDirectory() as folder:
+        return seconds_of(lambda: run(planned, Path(folder) / "out"))

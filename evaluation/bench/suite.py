@@ -1,0 +1,99 @@
+"""All figures: their names, units and order."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable, Iterator, Sequence
+from fnmatch import fnmatchcase
+from functools import cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.registry import policy_entry_points
+from indoor_explorers.evaluation.bench import ancestor, decisions, exploring, faces, growth, worlds
+from indoor_explorers.evaluation.bench.figure import Measure
+from indoor_explorers.evaluation.bench.worlds import STEPS, WORLDS
+
+SPEED = "agent-steps/s"
+
+
+def measures(*, everything: bool = False, growing: bool = False) -> list[Measure]:
+    """Return what ``bench`` measures; ``growing`` adds how speeds grow, ``everything`` that and what takes minutes."""
+    found = [*_world(), *_memory(), *_starts(), *_faces(), *_lidar(), *_decisions(), *_harness(everything)]
+    if growing or everything:
+        found += [Measure("Growth", name, SPEED, take) for name, take in growth.growth().items()]
+    return found
+
+
+def chosen(among: Sequence[Measure], patterns: Sequence[str]) -> list[Measure]:
+    """Return the measures whose names match one of the patterns, as file names do."""
+    found = [measure for measure in among if any(fnmatchcase(measure.name, pattern) for pattern in patterns)]
+    if not found:
+        groups = ", ".join(dict.fromkeys(f"{measure.name.split('-')[0]}-*" for measure in among))
+        raise InputError(f"expected names of figures such as {groups}, got {','.join(patterns)}")
+    return found
+
+
+def _world() -> Iterator[Measure]:
+    """Yield the worlds' speeds, and two of them next to the ancestor's, each measured once."""
+    takes = {name: cache(take) for base in WORLDS for name, take in _variants(base)}
+    yield from (Measure("World", name, SPEED, take) for name, take in takes.items())
+    for team in (1, 4):
+        name = f"world-16x16-lidar3-team{team}"
+        slow = cache(partial(ancestor.ancestor_speed, WORLDS[name][0]))
+        yield Measure("Ancestor", f"ancestor-16x16-team{team}", SPEED, slow)
+        for tail in ("", "-core"):
+            ratio = partial(lambda fast, slow: fast() / slow(), takes[name + tail], slow)
+            yield Measure("Ancestor", f"ratio-to-ancestor-team{team}{tail}", "x", ratio)
+
+
+def _variants(name: str) -> Iterator[tuple[str, Callable[[], float]]]:
+    """Yield a world under random moves and such that explore, each with all cores and with one."""
+    task, batch = WORLDS[name]
+    recorded = cache(partial(exploring.exploring_moves, task, batch, STEPS))
+    for kind, moves in (("", lambda: None), ("-exploring", recorded)):
+        for tail, threads in (("", worlds.cores()), ("-core", 1)):
+            yield name + kind + tail, partial(_speed, task, batch, threads, moves)
+
+
+def _speed(task: Scenario, batch: int, threads: int, moves: Callable[[], NDArray[np.int64] | None]) -> float:
+    return worlds.world_speed(task, batch, threads=threads, moves=moves())
+
+
+def _memory() -> Iterator[Measure]:
+    for name, (task, _) in WORLDS.items():
+        yield Measure("Memory", name.replace("world", "memory"), "bytes", partial(worlds.memory, task))
+
+
+def _starts() -> Iterator[Measure]:
+    yield Measure("Starts", "first-compile", "s", faces.first_compile)
+    yield Measure("Starts", "first-step", "s", faces.first_step)
+    for side, (task, _) in ((16, WORLDS["world-16x16-lidar3-team1"]), (250, WORLDS["world-250x250-lidar35-team2"])):
+        yield Measure("Starts", f"reset-{side}x{side}", "us", partial(worlds.reset_time, task))
+
+
+def _faces() -> Iterator[Measure]:
+    yield Measure("Faces", "gym-step", "us", faces.gymnasium_step)
+    if importlib.util.find_spec("pettingzoo"):
+        yield Measure("Faces", "pettingzoo-step-team4", "us", faces.pettingzoo_step)
+    yield Measure("Faces", "vector-channels-256", "env-steps/s", partial(faces.vector_speed, 256))
+
+
+def _lidar() -> Iterator[Measure]:
+    for cells in (3, 10, 35):
+        yield Measure("Lidar", f"lidar-range{cells}", "us", partial(faces.scan_time, float(cells)))
+
+
+def _decisions() -> Iterator[Measure]:
+    for side, cells in ((16, 3.0), (250, 10.0)):
+        for policy in policy_entry_points():
+            take = partial(decisions.decision_time, policy, side, cells)
+            yield Measure("Decisions", f"decide-{policy}-{side}x{side}", "us", take)
+
+
+def _harness(everything: bool) -> Iterator[Measure]:
+    for episodes in (1000, 10_000) if everything else (1000,):
+        take = partial(decisions.comparison_time, episodes)
+        yield Measure("Harness", f"harness-{episodes}-episodes", "s", take)

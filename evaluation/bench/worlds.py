@@ -1,0 +1,120 @@
+"""How fast the world is, and how large: agent-steps a second and bytes an episode."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env import Scenario, World
+from indoor_explorers.env.live import LivePlanes
+from indoor_explorers.env.maps.sources import ThesisMaps
+from indoor_explorers.env.scenario import Lidar, Radio
+from indoor_explorers.evaluation.bench.figure import median_of
+
+#: Steps of a repetition, and of an episode that does not reach its goal.
+STEPS = 400
+
+
+def square(side: int, lidar_range: float, team: int, radio: Radio | None = None) -> Scenario:
+    """Return a square room with about the thesis's density of obstacles, whose walls only cost a step."""
+    return Scenario(
+        name=f"{side}x{side}",
+        map=ThesisMaps(height=side, width=side, obstacles=5 * side * side // 256),
+        team=team,
+        lidar=Lidar(range=lidar_range),
+        radio=radio or (Radio(model="square", range=lidar_range) if team > 1 else Radio()),
+        on_collision="block",
+        goal=1.0,
+        goal_of="team",
+        budget=STEPS,
+    )
+
+
+#: Worlds whose speed is measured: (scenario, episodes in a batch, about where two cores are fastest).
+WORLDS = {
+    "world-16x16-lidar3-team1": (square(16, 3.0, 1), 4096),
+    "world-16x16-lidar3-team4": (square(16, 3.0, 4), 1024),
+    "world-64x64-lidar10-team4": (square(64, 10.0, 4), 64),
+    "world-250x250-lidar35-team2": (square(250, 35.0, 2), 16),
+}
+
+
+def cores() -> int:
+    """Return how many threads use all cores."""
+    return os.cpu_count() or 1
+
+
+def random_moves(batch: int, team: int, steps: int = 64) -> NDArray[np.int64]:
+    """Return (steps, B, N) moves in random directions, blind to walls."""
+    return np.random.default_rng(0).integers(0, 4, (steps, batch, team))
+
+
+def world_speed(
+    task: Scenario,
+    batch: int,
+    steps: int = STEPS,
+    *,
+    threads: int = 1,
+    moves: NDArray[np.int64] | None = None,
+    resets: bool = True,
+) -> float:
+    """Return agent-steps a second: rewards, ends, observations and, with ``resets``, new episodes included.
+
+    Observations are all planes of ``channels``, kept up to date in place (:mod:`indoor_explorers.env.live`).
+    ``moves`` (K, B, N) are flown over and over, random ones by default. Every repetition flies the same episodes, so
+    moves recorded by :func:`indoor_explorers.evaluation.bench.exploring.exploring_moves` fit them.
+    """
+    world = World(task, batch, threads=threads)
+    actions = random_moves(batch, task.team) if moves is None else moves
+    world.reset(range(batch))
+    live = LivePlanes(world)
+
+    def fly() -> float:
+        seeds, stepping = first_episodes(world), 0.0
+        live.update()
+        start = time.perf_counter()
+        for step in range(steps):
+            before = time.perf_counter()
+            world.step(actions[step % len(actions)])
+            if resets:
+                next_episodes(world, seeds)
+            live.update()
+            stepping += time.perf_counter() - before
+        return time.perf_counter() - start if resets else stepping
+
+    return steps * batch * task.team / median_of(fly)
+
+
+def first_episodes(world: World) -> Iterator[int]:
+    """Start the episodes of the first seeds, and return the seeds of those to come."""
+    world.reset(range(world.batch))
+    return count(world.batch)
+
+
+def next_episodes(world: World, seeds: Iterator[int]) -> None:
+    """Start a new episode wherever one is over."""
+    over = np.flatnonzero(~world.flying.any(axis=1)).tolist()
+    if over:
+        world.restart(over, [next(seeds) for _ in over])
+
+
+def memory(task: Scenario) -> float:
+    """Return the bytes that one episode of a batch takes: those of all arrays of the state."""
+    world = World(task, 2)
+    world.reset([0, 1])
+    return sum(array.nbytes for array in world.state) / world.batch
+
+
+def reset_time(task: Scenario, episodes: int = 50) -> float:
+    """Return the median microseconds of starting one episode anew, its map and first scans included."""
+    world, seconds = World(task), []
+    for seed in range(episodes + 1):
+        start = time.perf_counter()
+        world.restart([0], [seed])
+        seconds.append(time.perf_counter() - start)
+    return float(np.median(seconds[1:])) * 1e6
