@@ -22,19 +22,20 @@ def sense(state: State, optics: Optics, b: int, agent: int, scan: Scan) -> None:
     if state.visited[b, agent, row, col]:
         return
     state.visited[b, agent, row, col] = True
-    width = state.truth.shape[2]
+    sensed, belief, union = state.sensed[b, agent].flat, state.belief[b, agent].flat, state.union[b].flat
+    truth, counts = state.truth[b].flat, state.counts[b].flat
     for k in range(visible_cells(state.truth[b], row, col, optics, scan)):
-        r, c = divmod(scan.cells[k], width)
-        if state.sensed[b, agent, r, c]:
+        cell = scan.cells[k]
+        if sensed[cell]:
             continue
-        state.sensed[b, agent, r, c] = True
-        state.sensed_count[b, agent] += state.counts[b, r, c]
-        if state.belief[b, agent, r, c] == UNKNOWN:
-            learn(state, b, agent, r, c)
+        sensed[cell] = True
+        state.sensed_count[b, agent] += counts[cell]
+        if belief[cell] == UNKNOWN:
+            learn(state, b, agent, cell)
             state.discovered[b, agent] += 1
-        if state.union[b, r, c] == UNKNOWN:
-            state.union[b, r, c] = state.truth[b, r, c]
-            state.team_covered[b] += state.counts[b, r, c]
+        if union[cell] == UNKNOWN:
+            union[cell] = truth[cell]
+            state.team_covered[b] += counts[cell]
 
 
 @inner()

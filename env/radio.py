@@ -129,22 +129,22 @@ def _join(component: np.ndarray, i: int, j: int) -> None:
 
 
 @inner()
-def learn(state: State, b: int, agent: int, row: int, col: int) -> None:
-    """Enter a cell that was unknown to ``agent`` into its belief and journal."""
-    state.belief[b, agent, row, col] = state.truth[b, row, col]
-    state.journal[b, agent, state.known[b, agent]] = row * state.truth.shape[2] + col
+def learn(state: State, b: int, agent: int, cell: int) -> None:
+    """Enter a flat cell that was unknown to ``agent`` into its belief and journal."""
+    state.belief[b, agent].flat[cell] = state.truth[b].flat[cell]
+    state.journal[b, agent, state.known[b, agent]] = cell
     state.known[b, agent] += 1
-    state.covered[b, agent] += state.counts[b, row, col]
+    state.covered[b, agent] += state.counts[b].flat[cell]
 
 
 @inner()
 def _take_over(state: State, b: int, i: int, j: int, until: int) -> None:
     """Let agent ``i`` learn what agent ``j`` has learned up to its journal's entry ``until``."""
-    width = state.truth.shape[2]
+    belief = state.belief[b, i].flat
     for k in range(state.read[b, i, j], until):
-        row, col = divmod(state.journal[b, j, k], width)
-        if state.belief[b, i, row, col] == UNKNOWN:
-            learn(state, b, i, row, col)
+        cell = state.journal[b, j, k]
+        if belief[cell] == UNKNOWN:
+            learn(state, b, i, cell)
             state.received[b, i] += 1
             state.sent_bytes[b, j] += CELL_BYTES
 
