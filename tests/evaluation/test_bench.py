@@ -43,11 +43,8 @@ def instant(monkeypatch):
     found = [
         Measure(group, name, "x", lambda: 1.5) for group, name in (("Tall", "a-1"), ("Tall", "a-2"), ("Wide", "b"))
     ]
-    growing = [Measure("Growth", name, "agent-steps/s", lambda: 2.5e6) for name in growth.growth()]
-    monkeypatch.setattr(
-        bench, "measures", lambda everything=False, growing=False: found + grown * (everything or growing)
-    )
-    grown = growing
+    grown = [Measure("Growth", name, "agent-steps/s", lambda: 2.5e6) for name in growth.growth()]
+    monkeypatch.setattr(bench, "measures", lambda everything, growing: found + grown * (everything or growing))
     return found
 
 
