@@ -138,10 +138,10 @@ def _advance_one(rules: Rules, state: State, optics: Optics, work: Work, b: int,
     _settle(rules, state, b)
 
 
-@inner()
-def _advance_all(
-    rules: Rules, state: State, optics: Optics, work: Work, actions: np.ndarray, first: int, last: int
-) -> None:
+@kernel()
+def advance(engine: Engine, actions: np.ndarray, first: int, last: int) -> None:
+    """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
+    rules, state, optics, work = engine.rules, engine.state, engine.optics, engine.work
     team = state.end.shape[1]
     for b in range(first, last):
         flying = False
@@ -152,12 +152,6 @@ def _advance_all(
             flying |= state.end[b, n] == FLYING
         if flying:
             _advance_one(rules, state, optics, work, b, actions)
-
-
-@kernel()
-def advance(engine: Engine, actions: np.ndarray, first: int, last: int) -> None:
-    """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
-    _advance_all(engine.rules, engine.state, engine.optics, engine.work, actions, first, last)
 
 
 @leaf()

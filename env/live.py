@@ -72,11 +72,7 @@ class LivePlanes:
 
 @kernel()
 def _refresh(engine: Engine, openings: np.ndarray, painted: Painted, first: int, last: int) -> None:
-    _refresh_all(engine.state, openings, painted, first, last)
-
-
-@inner()
-def _refresh_all(state: State, openings: np.ndarray, painted: Painted, first: int, last: int) -> None:
+    state = engine.state
     for b in range(first, last):
         skipped = state.step[b] - painted.step[b] > 1 or state.step[b] < painted.step[b]
         anew = skipped or painted.opening[b] != openings[b]

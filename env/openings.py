@@ -129,7 +129,7 @@ def _count(rules: Rules, state: State, ground: Ground, b: int, reachable: int) -
     state.budget[b] = rules.budget if rules.budget > 0 else max(rules.least_budget, reachable)
 
 
-@inner()
+@inner(inlined=False)
 def _open(
     rules: Rules, state: State, optics: Optics, work: Work, ground: Ground, b: int, seed: int, reachable: int
 ) -> None:
@@ -148,7 +148,7 @@ def open_episode(engine: Engine, ground: Ground, b: int, seed: int) -> None:
     _open(engine.rules, engine.state, engine.optics, engine.work, ground, b, seed, reachable)
 
 
-@inner()
+@inner(inlined=False)
 def _draw_attainable(rules: Rules, room: Room, truth: np.ndarray, ground: Ground, team: int, seed: int) -> int:
     """Draw the first room of a seed that will do and mark its main part; return that part's size, -1 for none."""
     for attempt in range(MAX_ATTEMPTS):
@@ -159,28 +159,6 @@ def _draw_attainable(rules: Rules, room: Room, truth: np.ndarray, ground: Ground
     return -1
 
 
-@inner()
-def _open_all(
-    rules: Rules,
-    state: State,
-    optics: Optics,
-    work: Work,
-    room: Room,
-    clustered: bool,
-    ground: Ground,
-    episodes: np.ndarray,
-    seeds: np.ndarray,
-) -> int:
-    for k in range(episodes.shape[0]):
-        b = episodes[k]
-        size = _draw_attainable(rules, room, state.truth[b], ground, state.end.shape[1], seeds[k])
-        if size < 0:
-            return k
-        place_team(stream_key(seeds[k], SPAWN, 0), clustered, -1, state.truth[b], ground, state.cell[b])
-        _open(rules, state, optics, work, ground, b, seeds[k], size)  # all spawns are in the main part
-    return len(episodes)
-
-
 @kernel()
 def open_rooms(
     engine: Engine, room: Room, clustered: bool, ground: Ground, episodes: np.ndarray, seeds: np.ndarray
@@ -189,4 +167,12 @@ def open_rooms(
 
     Returns how many were begun; fewer than K when no room of a seed will do.
     """
-    return _open_all(engine.rules, engine.state, engine.optics, engine.work, room, clustered, ground, episodes, seeds)
+    rules, state, optics, work = engine.rules, engine.state, engine.optics, engine.work
+    for k in range(episodes.shape[0]):
+        b = episodes[k]
+        size = _draw_attainable(rules, room, state.truth[b], ground, state.end.shape[1], seeds[k])
+        if size < 0:
+            return k
+        place_team(stream_key(seeds[k], SPAWN, 0), clustered, -1, state.truth[b], ground, state.cell[b])
+        _open(rules, state, optics, work, ground, b, seeds[k], size)  # all spawns are in the main part
+    return len(episodes)

@@ -31,6 +31,9 @@ from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End, State, empty_state, rules_of
 from indoor_explorers.env.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
 
+#: Episodes for which another thread is worth its while.
+LEAST_SHARE = 4
+
 
 class World:
     """Simulate ``batch`` episodes of one scenario at once; a single environment is a batch of one.
@@ -50,12 +53,11 @@ class World:
         self._floorplans: list[Floorplan | None] = [None] * batch
         self._rules = rules_of(scenario)
         self._optics = optics(scenario.lidar.range, scenario.lidar.model)
-        threads = max(1, min(threads, batch))
-        self._bounds: list[int] = [batch * thread // threads for thread in range(threads + 1)]
-        self._pool = ThreadPoolExecutor(threads - 1, "world") if threads > 1 else None
+        self._threads = max(1, min(threads, batch))
+        self._pool = ThreadPoolExecutor(self._threads - 1, "world") if self._threads > 1 else None
         self._engines: list[Engine] = []
         self._state: State | None = None
-        self._ground: Ground | None = None
+        self._grounds: list[Ground] = []
         self._beliefs: list[list[Belief]] = []
         self._legals: list[list[Mask]] = []
         self._visited: list[list[Mask]] = []
@@ -91,13 +93,21 @@ class World:
         assert isinstance(maps, ThesisMaps)
         for episode, seed in zip(episodes, seeds, strict=True):
             self._floorplans[episode], self.seeds[episode] = None, checked_seed(seed)
-        _, ground = self._allocated((maps.height, maps.width))
+        self._allocated((maps.height, maps.width))
+        room, clustered = maps.room, self.scenario.spawn == "clustered"
         places, keys = np.asarray(episodes, np.int64), np.asarray(seeds, np.int64)
         self.openings[places] += 1
-        begun = open_rooms(self._engines[0], maps.room, self.scenario.spawn == "clustered", ground, places, keys)
-        if begun < len(places):
-            draw_floorplan(self.scenario, int(keys[begun]))  # says what is wrong
-            raise AssertionError("a floor plan was drawn where compiled code found none")
+
+        def open_some(thread: int, first: int, last: int) -> None:
+            chosen = slice(first, last)
+            opened = open_rooms(
+                self._engines[thread], room, clustered, self._grounds[thread], places[chosen], keys[chosen]
+            )
+            if first + opened < last:
+                draw_floorplan(self.scenario, int(keys[first + opened]))  # says what is wrong
+                raise AssertionError("a floor plan was drawn where compiled code found none")
+
+        self._in_threads(open_some, len(places))
 
     def begin(
         self,
@@ -115,7 +125,7 @@ class World:
         seed = checked_seed(seed)
         plan = draw_floorplan(self.scenario, seed, index) if floorplan is None else floorplan
         cells = draw_spawns(self.scenario, plan, seed) if spawns is None else spawns
-        state, ground = self._allocated(plan.shape)
+        state = self._allocated(plan.shape)
         if plan.shape != state.truth.shape[1:]:
             raise InputError(
                 f"expected a map of shape {state.truth.shape[1:]} like the others of the batch, "
@@ -124,21 +134,21 @@ class World:
         self._floorplans[episode], self.seeds[episode] = plan, seed
         state.truth[episode], state.cell[episode] = plan.truth, cells
         self.openings[episode] += 1
-        open_episode(self._engines[0], ground, episode, seed)
+        open_episode(self._engines[0], self._grounds[0], episode, seed)
 
-    def _allocated(self, shape: tuple[int, int]) -> tuple[State, Ground]:
-        if self._state is None or self._ground is None:
+    def _allocated(self, shape: tuple[int, int]) -> State:
+        if self._state is None:
             window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
             self._state = empty_state(self.batch, self.scenario.team, shape, window)
-            self._ground = new_ground(shape)
+            self._grounds = [new_ground(shape) for _ in range(self._threads)]
             self._engines = [
                 bind(self._rules, self._state, self._optics, new_work(self._optics, self.scenario.team))
-                for _ in self._bounds[1:]
+                for _ in range(self._threads)
             ]
             self._beliefs = [[_read_only(belief) for belief in team] for team in self._state.belief]
             self._legals = [[_read_only(legal) for legal in team] for team in self._state.legal]
             self._visited = [[_read_only(visited) for visited in team] for team in self._state.visited]
-        return self._state, self._ground
+        return self._state
 
     def floorplan(self, episode: int) -> Floorplan:
         """Return the true map of an episode and its facts."""
@@ -160,12 +170,20 @@ class World:
 
     def in_slices(self, work: Callable[[Engine, int, int], object]) -> None:
         """Call ``work(engine, first, last)`` for a share of the episodes in each thread, and wait for all."""
-        bounds, engines = self._bounds, self._engines
         if self._pool is None:
-            work(engines[0], 0, self.batch)
+            work(self._engines[0], 0, self.batch)
+        else:
+            self._in_threads(lambda thread, first, last: work(self._engines[thread], first, last), self.batch)
+
+    def _in_threads(self, work: Callable[[int, int, int], object], count: int) -> None:
+        """Call ``work(thread, first, last)`` for a share of ``count`` things in each thread, and wait for all."""
+        threads = min(self._threads, count // LEAST_SHARE + 1)
+        if self._pool is None or threads == 1:
+            work(0, 0, count)
             return
-        others = [self._pool.submit(work, engines[t], bounds[t], bounds[t + 1]) for t in range(1, len(engines))]
-        work(engines[0], 0, bounds[1])
+        bounds = [count * thread // threads for thread in range(threads + 1)]
+        others = [self._pool.submit(work, t, bounds[t], bounds[t + 1]) for t in range(1, threads)]
+        work(0, 0, bounds[1])
         for other in others:
             other.result()
 
