@@ -7,7 +7,7 @@ The planes are those of :mod:`indoor_explorers.env.encoders.planes`, cell for ce
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,9 +65,16 @@ class LivePlanes:
 
     def update(self) -> NDArray[np.uint8]:
         """Paint what has changed since the last call and return :attr:`planes`."""
-        openings, painted = self._world.openings, self._painted
-        self._world.in_slices(lambda engine, first, last: _refresh(engine, openings, painted, first, last))
-        return painted.planes
+        self._world.in_slices(self._refresh)
+        return self.planes
+
+    def step(self, actions: NDArray[np.integer[Any]]) -> NDArray[np.uint8]:
+        """Step the world and update in one go, which threads do faster than one after the other."""
+        self._world.step(actions, self._refresh)
+        return self.planes
+
+    def _refresh(self, engine: Engine, first: int, last: int) -> None:
+        _refresh(engine, self._world.openings, self._painted, first, last)
 
 
 @kernel()

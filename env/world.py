@@ -157,8 +157,11 @@ class World:
             plan = self._floorplans[episode] = Floorplan(self.state.truth[episode].copy(), self.scenario.map.source)
         return plan
 
-    def step(self, actions: NDArray[np.integer[Any]]) -> None:
-        """Advance all running episodes by one step; ``actions`` is (B, N), those of ended agents are ignored."""
+    def step(self, actions: NDArray[np.integer[Any]], then: Callable[[Engine, int, int], object] | None = None) -> None:
+        """Advance all running episodes by one step; ``actions`` is (B, N), those of ended agents are ignored.
+
+        ``then(engine, first, last)`` is called for each share of the episodes in the thread that has stepped it.
+        """
         actions = np.ascontiguousarray(actions, np.int64)
         if actions.shape != self.state.end.shape:
             raise InputError(
@@ -166,7 +169,13 @@ class World:
             )
         if not are_actions(actions):
             raise InputError(f"expected actions from 0 to 4, got {int(actions.min())} to {int(actions.max())}")
-        self.in_slices(lambda engine, first, last: advance(engine, actions, first, last))
+
+        def work(engine: Engine, first: int, last: int) -> None:
+            advance(engine, actions, first, last)
+            if then is not None:
+                then(engine, first, last)
+
+        self.in_slices(work)
 
     def in_slices(self, work: Callable[[Engine, int, int], object]) -> None:
         """Call ``work(engine, first, last)`` for a share of the episodes in each thread, and wait for all."""

@@ -37,10 +37,10 @@ def square(side: int, lidar_range: float, team: int, radio: Radio | None = None)
 
 #: Worlds whose speed is measured: (scenario, episodes in a batch, about where two cores are fastest).
 WORLDS = {
-    "world-16x16-lidar3-team1": (square(16, 3.0, 1), 4096),
-    "world-16x16-lidar3-team4": (square(16, 3.0, 4), 1024),
-    "world-64x64-lidar10-team4": (square(64, 10.0, 4), 64),
-    "world-250x250-lidar35-team2": (square(250, 35.0, 2), 16),
+    "world-16x16-lidar3-team1": (square(16, 3.0, 1), 8192),
+    "world-16x16-lidar3-team4": (square(16, 3.0, 4), 2048),
+    "world-64x64-lidar10-team4": (square(64, 10.0, 4), 256),
+    "world-250x250-lidar35-team2": (square(250, 35.0, 2), 64),
 }
 
 
@@ -81,10 +81,9 @@ def world_speed(
         for step in range(steps):
             flown += int(np.count_nonzero(world.flying))
             before = time.perf_counter()
-            world.step(actions[step % len(actions)])
-            if resets:
-                next_episodes(world, seeds)
-            live.update()
+            live.step(actions[step % len(actions)])
+            if resets and next_episodes(world, seeds):
+                live.update()
             seconds += time.perf_counter() - before
         return seconds / flown
 
@@ -97,11 +96,12 @@ def first_episodes(world: World) -> Iterator[int]:
     return count(world.batch)
 
 
-def next_episodes(world: World, seeds: Iterator[int]) -> None:
-    """Start a new episode wherever one is over."""
+def next_episodes(world: World, seeds: Iterator[int]) -> bool:
+    """Start a new episode wherever one is over; return whether there was any."""
     over = np.flatnonzero(~world.flying.any(axis=1)).tolist()
     if over:
         world.restart(over, [next(seeds) for _ in over])
+    return bool(over)
 
 
 def memory(task: Scenario) -> float:

@@ -55,7 +55,7 @@ def test_a_batch_that_starts_anew_here_and_there(threads):
     world.reset(range(5))
     live, rng = LivePlanes(world), np.random.default_rng(0)
     for seed in range(5, 120):
-        world.step(rng.integers(0, 5, (5, 2)))
+        live.step(rng.integers(0, 5, (5, 2)))
         over = np.flatnonzero(~world.flying.any(axis=1))
         world.restart(over, [seed + 1000 * k for k in range(len(over))])
         live.update()
