@@ -5,6 +5,7 @@ import gymnasium
 from indoor_explorers.env.conformance import check_policy
 from indoor_explorers.env.errors import InputError, PolicyError
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN, Action
+from indoor_explorers.env.live import LivePlanes
 from indoor_explorers.env.marl import env, parallel_env
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.presets import PRESETS, scenario
@@ -21,6 +22,7 @@ __all__ = [
     "Action",
     "Briefing",
     "InputError",
+    "LivePlanes",
     "Mate",
     "Message",
     "Pilot",
