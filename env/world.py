@@ -31,8 +31,8 @@ from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End, State, empty_state, rules_of
 from indoor_explorers.env.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
 
-#: Episodes for which another thread is worth its while.
-LEAST_SHARE = 4
+#: Episodes for which another thread is worth its while; waking one takes about as long as stepping so many.
+LEAST_SHARE = 16
 
 
 class World:

@@ -1,7 +1,8 @@
-"""What a decision of a policy costs, and what a whole comparison does."""
+"""What a decision of a policy costs, and what a whole comparison and a training do."""
 
 from __future__ import annotations
 
+import json
 import tempfile
 from pathlib import Path
 
@@ -15,6 +16,10 @@ from indoor_explorers.evaluation.bench.worlds import square
 from indoor_explorers.evaluation.compare import plan, run
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.evaluation.training import find_learner
+
+#: Steps an episode that the DDDQN learns from has on average.
+TRAINING_STEPS = 70
 
 
 def decision_time(policy: str, side: int, lidar_range: float) -> float:
@@ -34,3 +39,14 @@ def comparison_time(episodes: int) -> float:
     planned = plan(policies=["frontier-nearest"], scenario=scenario("thesis-obstacles"), episodes=episodes)
     with tempfile.TemporaryDirectory() as folder:
         return seconds_of(lambda: run(planned, Path(folder) / "out"))
+
+
+def training_time(episodes: int) -> float:
+    """Return the seconds in which the DDDQN learns from so many episodes of ``thesis-obstacles``."""
+    learner = find_learner("dddqn")
+    config = learner.TrainingConfig(total_steps=TRAINING_STEPS * episodes)
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "out"
+        seconds = seconds_of(lambda: learner.train(config, scenario("thesis-obstacles"), out, seed=1))
+        flown: int = json.loads((out / "training.json").read_text())["episodes"]
+    return seconds * episodes / flown

@@ -97,3 +97,6 @@ def _harness(everything: bool) -> Iterator[Measure]:
     for episodes in (1000, 10_000) if everything else (1000,):
         take = partial(decisions.comparison_time, episodes)
         yield Measure("Harness", f"harness-{episodes}-episodes", "s", take)
+    if everything and importlib.util.find_spec("torch"):
+        take = partial(decisions.training_time, 10_000)
+        yield Measure("Harness", "train-10000-episodes", "s", take)
