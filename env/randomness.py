@@ -13,6 +13,7 @@ from enum import IntEnum
 import numpy as np
 
 from indoor_explorers.env.compiled import leaf
+from indoor_explorers.env.errors import InputError
 
 #: The first episode seed that is too large.
 SEED_LIMIT = 2**63
@@ -33,6 +34,13 @@ class Stream(IntEnum):
 def generator(seed: int, stream: Stream, index: int = 0) -> np.random.Generator:
     """Return the generator of one stream of an episode; ``index`` tells pilots (agents) apart."""
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(int(stream), index)))
+
+
+def checked_seed(seed: int) -> int:
+    """Return an episode seed, refusing one that is out of range."""
+    if not 0 <= int(seed) < SEED_LIMIT:
+        raise InputError(f"expected a seed from 0 to {SEED_LIMIT - 1}, got {seed}")
+    return int(seed)
 
 
 @leaf()

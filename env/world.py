@@ -12,22 +12,14 @@ from numpy.typing import NDArray
 from indoor_explorers.env.arrays import Belief, Cell, Mask
 from indoor_explorers.env.engine import Engine, bind, new_work
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid import FREE
 from indoor_explorers.env.kernels import advance, are_actions
 from indoor_explorers.env.lidar import optics
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import ThesisMaps
-from indoor_explorers.env.openings import (
-    MAX_ATTEMPTS,
-    Ground,
-    is_attainable,
-    new_ground,
-    open_episode,
-    open_rooms,
-    place_team,
-)
-from indoor_explorers.env.randomness import SEED_LIMIT, Stream, generator, stream_key
+from indoor_explorers.env.openings import Ground, new_ground, open_episode, open_rooms
+from indoor_explorers.env.randomness import Stream, checked_seed, generator
 from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.env.starts import draw_floorplan, draw_spawns
 from indoor_explorers.env.state import End, State, empty_state, rules_of
 from indoor_explorers.env.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
 
@@ -265,55 +257,3 @@ def _read_only(array: NDArray[Any]) -> NDArray[Any]:
     window = array.view()
     window.setflags(write=False)
     return window
-
-
-def checked_seed(seed: int) -> int:
-    """Return an episode seed, refusing one that is out of range."""
-    if not 0 <= int(seed) < SEED_LIMIT:
-        raise InputError(f"expected a seed from 0 to {SEED_LIMIT - 1}, got {seed}")
-    return int(seed)
-
-
-def draw_floorplan(scenario: Scenario, seed: int, index: int = 0) -> Floorplan:
-    """Return the map of an episode seed, drawn again when the goal could not be reached on it."""
-    rules = rules_of(scenario)
-    for attempt in range(MAX_ATTEMPTS if scenario.map.generated else 1):
-        floorplan = scenario.map.floorplan(index, seed, attempt)
-        main = floorplan.main_part
-        if is_attainable(rules, floorplan.truth, main, int(main.sum()), scenario.team):
-            return floorplan
-    if (room := int(main.sum())) < scenario.team:
-        raise InputError(
-            f"{floorplan.name}: expected room for {scenario.team} UAVs, got {room} connected free cells; "
-            "use a smaller team or a larger map"
-        )
-    raise InputError(
-        f"scenario {scenario.name!r}: {scenario.goal:.0%} of the map's cells can never be seen on {floorplan.name}; "
-        "lower goal, use fewer obstacles, or denominator = 'reachable'"
-    )
-
-
-def draw_spawns(scenario: Scenario, floorplan: Floorplan, seed: int) -> list[Cell]:
-    """Return one distinct free cell for each agent: listed, or drawn on the map's largest free part."""
-    if not isinstance(scenario.spawn, str):
-        return _listed_spawns(scenario.spawn, floorplan)
-    chosen = np.empty((scenario.team, 2), np.int64)
-    ground = new_ground(floorplan.shape)
-    ground.part[:] = floorplan.main_part
-    start = -1 if floorplan.start is None else floorplan.start[0] * floorplan.shape[1] + floorplan.start[1]
-    key = np.uint64(stream_key(seed, Stream.SPAWN))
-    place_team(key, scenario.spawn == "clustered", start, floorplan.truth, ground, chosen)
-    return [(int(row), int(col)) for row, col in chosen]
-
-
-def _listed_spawns(spawns: Sequence[Cell], floorplan: Floorplan) -> list[Cell]:
-    height, width = floorplan.shape
-    for number, (row, col) in enumerate(spawns):
-        if not (0 <= row < height and 0 <= col < width and floorplan.truth[row, col] == FREE):
-            raise InputError(
-                f"{floorplan.name}: spawn {number} at ({row}, {col}) is no free cell of this {height} x {width} map; "
-                "list a free one"
-            )
-    if len(set(spawns)) < len(spawns):
-        raise InputError(f"{floorplan.name}: two UAVs cannot spawn in the same cell; list different cells")
-    return list(spawns)

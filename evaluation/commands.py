@@ -15,7 +15,7 @@ from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.presets import named_scenario
 from indoor_explorers.env.registry import policy_entry_points
-from indoor_explorers.env.world import draw_floorplan
+from indoor_explorers.env.starts import draw_floorplan
 from indoor_explorers.evaluation import bench
 from indoor_explorers.evaluation.compare import plan, run
 from indoor_explorers.evaluation.map_text import facts, picture

@@ -12,7 +12,7 @@ import pandas as pd
 
 from indoor_explorers.env import InputError, Policy, Scenario
 from indoor_explorers.env.presets import named_scenario, on_files
-from indoor_explorers.env.world import draw_floorplan, draw_spawns
+from indoor_explorers.env.starts import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.experiment import Experiment, Task, build_experiment, read_experiment
 from indoor_explorers.evaluation.local import Job, fly_jobs
 from indoor_explorers.evaluation.provenance import run_facts

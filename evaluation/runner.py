@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env import InputError, Pilot, Policy, Scenario, View, World
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policy import is_action
+from indoor_explorers.env.starts import draw_floorplan
 from indoor_explorers.env.state import End
-from indoor_explorers.env.world import draw_floorplan
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.metrics import curve_metrics
 from indoor_explorers.evaluation.record import Outcome, Record

@@ -17,7 +17,7 @@ from indoor_explorers.env.policy import is_action
 from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
 from indoor_explorers.env.rendering.film import FPS, Film
 from indoor_explorers.env.rendering.window import Window
-from indoor_explorers.env.world import draw_floorplan
+from indoor_explorers.env.starts import draw_floorplan
 from indoor_explorers.evaluation.experiment import Experiment
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from indoor_explorers.env import InputError, Scenario, World
 from indoor_explorers.env.grid import FREE, OCCUPIED
 from indoor_explorers.env.maps.thesis import ThesisMaps
-from indoor_explorers.env.world import draw_floorplan, draw_spawns
+from indoor_explorers.env.starts import draw_floorplan, draw_spawns
 
 
 def solid(seed, **options):
