@@ -131,7 +131,8 @@ def list_scenarios(arguments: argparse.Namespace) -> int:
     for name, preset in PRESETS.items():
         rows, cols = preset.map.floorplan(0, 0).shape
         pay = preset.rewards
-        radio = preset.radio.model + (f" {preset.radio.range:g}" if preset.radio.model in {"square", "disc"} else "")
+        reach = "" if preset.radio.model in {"none", "unlimited"} else f" {preset.radio.range:g}"
+        radio = preset.radio.model + reach
         table.add_row(
             *(name, f"{rows} x {cols}", str(preset.team), f"{preset.lidar.range:g} cells", radio),
             *(f"{preset.goal:.0%} of {preset.denominator}", str(preset.budget), preset.stuck.rule),

@@ -28,8 +28,13 @@ def certain_distance(radio: Radio, cell: Cell, mate: Mate) -> float:
 
 
 def should_be_linked(radio: Radio, cell: Cell, mate: Mate) -> bool:
-    """Tell whether a teammate, if it still flew, would have to be in radio range."""
-    reach = {"none": -1.0, "unlimited": inf}.get(radio.model, radio.range)
+    """Tell whether a teammate, if it still flew, would have to be in contact.
+
+    Where walls can be in the way or contacts can be lost, silence proves nothing.
+    """
+    if radio.loss > 0 or radio.model not in {"square", "disc", "unlimited"}:
+        return False
+    reach = inf if radio.model == "unlimited" else radio.range
     return certain_distance(radio, cell, mate) <= reach
 
 

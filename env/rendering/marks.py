@@ -108,13 +108,13 @@ def lidar_reach(chart: Chart, cell: Cells, reach: float, colour: Colour) -> None
 
 
 def radio_reach(chart: Chart, cell: Cells, model: str, reach: float, colour: Colour) -> None:
-    """Outline, dashed, how far a ``square`` or ``disc`` radio reaches; others have no outline."""
+    """Outline, dashed, how far a radio reaches in the open; ``none`` and ``unlimited`` have no outline."""
     if model == "square":
         side = (reach + 0.5) * chart.cell
         corners = np.array([(-side, -side), (side, -side), (side, side), (-side, side), (-side, -side)])
         along = np.linspace(0, 4, 4 * max(int(2 * side / 5), 1) + 1)
         outline = np.stack([np.interp(along, np.arange(5), corners[:, k]) for k in (0, 1)], axis=1)
-    elif model == "disc" and reach > 0:
+    elif model not in {"none", "unlimited"} and reach > 0:
         angle = np.linspace(0, 2 * np.pi, max(int(2 * np.pi * reach * chart.cell / 5), 8))
         outline = reach * chart.cell * np.stack((np.cos(angle), np.sin(angle)), axis=1)
     else:

@@ -31,8 +31,9 @@ def summary_line(settings: Mapping[str, Any], budgets: Sequence[int], shapes: Se
     phrases.append(counted(settings["team"], "UAV"))
     phrases.append(f"lidar {lidar['range']:g} cells")
     if settings["team"] > 1:
-        reach = f" {radio['range']:g} cells" if radio.get("model") in ("square", "disc") else ""
-        phrases.append(f"radio {radio.get('model', 'none')}{reach}")
+        reach = "" if radio.get("model", "none") in ("none", "unlimited") else f" {radio['range']:g} cells"
+        loss = f", {radio['loss']:.0%} of contacts lost" if radio.get("loss") else ""
+        phrases.append(f"radio {radio.get('model', 'none')}{reach}{loss}")
     phrases.append(_span([str(budget) for budget in budgets], "steps at most"))
     phrases.append(
         "a collision ends the UAV" if settings.get("on_collision") == "end" else "a collision costs the step"

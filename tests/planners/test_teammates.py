@@ -22,6 +22,9 @@ def view_of(*mates: Mate) -> View:
         ("disc", Mate(1, (23, 23), 1, None), True),  # 4.2 + 1 > 5
         ("square", Mate(1, (23, 23), 1, None), False),  # 3 + 1 <= 5
         ("unlimited", Mate(1, (0, 0), 1, None), False),
+        ("line-of-sight", Mate(1, (20, 22), 2, None), True),  # a wall may be between
+        ("path-loss", Mate(1, (20, 22), 2, None), True),
+        ("none", Mate(1, (20, 22), 2, None), True),
         ("disc", Mate(1, (0, 0), MEMORY, None), True),
         ("disc", Mate(1, (0, 0), MEMORY + 1, None), False),
     ],
@@ -31,6 +34,13 @@ def test_who_is_remembered(model: str, mate: Mate, expected: bool) -> None:
     world = World(task)
     world.reset([0])
     assert bool(remembered(view_of(mate), world.briefing(0, 0))) is expected
+
+
+def test_silence_proves_nothing_where_contacts_are_lost() -> None:
+    settings = {"radio.model": "disc", "radio.range": 5.0, "radio.loss": 0.1}
+    world = World(scenario("thesis-team-2").with_settings(settings))
+    world.reset([0])
+    assert remembered(view_of(Mate(1, (20, 22), 2, None)), world.briefing(0, 0))
 
 
 def test_claims_expire() -> None:
