@@ -38,7 +38,7 @@ def draw_floorplan(scenario: Scenario, seed: int, index: int = 0) -> Floorplan:
 def draw_spawns(scenario: Scenario, floorplan: Floorplan, seed: int) -> list[Cell]:
     """Return one distinct free cell for each agent: listed, or drawn on the map's largest free part."""
     if not isinstance(scenario.spawn, str):
-        return _listed_spawns(scenario.spawn, floorplan)
+        return checked_spawns(scenario.spawn, floorplan)
     chosen = np.empty((scenario.team, 2), np.int64)
     ground = new_ground(floorplan.shape)
     ground.part[:] = floorplan.main_part
@@ -48,7 +48,8 @@ def draw_spawns(scenario: Scenario, floorplan: Floorplan, seed: int) -> list[Cel
     return [(int(row), int(col)) for row, col in chosen]
 
 
-def _listed_spawns(spawns: Sequence[Cell], floorplan: Floorplan) -> list[Cell]:
+def checked_spawns(spawns: Sequence[Cell], floorplan: Floorplan) -> list[Cell]:
+    """Return listed spawns, refusing cells that are not free or not distinct."""
     height, width = floorplan.shape
     for number, (row, col) in enumerate(spawns):
         if not (0 <= row < height and 0 <= col < width and floorplan.truth[row, col] == FREE):
@@ -56,6 +57,6 @@ def _listed_spawns(spawns: Sequence[Cell], floorplan: Floorplan) -> list[Cell]:
                 f"{floorplan.name}: spawn {number} at ({row}, {col}) is no free cell of this {height} x {width} map; "
                 "list a free one"
             )
-    if len(set(spawns)) < len(spawns):
+    if len({(int(row), int(col)) for row, col in spawns}) < len(spawns):
         raise InputError(f"{floorplan.name}: two UAVs cannot spawn in the same cell; list different cells")
     return list(spawns)

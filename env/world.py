@@ -19,7 +19,7 @@ from indoor_explorers.env.maps.sources import ThesisMaps
 from indoor_explorers.env.openings import Ground, new_ground, open_episode, open_rooms
 from indoor_explorers.env.randomness import Stream, checked_seed, generator
 from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.env.starts import draw_floorplan, draw_spawns
+from indoor_explorers.env.starts import checked_spawns, draw_floorplan, draw_spawns
 from indoor_explorers.env.state import End, State, empty_state, rules_of
 from indoor_explorers.env.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
 
@@ -116,7 +116,7 @@ class World:
             return
         seed = checked_seed(seed)
         plan = draw_floorplan(self.scenario, seed, index) if floorplan is None else floorplan
-        cells = draw_spawns(self.scenario, plan, seed) if spawns is None else spawns
+        cells = draw_spawns(self.scenario, plan, seed) if spawns is None else checked_spawns(spawns, plan)
         state = self._allocated(plan.shape)
         if plan.shape != state.truth.shape[1:]:
             raise InputError(

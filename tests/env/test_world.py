@@ -438,6 +438,13 @@ def test_wrong_actions_are_refused(actions, message):
         world.step(np.array(actions))
 
 
+@pytest.mark.parametrize("spawns", [[(0, 0), (0, 9)], [(0, 0), (-1, 0)], [(0, 0), (1, 1)], [(0, 0), (0, 0)]])
+def test_given_spawns_are_free_and_distinct_cells(spawns):
+    plan = Floorplan(np.array([[1, 1], [1, 2]], np.uint8), "corner")
+    with pytest.raises(InputError, match=r"is no free cell|cannot spawn in the same cell"):
+        World(Scenario(team=2)).begin(0, 0, floorplan=plan, spawns=spawns)
+
+
 def test_too_many_uavs_for_the_map():
     with pytest.raises(InputError, match="expected room for 200 UAVs"):
         World(Scenario(map={"source": "thesis", "height": 4, "width": 4, "obstacles": 0}, team=200)).reset([0])
