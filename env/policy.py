@@ -45,6 +45,10 @@ class Policy(ABC):
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV for one episode."""
 
+    def provenance(self) -> dict[str, str]:
+        """Return what results should say about where this policy comes from beside its parameters: its weights."""
+        return {}
+
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> Sequence[int]:
         """Choose for many UAVs at once; a learned policy overrides this with one forward pass.
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
+import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -171,14 +173,16 @@ def episodes_per_job(scenario: Scenario, seed: int) -> int:
 
 
 def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
-    """Return what results say about a policy: where it comes from and its parameters."""
+    """Return what results say about a policy: where it comes from, its parameters, its weights, and a hash of all."""
     parameters: dict[str, Any] = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
-    return {
+    facts = {
         "use": use,
         "class": f"{type(policy).__module__}:{type(policy).__qualname__}",
         "privileged": policy.privileged,
         "parameters": {name: repr(value) for name, value in parameters.items()},
+        **policy.provenance(),
     }
+    return facts | {"hash": hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]}
 
 
 def _make_folder(out: Path) -> None:

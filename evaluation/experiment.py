@@ -83,6 +83,19 @@ class Experiment(BaseModel):
         """Return the scenario of that name."""
         return next(scenario for scenario in self.scenarios if scenario.name == name)
 
+    def to_toml(self) -> str:
+        """Print the experiment as TOML that :func:`read_experiment` reads back, every setting of every scenario in it.
+
+        Paths of map files are written as absolute ones.
+        """
+        import tomli_w
+
+        data = self.model_dump(mode="json", exclude_none=True)
+        for scenario in data["scenarios"]:
+            if "paths" in scenario["map"]:
+                scenario["map"]["paths"] = [str(Path(path).resolve()) for path in scenario["map"]["paths"]]
+        return tomli_w.dumps(data)
+
 
 #: Keys of an experiment file.
 KEYS = ("policies", "scenarios", "episodes", "seed", "set")

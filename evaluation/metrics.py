@@ -29,6 +29,8 @@ MEASURES: dict[str, Measure] = {
     "auc": Measure(
         "AUC", "", "area under the coverage curve over the budget, constant after the end, as a share of 1", False
     ),
+    "auc_worst": Measure("AUC, worst UAV", "", "the same of the coverage that the UAV knowing least knows", False),
+    "auc_mean": Measure("AUC, mean UAV", "", "the same of the mean coverage that a UAV knows", False),
     **{
         name: Measure(
             f"T{level:.0%}".rstrip("%"),
@@ -37,6 +39,15 @@ MEASURES: dict[str, Measure] = {
         )
         for name, level in LEVELS.items()
     },
+    "t99_to_bound": Measure(
+        "T99 / bound",
+        "",
+        "T99 / steps that no team can do without: (99 % of the counted cells - those within lidar range of the starts)"
+        " / (UAVs x (2 floor(range) + 1))",
+    ),
+    "t99_to_reference": Measure(
+        "T99 / reference", "", "T99 / T99 of the policy that knows the map, on the same map, spawns and seed"
+    ),
     "path_length": Measure("path length", "cells", "cells flown by all UAVs together"),
     "path_max": Measure("longest path", "cells", "cells flown by the UAV that flew most"),
     "overlap": Measure("overlap", "", "(sum of cells each lidar saw - cells the team saw) / cells the team saw"),
@@ -46,12 +57,18 @@ MEASURES: dict[str, Measure] = {
     "messages_bytes": Measure(
         "messages", "bytes", "bytes sent by radio: 5 a cell that was new to its receiver, 8 a position, 8 a number"
     ),
+    "age_of_information": Measure(
+        "age of information",
+        "steps",
+        "steps since a UAV last heard of a teammate, mean over pairs and steps; never heard counts from the start",
+    ),
+    "latency_total_s": Measure("latency, all", "s", "time of all decisions of the team together"),
     "latency_p50_us": Measure("latency p50", "us", "median time of a decision; in a batch, its time / its size"),
     "latency_p99_us": Measure("latency p99", "us", "99th percentile of the same"),
 }
 
 #: Metrics that measure the machine and not the flight: they differ between runs.
-OF_THE_MACHINE = ("latency_p50_us", "latency_p99_us")
+OF_THE_MACHINE = ("latency_total_s", "latency_p50_us", "latency_p99_us")
 
 
 def first_step(curve: NDArray[np.floating], level: float) -> int | None:
@@ -69,7 +86,18 @@ def extended(curve: NDArray[np.floating], length: int) -> NDArray[np.float64]:
 
 def area_under_curve(curve: NDArray[np.floating], budget: int) -> float:
     """Return the trapezoid area of coverage over 0..budget as a share of the whole rectangle."""
-    return float(np.trapezoid(extended(curve, budget + 1)) / budget)
+    flown = float(np.trapezoid(curve[: budget + 1]))
+    return (flown + float(curve[-1]) * max(0, budget + 1 - len(curve))) / budget
+
+
+def team_metrics(covered: NDArray[np.integer], reachable: int, budget: int) -> dict[str, float | None]:
+    """Return the metrics of (S + 1, 1 + N) covered cells: those of the team's curve, and AUC of worst and mean UAV."""
+    own = covered[:, 1:]
+    return {
+        **curve_metrics(covered[:, 0] / reachable, budget),
+        "auc_worst": area_under_curve(own.min(axis=1) / reachable, budget),
+        "auc_mean": area_under_curve(own.mean(axis=1) / reachable, budget),
+    }
 
 
 def curve_metrics(curve: NDArray[np.floating], budget: int) -> dict[str, float | None]:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.experiment import Task
+
+#: What coverage can be drawn against, and the unit of each.
+AXES = {"steps": "steps", "distance": "cells", "seconds": "s", "bytes": "bytes"}
 
 
 class Outcome(StrEnum):
@@ -27,7 +31,11 @@ class Outcome(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """What is kept of one episode of S steps by N UAVs."""
+    """What is kept of one episode of S steps by N UAVs.
+
+    Map, seed and actions make the whole episode again, step by step, see
+    :mod:`indoor_explorers.evaluation.refly`; the arrays beside them are what figures are drawn from.
+    """
 
     policy: str
     task: Task
@@ -48,8 +56,25 @@ class Record:
     """(S + 1, 1 + N) covered cells after each step: the team's union, then each UAV's own map."""
     cells: NDArray[np.int16] = field(repr=False)
     """(S + 1, N, 2) row and column of each UAV after each step."""
+    actions: NDArray[np.uint8] = field(repr=False)
+    """(S, N) what each UAV chose at each step; ``stay`` once it has ended."""
+    seconds: NDArray[np.float32] = field(repr=False)
+    """(S + 1,) seconds that the team's decisions took up to each step, all UAVs together."""
+    sent: NDArray[np.int64] = field(repr=False)
+    """(S + 1,) bytes that the team sent by radio up to each step."""
 
     @property
     def curve(self) -> NDArray[np.float64]:
         """(S + 1,) team coverage after each step."""
         return np.asarray(self.covered[:, 0] / self.reachable)
+
+    @cached_property
+    def distance(self) -> NDArray[np.int64]:
+        """(S + 1,) cells that the team flew up to each step, all UAVs together."""
+        moved = np.abs(np.diff(self.cells.astype(np.int64), axis=0)).sum(axis=(1, 2))
+        return np.concatenate(([0], np.cumsum(moved)))
+
+    def spent(self, axis: str) -> NDArray[np.float64]:
+        """Return (S + 1,) how much of one of :data:`AXES` was spent up to each step; never falls."""
+        spent = {"steps": np.arange(self.steps + 1), "distance": self.distance, "seconds": self.seconds}
+        return np.asarray(spent.get(axis, self.sent), np.float64)

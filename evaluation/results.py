@@ -83,7 +83,21 @@ class Results:
     def values(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
         """Return (E,) values of a metric; NaN where missing; T_q never reached counts as the budget."""
         records = self.groups[scenario, policy]
+        if metric == "t99_to_reference":
+            least = self.references.get(scenario, {})
+            return np.array([_value(r, "t99") / (least.get(r.task) or np.nan) for r in records], np.float64)
         return np.array([_value(record, metric) for record in records], np.float64)
+
+    @cached_property
+    def references(self) -> dict[str, dict[Task, float]]:
+        """T99 of each task by scenario, flown by the first policy that knows the map; empty where none does."""
+        knowing = [name for name, about in self.policies.items() if about.get("privileged")]
+        found: dict[str, dict[Task, float]] = {}
+        for policy in reversed(knowing):
+            for scenario in self.scenarios:
+                records = self.groups.get((scenario, policy), [])
+                found.setdefault(scenario, {}).update({record.task: _value(record, "t99") for record in records})
+        return found
 
     def success(self, scenario: str, policy: str, metric: str) -> float:
         """Return the share of episodes that reached T_q, or for other metrics the scenario's goal."""

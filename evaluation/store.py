@@ -22,11 +22,11 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.experiment import Experiment, Task
 from indoor_explorers.evaluation.record import Outcome, Record
 
-FORMAT = 2
+FORMAT = 3
 
 SCHEMA = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
-CREATE TABLE run (id INTEGER PRIMARY KEY, facts TEXT NOT NULL) STRICT;
+CREATE TABLE run (id INTEGER PRIMARY KEY, facts TEXT NOT NULL, experiment TEXT NOT NULL) STRICT;
 CREATE TABLE policy (name TEXT PRIMARY KEY, position INTEGER NOT NULL, facts TEXT NOT NULL) STRICT;
 CREATE TABLE scenario (
     name TEXT PRIMARY KEY, position INTEGER NOT NULL, fingerprint TEXT NOT NULL, facts TEXT NOT NULL
@@ -40,7 +40,8 @@ CREATE TABLE episode (
     map_index INTEGER NOT NULL, seed INTEGER NOT NULL, run INTEGER NOT NULL REFERENCES run (id),
     floorplan TEXT NOT NULL REFERENCES floorplan (digest), team INTEGER NOT NULL, budget INTEGER NOT NULL,
     reachable INTEGER NOT NULL, outcome TEXT NOT NULL, reason TEXT NOT NULL, steps INTEGER NOT NULL,
-    metrics TEXT NOT NULL, covered BLOB NOT NULL, cells BLOB NOT NULL,
+    metrics TEXT NOT NULL, covered BLOB NOT NULL, cells BLOB NOT NULL, actions BLOB NOT NULL,
+    seconds BLOB NOT NULL, sent BLOB NOT NULL,
     PRIMARY KEY (policy, scenario, map_index, seed)
 ) STRICT;
 """
@@ -119,7 +120,8 @@ class Store:
                     (scenario.name, scenario.fingerprint, scenario.model_dump_json()),
                 )
             self._db.execute("INSERT OR IGNORE INTO meta VALUES ('seed', ?)", (str(experiment.seed),))
-            run = self._db.execute("INSERT INTO run (facts) VALUES (?)", (json.dumps(facts, sort_keys=True),)).lastrowid
+            entry = (json.dumps(facts, sort_keys=True), experiment.to_toml())
+            run = self._db.execute("INSERT INTO run (facts, experiment) VALUES (?, ?)", entry).lastrowid
         assert run is not None
         return run
 
@@ -170,7 +172,7 @@ class Store:
                 ),
             )
             self._db.execute(
-                "INSERT OR IGNORE INTO episode VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                f"INSERT OR IGNORE INTO episode VALUES ({', '.join('?' * 18)})",
                 (
                     record.policy,
                     *record.task,
@@ -185,6 +187,9 @@ class Store:
                     json.dumps(record.metrics),
                     _packed(record.covered.astype(np.int32)),
                     _packed(record.cells.astype(np.int16)),
+                    _packed(record.actions.astype(np.uint8)),
+                    _packed(record.seconds.astype(np.float32)),
+                    _packed(record.sent.astype(np.int64)),
                 ),
             )
 
@@ -202,6 +207,11 @@ class Store:
         """Return the facts of each run, oldest first."""
         return [json.loads(facts) for (facts,) in self._db.execute("SELECT facts FROM run ORDER BY id")]
 
+    def experiment(self) -> str:
+        """Return the experiment of the latest run as TOML, empty when there was none."""
+        found = self._db.execute("SELECT experiment FROM run ORDER BY id DESC LIMIT 1").fetchone()
+        return str(found[0]) if found else ""
+
     def records(self) -> Iterable[Record]:
         """Yield all episodes, ordered by policy, scenario, map and seed."""
         plans = {row[0]: _floorplan(row) for row in self._db.execute("SELECT * FROM floorplan")}
@@ -211,7 +221,7 @@ class Store:
             " ORDER BY scenario.position, policy.position, map_index, seed"
         )
         for policy, scenario, index, seed, _, plan, team, budget, reachable, outcome, reason, steps, *blobs in rows:
-            metrics, covered, cells = blobs
+            metrics, covered, cells, actions, seconds, sent = blobs
             yield Record(
                 policy=policy,
                 task=Task(scenario, index, seed),
@@ -225,6 +235,9 @@ class Store:
                 metrics=json.loads(metrics),
                 covered=_unpacked(covered, np.int32, steps + 1, 1 + team),
                 cells=_unpacked(cells, np.int16, steps + 1, team, 2),
+                actions=_unpacked(actions, np.uint8, steps, team),
+                seconds=_unpacked(seconds, np.float32, steps + 1),
+                sent=_unpacked(sent, np.int64, steps + 1),
             )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,6 +45,10 @@ class Dddqn(Policy):
     @property
     def _path(self) -> Path:
         return SHIPPED if self.weights is None else Path(self.weights)
+
+    def provenance(self) -> dict[str, str]:
+        """Return the hash of the weights."""
+        return {"weights_sha256": hashlib.sha256(self._path.read_bytes()).hexdigest()}
 
     def pilot(self, briefing: Briefing) -> DddqnPilot:
         """Make the mind of one UAV for one episode."""

@@ -5,10 +5,11 @@ import pytest
 
 from indoor_explorers.env import PRESETS
 from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.record import Outcome
+from indoor_explorers.evaluation.metrics import OF_THE_MACHINE
+from indoor_explorers.evaluation.record import AXES, Outcome
 from indoor_explorers.evaluation.runner import fly
 
-from .plugins import Batched, Raises, Wander, WrongAction
+from .plugins import Batched, Raises, Wander, Wanderer, WrongAction
 
 TEAM = PRESETS["thesis-team-2"].for_evaluation()
 
@@ -18,7 +19,7 @@ def tasks(count, start=0):
 
 
 def facts(record):
-    kept = {name: value for name, value in record.metrics.items() if not name.startswith("latency")}
+    kept = {name: value for name, value in record.metrics.items() if name not in OF_THE_MACHINE}
     return record.task, record.outcome, record.steps, kept, record.covered.tolist(), record.cells.tolist()
 
 
@@ -68,7 +69,7 @@ def test_a_wrong_action_fails_the_episode_and_says_why():
 
 def test_crashed_uavs_end_the_episode():
     class Blind(Wander):
-        class Mind(Wander().pilot.__globals__["Wanderer"]):
+        class Mind(Wanderer):
             def act(self, view):
                 return int(self.rng.integers(4))
 
@@ -91,3 +92,33 @@ def test_engines_fly_the_same_episodes(workers):
     flown = [record for records in fly_jobs(jobs, workers) for record in records]
     expected = [facts(record) for record in fly(choice.make(), "random", TEAM, tasks(9))]
     assert sorted((facts(record) for record in flown), key=lambda f: f[0]) == expected
+
+
+def test_what_was_spent_is_logged_step_by_step():
+    linked = TEAM.with_settings({"radio.model": "unlimited", "budget": 400})
+    for record in fly(Wander(), "w", linked, tasks(3)):
+        for axis in AXES:
+            spent = record.spent(axis)
+            assert spent.shape == (record.steps + 1,)
+            assert (np.diff(spent) >= 0).all()
+        assert record.spent("distance")[-1] == record.metrics["path_length"]
+        assert record.spent("bytes")[-1] == record.metrics["messages_bytes"] > 0
+        assert record.spent("seconds")[-1] == record.metrics["latency_total_s"] > 0
+        assert record.metrics["age_of_information"] == 0.0
+    (silent,) = fly(Wander(), "w", TEAM.with_settings({"radio.model": "none"}), tasks(1))
+    assert silent.metrics["age_of_information"] == pytest.approx(silent.steps / 2)
+    assert silent.metrics["auc_worst"] <= silent.metrics["auc_mean"] <= silent.metrics["auc"]
+
+
+def test_a_tally_that_breaks_fails_the_episode():
+    class Miscounts(Wander):
+        class Mind(Wanderer):
+            def tally(self):
+                return {"draws": "many"}
+
+        def pilot(self, briefing):
+            return self.Mind(briefing)
+
+    (record,) = fly(Miscounts(), "w", TEAM, tasks(1))
+    assert record.outcome is Outcome.FAILED
+    assert record.covered.shape[0] == record.steps + 1

@@ -48,6 +48,9 @@ def test_what_goes_in_comes_out(tmp_path):
     for record, copy in zip(records, again, strict=True):
         np.testing.assert_array_equal(record.covered, copy.covered)
         np.testing.assert_array_equal(record.cells, copy.cells)
+        np.testing.assert_array_equal(record.actions, copy.actions)
+        np.testing.assert_array_equal(record.seconds, copy.seconds)
+        np.testing.assert_array_equal(record.sent, copy.sent)
         np.testing.assert_array_equal(record.floorplan.truth, copy.floorplan.truth)
         assert record.metrics == copy.metrics
         assert (record.task, record.outcome, record.steps) == (copy.task, copy.outcome, copy.steps)
@@ -100,7 +103,7 @@ def test_a_file_that_is_no_store_is_refused(tmp_path):
     with pytest.raises(InputError, match="expected a results store"):
         Store(tmp_path / "results.db")
     sqlite3.connect(tmp_path / "other.db").execute("CREATE TABLE meta (key, value)").connection.close()
-    with pytest.raises(InputError, match="expected a store of format 2"):
+    with pytest.raises(InputError, match="expected a store of format 3"):
         Store(tmp_path / "other.db")
 
 

@@ -107,3 +107,9 @@ def test_the_shipped_weights_explore_unseen_rooms_well() -> None:
     worlds = [fly(Dddqn(), scenario, seed) for seed in range(12)]
     assert all(world.team_coverage[0] >= 0.99 for world in worlds)
     assert np.mean([world.state.step[0] for world in worlds]) < 85
+
+
+def test_results_can_tell_which_weights_were_flown(untrained: str) -> None:
+    own, shipped = Dddqn(weights=untrained).provenance(), Dddqn().provenance()
+    assert len(own["weights_sha256"]) == 64
+    assert own != shipped
