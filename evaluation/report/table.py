@@ -19,11 +19,11 @@ WIDE = 110
 
 
 def headline_table(results: Results, width: int = WIDE) -> Table:
-    """Return one row per scenario and policy: T90 and T99 with interval, success, failures, and AUC and latency.
+    """Return one row per scenario and policy: T90 and T99 with interval, success; failures, AUC and latency.
 
-    The last two are left out where lines have less than :data:`WIDE` characters.
+    The last three are left out where lines have less than :data:`WIDE` characters.
     """
-    shown = HEADINGS if width >= WIDE else HEADINGS[:4]
+    shown = HEADINGS if width >= WIDE else HEADINGS[:3]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("policy", overflow="fold", min_width=14)
     for heading in shown:
