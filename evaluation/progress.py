@@ -50,6 +50,7 @@ class ProgressBar:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._means: dict[str, Means] = {}
+        self._begun = False
         self._bar = Progress(
             TextColumn("flying"),
             BarColumn(),
@@ -80,7 +81,7 @@ class ProgressBar:
             self._console.print(f"{total - missing} of {total} episodes are there already{rest}")
         elif not self._console.is_terminal:
             self._console.print(f"flying {total} episodes")
-        self._missing = missing
+        self._missing, self._begun = missing, True
         self._start = self._said = time.monotonic()
         self._bar.reset(self._task, total=missing, rate="")
 
@@ -107,6 +108,8 @@ class ProgressBar:
         )
 
     def _shown(self) -> Group:
+        if self._begun and self._flown >= self._missing:
+            return Group(Text("writing the report"))
         table = Table(box=None, header_style="dim", pad_edge=False)
         table.add_column("policy so far", overflow="ellipsis", no_wrap=True, max_width=32)
         for heading in ("episodes", "mean AUC", "covered", "99 % reached", "failed"):

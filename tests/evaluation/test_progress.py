@@ -37,13 +37,16 @@ def test_a_terminal_sees_every_policy(records):
     screen = io.StringIO()
     console = Console(file=screen, force_terminal=True, width=100)
     with ProgressBar(console) as bar:
-        bar.begin(8, 5)
+        bar.begin(9, 6)
         bar.flown(records)
+        console.print(bar._shown())
+        bar.begin(9, 5)
         console.print(bar._shown())
     shown = screen.getvalue()
     assert "[b]wander" in shown
     assert "broken" in shown
     assert "episodes/s" in shown
+    assert "writing the report" in shown
 
 
 def test_a_log_file_gets_lines(records, monkeypatch):
