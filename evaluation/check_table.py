@@ -67,16 +67,16 @@ def _mark(finding: Finding, plain: bool) -> Text:
     """Return a tick or a cross, and the same in a word for those who see no colours."""
     if finding.passed:
         sign, word, style = "\N{CHECK MARK} ", "ok", "green"
-    elif finding.ran:
+    elif finding.conclusive:
         sign, word, style = "\N{BALLOT X} ", "FAILED", "bold red"
     else:
-        sign, word, style = "- ", "not run", "yellow"
+        sign, word, style = "- ", "unknown", "yellow"
     return Text(word if plain else sign + word, style=style)
 
 
 def _found(finding: Finding) -> Text:
     """Return what was found and, on lines of their own, the likely cause and the way to mend it."""
-    text = Text(finding.text, style="" if finding.ran else "dim")
+    text = Text(finding.text, style="" if finding.conclusive else "dim")
     if finding.mend:
         text.append(f"\nTo mend: {finding.mend}", style="yellow")
     return text

@@ -29,6 +29,10 @@ class CannotFly(Breach):
     """Report a breach after which an episode cannot go on, such as an error raised by the policy."""
 
 
+class Differs(Breach):
+    """Report choices that should have been the same."""
+
+
 class Finding(NamedTuple):
     """What one check found."""
 
@@ -41,13 +45,13 @@ class Finding(NamedTuple):
     """Time the check took, with the episodes flown for it."""
     error: Breach | None = None
     """The breach, of a check that failed."""
-    ran: bool = True
-    """False for a check that could not run, because an earlier one found why the policy cannot fly."""
+    conclusive: bool = True
+    """False for a failure that says nothing of its own, since an earlier finding explains it."""
 
     @property
     def mend(self) -> str:
         """The likely cause of a failure and the way to mend it; empty for a check that passed."""
-        return self.error.mend if self.error is not None and self.ran else ""
+        return self.error.mend if self.error is not None and self.conclusive else ""
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.conformance.causes import shared_things
-from indoor_explorers.env.conformance.findings import Breach
+from indoor_explorers.env.conformance.findings import Differs
 from indoor_explorers.env.conformance.flying import Changed, is_privileged
 from indoor_explorers.env.conformance.subject import FIRST, SOLO, TEAM, Subject
 from indoor_explorers.env.conformance.traces import Setup, Trace, compare
@@ -41,7 +41,7 @@ def check_unseen(subject: Subject) -> str:
             changes, decisions = changes + 1, decisions + found.compared
             if found.differs is not None:
                 agent, when = found.differs
-                raise Breach(
+                raise Differs(
                     f"UAV {agent} chose otherwise at step {when} when only cells that no UAV had seen were changed",
                     "use the view and the briefing only, never the world or the scenario's map source",
                 )
@@ -73,7 +73,7 @@ def check_unlinked(subject: Subject) -> str:
                 agent, step = found.differs
                 mend = "let pilots share nothing but messages, no list, dict or counter of the class, module or policy"
                 mend += ", and in a batched act let no row look at another" if subject.batched else ""
-                raise Breach(
+                raise Differs(
                     f"UAV {agent} chose otherwise at step {step} when only UAV {changed.agent} acted differently, of "
                     f"which it had seen and heard nothing (radio {scenario.radio.model})",
                     mend + shared_things(subject.policy, subject.pilot),

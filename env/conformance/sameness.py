@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 
 from indoor_explorers.env.conformance.causes import global_generators, shared_things
-from indoor_explorers.env.conformance.findings import Breach, one_line, shown
+from indoor_explorers.env.conformance.findings import Breach, Differs, one_line, shown
 from indoor_explorers.env.conformance.flying import backwards, one_by_one
 from indoor_explorers.env.conformance.subject import FIRST, OTHER, SOLO, TEAM, Subject
 from indoor_explorers.env.conformance.traces import Trace, first_difference
@@ -67,4 +67,4 @@ def _perhaps(subject: Subject) -> str:
 def _must_be_same(found: Trace, expected: Trace, what: str, mend: str) -> None:
     step = first_difference(found, expected)
     if step is not None:
-        raise Breach(f"{what} (first difference at step {step})", mend)
+        raise Differs(f"{what} (first difference at step {step})", mend)

@@ -199,7 +199,7 @@ def test_a_policy_that_cannot_fly_is_told_why_once(kind, policy, text, mend):
     assert found["decisions"].text == text
     assert mend in found["decisions"].mend
     later = [finding for finding in found.values() if finding.name not in {"decisions", "pickling"}]
-    assert all(not finding.ran and finding.text == "not run: see decisions" for finding in later)
+    assert all(not finding.conclusive and finding.text == "not run: see decisions" for finding in later)
     with pytest.raises(PolicyError, match="; "):
         check_policy(make(kind, policy))
 
@@ -255,7 +255,7 @@ class CountsInPolicy(Honest):
         return int(np.flatnonzero(view.legal)[len(self.policy.calls) // 7 % view.legal.sum()])
 
 
-class Counting(Flying):
+class Counting(Named):
     def __init__(self):
         self.calls = []
 
@@ -278,9 +278,13 @@ class ModuleDraws(Honest):
     ],
 )
 def test_an_episode_that_is_another_one_the_next_time(kind, policy, mend):
-    finding = findings(kind, policy)["same seed, same episode"]
+    found = findings(kind, policy)
+    finding = found["same seed, same episode"]
     assert "the same seed gave another episode (first difference at step " in finding.text
     assert mend in finding.mend
+    others = [other for other in found.values() if not other.passed and other is not finding]
+    assert all(other.text == "cannot be told: see same seed, same episode" for other in others)
+    assert "unlinked teammates" in {other.name for other in others}
 
 
 class HoldsLambda(Flying):

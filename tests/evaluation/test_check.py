@@ -2,6 +2,7 @@
 
 import io
 import re
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -15,6 +16,7 @@ from indoor_explorers.evaluation.cli import main
 from . import plugins
 
 PLUGINS = "tests.evaluation.plugins"
+CONTRIBUTING = Path(__file__).resolve().parents[2] / "CONTRIBUTING.md"
 
 
 def run(capsys, *words):
@@ -39,13 +41,13 @@ def test_all_checks_run_although_some_fail(capsys):
     status, printed, errors = run(capsys, f"{PLUGINS}:Leaks")
     words = " ".join(printed.split())
     assert (status, errors) == (1, "")
-    for name in ("messages", "same seed, same episode", "unlinked teammates"):
-        assert re.search(rf"FAILED +{name}  ", printed), name
+    for row in ("FAILED +messages", "FAILED +same seed, same episode", "unknown +unlinked teammates"):
+        assert re.search(f"{row}  ", printed), row
     assert re.search(r"ok +latency, large map  ", printed)
     assert "finite numbers, got [0.0]" in words
     assert "perhaps the ndarray Mind.calls" in words
     assert words.count("To mend: ") == words.count("FAILED")
-    passed = len(CHECKS) - words.count("FAILED")
+    passed = len(CHECKS) - words.count("FAILED") - words.count("- unknown")
     assert f"{passed} of {len(CHECKS)} checks passed" in words
 
 
@@ -113,3 +115,10 @@ def test_the_page_fits_any_terminal(width, encoding, found):
     lines = raw.getvalue().decode(encoding).splitlines()
     assert max(map(len, lines)) <= width
     assert any(line.rstrip().endswith("same seed gave another episode") or "FAILED" in line for line in lines)
+
+
+def test_the_page_in_the_documentation_has_today_s_checks():
+    text = CONTRIBUTING.read_text()
+    rows = re.findall(r"^ {6}\S (?:ok|FAILED|unknown) +(.+?) {2}", text, re.MULTILINE)
+    assert rows == list(CHECKS)
+    assert re.findall(r"^\| \*\*(.+?)\*\* \|", text, re.MULTILINE) == list(CHECKS)
