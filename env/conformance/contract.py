@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import sys
 from typing import Any
 
@@ -49,13 +48,14 @@ def check_tallied(pilot: Pilot, trace: Trace) -> None:
         trace.breaches.setdefault("tally", Breach(found, "return {} for nothing to tell"))
 
 
-def facts_of(briefing: Briefing) -> dict[str, Any]:
-    """Return a copy of the plain facts of a briefing."""
-    facts = {name: getattr(briefing, name, None) for name in ("agent", "team", "shape", "lidar_range", "scenario")}
-    return copy.deepcopy(facts)
+def facts_of(briefing: Briefing) -> dict[str, str]:
+    """Return how the plain facts of a briefing are written, which later changes leave alone."""
+    names = ("agent", "team", "shape", "lidar_range", "scenario")
+    with calling("the repr of the briefing"):
+        return {name: repr(getattr(briefing, name, None)) for name in names}
 
 
-def check_briefed(briefing: Briefing, facts: dict[str, Any], trace: Trace) -> None:
+def check_briefed(briefing: Briefing, facts: dict[str, str], trace: Trace) -> None:
     """Compare a briefing with its facts as they were."""
     changed = [name for name, value in facts_of(briefing).items() if value != facts[name]]
     if changed:

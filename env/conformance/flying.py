@@ -81,7 +81,7 @@ class Flight:
             self._world.begin(b, setup.seed, floorplan=setup.floorplan, spawns=setup.spawns)
         self._traces = [Trace(setup) for setup in setups]
         self._rngs = [np.random.default_rng(setup.seed) for setup in setups]
-        self._briefings: list[tuple[Trace, Briefing, dict[str, Any]]] = []
+        self._briefings: list[tuple[Trace, Briefing, dict[str, str]]] = []
         """What each pilot was told, and the same as it was at the start."""
         self._pilots = {
             (b, n): self._pilot(trace, b, n) for b, trace in enumerate(self._traces) for n in range(scenario.team)
