@@ -80,7 +80,8 @@ def _no_cluster(address: str | None, why: str) -> InputError:
     where = f"at {address}" if address is not None else "here"
     return InputError(
         f"expected the host:port of a Ray cluster's head, such as 10.0.0.1:6379, got no cluster {where} "
-        f"({' '.join(why.split())[:200]}); start one with ray start --head, and join it from this machine"
+        f"({' '.join(why.split())[:200]}); start one with ray start --head, join it from "
+        "this machine, and set RAY_AUTH_MODE=token here if it asks for one"
     )
 
 
