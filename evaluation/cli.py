@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 from indoor_explorers.env import InputError, PolicyError
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.evaluation import commands
+from indoor_explorers.evaluation.engines import ENGINES
 
 #: Exit statuses.
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -93,7 +94,10 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--episodes", type=_count, metavar="N", help="seeds flown on each map (default 30)")
     parser.add_argument("--seed", type=_natural, metavar="S", help="first seed (default 0)")
     parser.add_argument("--workers", type=_natural, metavar="N", help="processes (default: all cores; 0: this one)")
-    parser.add_argument("--engine", choices=["local"], default="local", help="where episodes are flown")
+    parser.add_argument(
+        "--engine", choices=ENGINES, default=ENGINES[0], help="where: worker processes, or a Ray cluster"
+    )
+    parser.add_argument("--address", metavar="HOST:PORT", help="the Ray cluster's head (default: as Ray finds one)")
     parser.add_argument(
         "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value",
         help="scenario settings such as goal=0.9 or radio.range=3",

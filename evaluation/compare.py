@@ -15,8 +15,9 @@ import pandas as pd
 from indoor_explorers.env import InputError, Policy, Scenario
 from indoor_explorers.env.presets import named_scenario, on_files
 from indoor_explorers.env.starts import draw_floorplan, draw_spawns
+from indoor_explorers.evaluation.engines import make_engine
 from indoor_explorers.evaluation.experiment import Experiment, Task, build_experiment, read_experiment
-from indoor_explorers.evaluation.local import Job, fly_jobs
+from indoor_explorers.evaluation.local import Job
 from indoor_explorers.evaluation.provenance import run_facts
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report import write_report
@@ -53,6 +54,8 @@ def compare(
     episodes: int | None = None,
     seed: int | None = None,
     workers: int | None = None,
+    engine: str = "local",
+    address: str | None = None,
     settings: Mapping[str, Any] | None = None,
     watcher: Watcher | None = None,
     command: str = "",
@@ -77,7 +80,7 @@ def compare(
         seed=seed,
         settings=settings,
     )
-    results = run(planned, Path(out), workers=workers, watcher=watcher, command=command)
+    results = run(planned, Path(out), workers=workers, engine=engine, address=address, watcher=watcher, command=command)
     return results.summary()
 
 
@@ -129,24 +132,26 @@ def run(
     out: Path,
     *,
     workers: int | None = None,
+    engine: str = "local",
+    address: str | None = None,
     watcher: Watcher | None = None,
     command: str = "",
 ) -> Results:
     """Fly what ``out`` does not hold yet and write everything that is made from it."""
-    workers = workers if workers is not None else os.cpu_count() or 1
+    fly_jobs = make_engine(engine, workers, address)
     about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
     for scenario in experiment.scenarios:
         for index in range(scenario.map.count):
             draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
     _make_folder(out)
     with Store(out / "results.db") as store:
-        number = store.begin_run(experiment, about, run_facts(command, workers))
+        number = store.begin_run(experiment, about, run_facts(command, engine, workers))
         finished = store.finished()
         jobs = list(missing_jobs(experiment, finished))
         if watcher is not None:
             missing = sum(len(job.tasks) for job in jobs)
             watcher.begin(len(experiment.policies) * len(experiment.tasks()), missing)
-        for records in fly_jobs(jobs, workers) if jobs else ():
+        for records in fly_jobs(jobs) if jobs else ():
             for record in records:
                 store.add(record, number)
             if watcher is not None:

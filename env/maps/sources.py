@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from indoor_explorers.env.maps.base import BaseMaps
 from indoor_explorers.env.maps.cave import CaveMaps
@@ -38,6 +39,7 @@ class FileMaps(BaseMaps):
     """Files, each explored with every seed."""
     resolution: float | None = Field(None, gt=0.0)
     """Metres a cell to resample to; None keeps the file's. Files without a scale count a pixel as one metre."""
+    _held: dict[int, Floorplan] = PrivateAttr(default_factory=dict)
 
     @property
     def count(self) -> int:
@@ -46,10 +48,18 @@ class FileMaps(BaseMaps):
 
     def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
         """Read file ``index``; the seed does not matter. Files of one name are told apart by their folders."""
+        if index in self._held:
+            return self._held[index]
         path = Path(self.paths[index])
         plan = _read_once(str(path), self.resolution)
         alike = sum(Path(other).stem == path.stem for other in self.paths) > 1
         return replace(plan, name=f"{path.parent.name}/{path.stem}") if alike else plan
+
+    def holding(self, plans: Mapping[int, Floorplan]) -> FileMaps:
+        """Return the same maps with some floor plans at hand by index: for where their files cannot be read."""
+        held = self.model_copy()
+        held._held = dict(plans)
+        return held
 
     def identity(self) -> Any:
         """Return the digests of the maps' cells."""

@@ -1,0 +1,45 @@
+"""Where episodes are flown: in worker processes of this machine, or on a Ray cluster."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+
+from indoor_explorers.env import InputError
+from indoor_explorers.evaluation.local import Job, fly_jobs
+from indoor_explorers.evaluation.record import Record
+
+#: The engines by name, the default first.
+ENGINES = ("local", "ray")
+#: Flies jobs and yields the records of each as it finishes, in whatever order.
+Engine = Callable[[Sequence[Job]], Iterator[list[Record]]]
+
+
+def make_engine(name: str, workers: int | None = None, address: str | None = None) -> Engine:
+    """Return an engine by name; every one of them flies the same episodes.
+
+    Raises:
+        InputError: no such engine, arguments that it does not take, no Ray, or no cluster at ``address``.
+    """
+    if name not in ENGINES:
+        raise InputError(f"expected an engine, {' or '.join(ENGINES)}, got {name!r}")
+    if name == "ray":
+        return _on_ray(workers, address)
+    if address is not None:
+        raise InputError(f"expected --engine ray with --address {address}, got --engine local; leave one of them out")
+    return partial(fly_jobs, workers=(os.cpu_count() or 1) if workers is None else workers)
+
+
+def _on_ray(workers: int | None, address: str | None) -> Engine:
+    if workers == 0:
+        raise InputError("expected at least 1 of --workers with --engine ray, got 0; leave it out for all CPUs")
+    try:
+        from indoor_explorers.evaluation.cluster import fly_jobs_on_ray
+        from indoor_explorers.evaluation.connection import check_address
+    except ModuleNotFoundError as error:
+        if error.name != "ray":
+            raise
+        raise InputError("--engine ray needs Ray, which is not installed; install indoor-explorers[ray]") from error
+    check_address(address)
+    return partial(fly_jobs_on_ray, workers=workers, address=address)
