@@ -51,7 +51,16 @@ def run_compare(arguments: argparse.Namespace) -> int:
         settings=dict(arguments.settings),
     )
     with ProgressBar(console) as bar:
-        results = run(experiment, arguments.out, workers=arguments.workers, watcher=bar, command=arguments.words)
+        results = run(
+            experiment,
+            arguments.out,
+            workers=arguments.workers,
+            decision_timeout=arguments.decision_timeout,
+            memory_limit=arguments.memory_limit,
+            retry_failed=arguments.retry_failed,
+            watcher=bar,
+            command=arguments.words,
+        )
     console.print(headline_table(results))
     console.print(f"Report: {arguments.out / 'report.html'}", highlight=False, soft_wrap=True)
     return _status(results, console)
