@@ -1,12 +1,13 @@
 # make compare   set everything up, compare the four families and chance, print the table and the report's place
 # make test      set everything up, run the linters and the test suite
+# make stress    kill a comparison fifty times and see that nothing is lost: some ten minutes
 
 PYTHON ?= python3
 VENV ?= .venv
 OUT ?= results/compare
 RUN = $(VENV)/bin
 
-.PHONY: compare test lint clean
+.PHONY: compare test stress clean
 
 compare: $(VENV)/.installed-compare
 	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/families.toml --out $(OUT)
@@ -16,6 +17,9 @@ test: $(VENV)/.installed-test
 	$(RUN)/ruff format --check .
 	$(RUN)/mypy
 	$(RUN)/python -P -m pytest -n 2
+
+stress: $(VENV)/.installed-test
+	$(RUN)/python -P tests/stress_resume.py --kills 50
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -1,8 +1,9 @@
-"""Names for the array types that cross module borders."""
+"""The array types that cross module borders: their names, and arrays that can be read only."""
 
 from __future__ import annotations
 
-from typing import TypeAlias
+import weakref
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,3 +16,24 @@ Mask: TypeAlias = NDArray[np.bool_]
 Distances: TypeAlias = NDArray[np.int32]
 #: (row, column).
 Cell: TypeAlias = tuple[int, int]
+
+
+class _Window:
+    """Lend the memory of an array to numpy, which finds no way from here to write to it."""
+
+    def __init__(self, array: NDArray[Any]) -> None:
+        where, _ = array.__array_interface__["data"]
+        self.__array_interface__ = array.__array_interface__ | {"data": (where, True), "strides": array.strides}
+        weakref.finalize(self, _let_go, array).atexit = False  # keeps the memory for as long as it is looked at
+
+
+def _let_go(array: NDArray[Any]) -> None:
+    """Drop the last reference to memory that nobody looks at any more."""
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """Return a live view of an array that cannot be made writeable again, nor can anything made from it.
+
+    A plain view of numpy's could: its flag can be set back, and its ``base`` is the array itself.
+    """
+    return np.asarray(_Window(array))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Belief, Cell, Mask
+from indoor_explorers.env.arrays import Belief, Cell, Mask, read_only
 from indoor_explorers.env.engine import Engine, bind, new_work
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.kernels import advance, are_actions
@@ -139,9 +139,9 @@ class World:
                 bind(self._rules, self._state, self._optics, new_work(self._optics, self.scenario.team))
                 for _ in range(self._threads)
             ]
-            self._beliefs = [[_read_only(belief) for belief in team] for team in self._state.belief]
-            self._legals = [[_read_only(legal) for legal in team] for team in self._state.legal]
-            self._visited = [[_read_only(visited) for visited in team] for team in self._state.visited]
+            self._beliefs = [list(team) for team in read_only(self._state.belief)]
+            self._legals = [list(team) for team in read_only(self._state.legal)]
+            self._visited = [list(team) for team in read_only(self._state.visited)]
         return self._state
 
     def floorplan(self, episode: int) -> Floorplan:
@@ -235,7 +235,7 @@ class World:
             lidar_range=self.scenario.lidar.range,
             scenario=self.scenario,
             rng=generator(self.seeds[episode], Stream.PILOT, agent),
-            truth=_read_only(self.state.truth[episode]) if privileged else None,
+            truth=read_only(self.state.truth[episode]) if privileged else None,
         )
 
     @property
@@ -252,9 +252,3 @@ class World:
     def coverage(self) -> NDArray[np.float64]:
         """(B, N) share of the denominator that each agent knows."""
         return np.asarray(self.state.covered / self.state.total[:, None])
-
-
-def _read_only(array: NDArray[Any]) -> NDArray[Any]:
-    window = array.view()
-    window.setflags(write=False)
-    return window

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import os
 import shlex
 import sys
@@ -15,9 +16,12 @@ from indoor_explorers.env import InputError, PolicyError
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.evaluation import commands
 from indoor_explorers.evaluation.engines import ENGINES
+from indoor_explorers.evaluation.limits import DECISION_TIMEOUT
 
 #: Exit statuses.
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
+#: What the system says when a file finds no room: full disk, full quota, file too large.
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -61,6 +65,8 @@ def _number(kind: type, least: float, what: str) -> Callable[[str], Any]:
 _count = _number(int, 1, "a whole number of at least 1")
 _natural = _number(int, 0, "a whole number of at least 0")
 _metres = _number(float, 1e-6, "a number of metres above 0")
+_seconds = _number(float, 0.01, "a number of seconds of at least 0.01")
+_gigabytes = _number(float, 0.01, "a number of gigabytes of at least 0.01")
 _rate = _number(float, 0.1, "a number of frames a second of at least 0.1")
 
 
@@ -93,7 +99,22 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--team", type=_count, metavar="N", help="UAVs")
     parser.add_argument("--episodes", type=_count, metavar="N", help="seeds flown on each map (default 30)")
     parser.add_argument("--seed", type=_natural, metavar="S", help="first seed (default 0)")
-    parser.add_argument("--workers", type=_natural, metavar="N", help="processes (default: all cores; 0: this one)")
+    parser.add_argument(
+        "--workers", type=_natural, metavar="N",
+        help="processes (default: all cores; 0: this one, where policies that hang or die are not caught)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--decision-timeout", type=_seconds, default=DECISION_TIMEOUT, metavar="SECONDS",
+        help=f"a decision that takes longer fails its episode (default {DECISION_TIMEOUT:g}; compiling does not count)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--memory-limit", type=_gigabytes, metavar="GB",
+        help="a policy whose process uses more fails its episode (default: four fifths of the machine's / workers)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--retry-failed", action="store_true",
+        help="fly failed episodes again and replace them; otherwise they count as finished",
+    )  # fmt: skip
     parser.add_argument(
         "--engine", choices=ENGINES, default=ENGINES[0], help="where: worker processes, or a Ray cluster"
     )
@@ -188,13 +209,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         if debug:
             raise
-        sys.stderr.write(f"indoor-explorers: {error.filename or 'the output'}: {error.strerror or error}\n")
+        sys.stderr.write(f"indoor-explorers: {_system_said(error)}\n")
         return FAILED
     except KeyboardInterrupt:
         kept = getattr(arguments, "interrupted", "what is finished is kept, and the same command goes on from there")
         sys.stderr.write(f"indoor-explorers: interrupted; {kept}\n")
         return INTERRUPTED
     return status
+
+
+def _system_said(error: OSError) -> str:
+    line = f"{error.filename or 'the output'}: {error.strerror or error}"
+    if error.errno in NO_ROOM:
+        line += "; what is finished is kept: make room on the disk, and the same command goes on from there"
+    return line
 
 
 if __name__ == "__main__":

@@ -24,10 +24,13 @@ from indoor_explorers.env.errors import InputError, PolicyError, RunError
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.provenance import versions
+from indoor_explorers.evaluation.child import ONE_THREAD
 from indoor_explorers.evaluation.connection import connected, cpus
-from indoor_explorers.evaluation.local import ONE_THREAD, Job, fly_job
+from indoor_explorers.evaluation.experiment import Job
+from indoor_explorers.evaluation.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.provenance import PACKAGES, source_digest
 from indoor_explorers.evaluation.record import Record
+from indoor_explorers.evaluation.supervisor import Supervisor
 
 #: How often Ray flies a job again whose node or process was lost, before the job counts as failed.
 RETRIES = 3
@@ -56,6 +59,12 @@ class Origin(NamedTuple):
 
 
 @lru_cache(maxsize=1)
+def supervisor(decision_timeout: float | None, memory_limit: float | None) -> Supervisor:
+    """Return the supervisor of this Ray worker: its jobs fly in a process of their own, as they do locally."""
+    return Supervisor(limits_for(os.cpu_count() or 1, decision_timeout, memory_limit))
+
+
+@lru_cache(maxsize=1)
 def _versions() -> tuple[tuple[str, str], ...]:
     return tuple((versions(PACKAGES) | {"indoor-explorers' sources": source_digest()}).items())
 
@@ -78,14 +87,23 @@ def settle(origin: Origin) -> None:
         os.chdir(origin.folder)
 
 
-def fly_on_node(origin: Origin, job: Job, *plans: Floorplan) -> list[Record]:
-    """Fly a job in a Ray worker; ``plans`` are the floor plans of its map files, in the order of their indices."""
+def fly_on_node(
+    origin: Origin, allowed: tuple[float | None, float | None], job: Job, *plans: Floorplan
+) -> list[Record]:
+    """Fly a job on a node.
+
+    Args:
+        origin: What the job relies on.
+        allowed: The arguments of :func:`supervisor`.
+        job: What to fly.
+        plans: The floor plans of its map files, in the order of their indices.
+    """
     settle(origin)
     maps = job.scenario.map
     if isinstance(maps, FileMaps):
         held = maps.holding(dict(zip(_indices(job), plans, strict=True)))
         job = job._replace(scenario=job.scenario.model_copy(update={"map": held}))
-    return fly_job(job)
+    return supervisor(*allowed).fly(job)
 
 
 def _indices(job: Job) -> list[int]:
@@ -93,7 +111,11 @@ def _indices(job: Job) -> list[int]:
 
 
 def fly_jobs_on_ray(
-    jobs: Sequence[Job], workers: int | None = None, address: str | None = None
+    jobs: Sequence[Job],
+    workers: int | None = None,
+    address: str | None = None,
+    decision_timeout: float | None = DECISION_TIMEOUT,
+    memory_limit: float | None = None,
 ) -> Iterator[list[Record]]:
     """Yield the records of each job as it finishes, from at most ``workers`` tasks at a time.
 
@@ -103,13 +125,15 @@ def fly_jobs_on_ray(
         address: ``host:port`` of a cluster's head; None for where Ray finds one (``RAY_ADDRESS``, a cluster that runs
             on this machine), or a cluster of this machine alone, started for these jobs. A process that has connected
             itself to a cluster uses that one, and stays connected.
+        decision_timeout: Seconds that a decision may take; None for as long as it likes.
+        memory_limit: GB that a policy's process may use; None for a fair share of its node's.
 
     Raises:
         InputError: no cluster at that address, one without CPUs, or other versions on its nodes.
         RunError: a job failed again and again; all others that had been submitted were yielded before.
     """
     with connected(address):
-        flight = _Flight(workers)
+        flight = _Flight(workers, (decision_timeout, memory_limit))
         try:
             yield from flight.fly(jobs)
         finally:
@@ -119,8 +143,9 @@ def fly_jobs_on_ray(
 class _Flight:
     """Keep jobs in flight on the cluster that this process is connected to."""
 
-    def __init__(self, workers: int | None) -> None:
+    def __init__(self, workers: int | None, allowed: tuple[float | None, float | None]) -> None:
         self._workers = workers
+        self._allowed = allowed
         self._task = ray.remote(num_cpus=1, max_retries=RETRIES, runtime_env={"env_vars": ONE_THREAD})(fly_on_node)
         self._origin = ray.put(Origin.here())
         self._plans: dict[tuple[str, int], Any] = {}
@@ -158,7 +183,7 @@ class _Flight:
 
     def _submit(self, job: Job) -> None:
         plans = [self._plan(job, index) for index in _indices(job)] if isinstance(job.scenario.map, FileMaps) else []
-        self._running[self._task.remote(self._origin, job, *plans)] = job
+        self._running[self._task.remote(self._origin, self._allowed, job, *plans)] = job
 
     def _plan(self, job: Job, index: int) -> Any:
         """Return the object that every node gets a map file's floor plan from, made once."""

@@ -59,6 +59,9 @@ def run_compare(arguments: argparse.Namespace) -> int:
             workers=arguments.workers,
             engine=arguments.engine,
             address=arguments.address,
+            decision_timeout=arguments.decision_timeout,
+            memory_limit=arguments.memory_limit,
+            retry_failed=arguments.retry_failed,
             watcher=bar,
             command=arguments.words,
         )

@@ -8,22 +8,22 @@ import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any, Protocol
 
 from indoor_explorers.env import InputError, Policy, Scenario
 from indoor_explorers.env.presets import named_scenario, on_files
 from indoor_explorers.env.starts import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.engines import make_engine
-from indoor_explorers.evaluation.experiment import Experiment, Task, build_experiment, read_experiment
-from indoor_explorers.evaluation.local import Job
+from indoor_explorers.evaluation.experiment import Experiment, Job, Task, build_experiment, read_experiment
+from indoor_explorers.evaluation.limits import DECISION_TIMEOUT
 from indoor_explorers.evaluation.provenance import run_facts
 from indoor_explorers.evaluation.record import Record
-from indoor_explorers.evaluation.report import write_report
-from indoor_explorers.evaluation.report.figures import write_figures
-from indoor_explorers.evaluation.results import Results, write_summary
 from indoor_explorers.evaluation.store import Store
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from indoor_explorers.evaluation.results import Results
 
 #: Compared when nothing else is asked for: chance and the four families.
 DEFAULT_POLICIES = ("random", "frontier-nearest", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
@@ -56,6 +56,9 @@ def compare(
     workers: int | None = None,
     engine: str = "local",
     address: str | None = None,
+    decision_timeout: float | None = DECISION_TIMEOUT,
+    memory_limit: float | None = None,
+    retry_failed: bool = False,
     settings: Mapping[str, Any] | None = None,
     watcher: Watcher | None = None,
     command: str = "",
@@ -63,7 +66,11 @@ def compare(
     """Compare policies and return the summary as a table with the columns of ``summary.csv``.
 
     Takes the arguments of ``indoor-explorers compare``. Writes ``out/results.db``, ``report.html``,
-    ``summary.csv`` and ``figures/``; episodes that ``out/results.db`` holds already are not flown again.
+    ``summary.csv`` and ``figures/``; episodes that ``out/results.db`` holds already are not flown again, but for
+    failed ones with ``retry_failed``. ``decision_timeout`` (seconds, None for none) and ``memory_limit`` (GB a worker,
+    None for its share of four fifths of the machine's memory) bound what a policy may take before its episode fails.
+    A policy that breaks in any way costs only its own episodes; without workers (0) it is flown in this process,
+    and what hangs, leaks or dies there is not caught.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
@@ -80,7 +87,18 @@ def compare(
         seed=seed,
         settings=settings,
     )
-    results = run(planned, Path(out), workers=workers, engine=engine, address=address, watcher=watcher, command=command)
+    results = run(
+        planned,
+        Path(out),
+        workers=workers,
+        engine=engine,
+        address=address,
+        decision_timeout=decision_timeout,
+        memory_limit=memory_limit,
+        retry_failed=retry_failed,
+        watcher=watcher,
+        command=command,
+    )
     return results.summary()
 
 
@@ -134,11 +152,14 @@ def run(
     workers: int | None = None,
     engine: str = "local",
     address: str | None = None,
+    decision_timeout: float | None = DECISION_TIMEOUT,
+    memory_limit: float | None = None,
+    retry_failed: bool = False,
     watcher: Watcher | None = None,
     command: str = "",
 ) -> Results:
-    """Fly what ``out`` does not hold yet and write everything that is made from it."""
-    fly_jobs = make_engine(engine, workers, address)
+    """Fly what ``out`` does not hold yet and write everything that is made from it; see :func:`compare`."""
+    fly_jobs = make_engine(engine, workers, address, decision_timeout, memory_limit)
     about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
     for scenario in experiment.scenarios:
         for index in range(scenario.map.count):
@@ -146,14 +167,14 @@ def run(
     _make_folder(out)
     with Store(out / "results.db") as store:
         number = store.begin_run(experiment, about, run_facts(command, engine, workers))
-        finished = store.finished()
+        finished = store.finished(failed=not retry_failed)
         jobs = list(missing_jobs(experiment, finished))
         if watcher is not None:
             missing = sum(len(job.tasks) for job in jobs)
             watcher.begin(len(experiment.policies) * len(experiment.tasks()), missing)
         for records in fly_jobs(jobs) if jobs else ():
             for record in records:
-                store.add(record, number)
+                store.add(record, number, replace_failed=retry_failed)
             if watcher is not None:
                 watcher.flown(records)
     return write_outputs(out)
@@ -201,6 +222,11 @@ def _make_folder(out: Path) -> None:
 
 def write_outputs(out: Path) -> Results:
     """Write summary.csv, figures and report from ``out/results.db``."""
+    # imported here, as they take longer than everything else together and worker processes do without
+    from indoor_explorers.evaluation.report import write_report
+    from indoor_explorers.evaluation.report.figures import write_figures
+    from indoor_explorers.evaluation.results import Results, write_summary
+
     results = Results.load(out)
     write_summary(results, out / "summary.csv")
     write_figures(results, out / "figures")

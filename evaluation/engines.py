@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.local import Job, fly_jobs
+from indoor_explorers.evaluation.experiment import Job
+from indoor_explorers.evaluation.limits import DECISION_TIMEOUT, limits_for
+from indoor_explorers.evaluation.local import fly_jobs
 from indoor_explorers.evaluation.record import Record
 
 #: The engines by name, the default first.
@@ -16,8 +18,17 @@ ENGINES = ("local", "ray")
 Engine = Callable[[Sequence[Job]], Iterator[list[Record]]]
 
 
-def make_engine(name: str, workers: int | None = None, address: str | None = None) -> Engine:
+def make_engine(
+    name: str,
+    workers: int | None = None,
+    address: str | None = None,
+    decision_timeout: float | None = DECISION_TIMEOUT,
+    memory_limit: float | None = None,
+) -> Engine:
     """Return an engine by name; every one of them flies the same episodes.
+
+    ``decision_timeout`` in seconds and ``memory_limit`` in GB are what a policy may take, see
+    :mod:`indoor_explorers.evaluation.limits`.
 
     Raises:
         InputError: no such engine, arguments that it does not take, no Ray, or no cluster at ``address``.
@@ -25,13 +36,14 @@ def make_engine(name: str, workers: int | None = None, address: str | None = Non
     if name not in ENGINES:
         raise InputError(f"expected an engine, {' or '.join(ENGINES)}, got {name!r}")
     if name == "ray":
-        return _on_ray(workers, address)
+        return partial(_ray_flight(workers, address), decision_timeout=decision_timeout, memory_limit=memory_limit)
     if address is not None:
         raise InputError(f"expected --engine ray with --address {address}, got --engine local; leave one of them out")
-    return partial(fly_jobs, workers=(os.cpu_count() or 1) if workers is None else workers)
+    crew = (os.cpu_count() or 1) if workers is None else workers
+    return partial(fly_jobs, workers=crew, limits=limits_for(crew, decision_timeout, memory_limit))
 
 
-def _on_ray(workers: int | None, address: str | None) -> Engine:
+def _ray_flight(workers: int | None, address: str | None) -> Callable[..., Iterator[list[Record]]]:
     if workers == 0:
         raise InputError("expected at least 1 of --workers with --engine ray, got 0; leave it out for all CPUs")
     try:

@@ -47,6 +47,14 @@ class PolicyChoice(BaseModel):
         return make_policy(self.use, **self.parameters)
 
 
+class Job(NamedTuple):
+    """A batch of episodes of one policy on one scenario."""
+
+    policy: PolicyChoice
+    scenario: Scenario
+    tasks: tuple[Task, ...]
+
+
 class Experiment(BaseModel):
     """Describe a comparison completely."""
 

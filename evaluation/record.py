@@ -26,7 +26,7 @@ class Outcome(StrEnum):
     ENDED = "ended"
     """Every UAV crashed or was ended as stuck first."""
     FAILED = "failed"
-    """The policy broke: it raised, or returned something that is no action."""
+    """The policy broke: it raised, returned no action, took too long or too much memory, or ended its process."""
 
 
 @dataclass(frozen=True, eq=False)

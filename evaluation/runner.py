@@ -4,47 +4,38 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from itertools import groupby
 
 import numpy as np
 
-from indoor_explorers.env import Action, InputError, Pilot, Policy, Scenario, View, World
+from indoor_explorers.env import Action, InputError, Policy, Scenario, View, World
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policy import is_action
 from indoor_explorers.env.starts import draw_floorplan
-from indoor_explorers.env.state import End
-from indoor_explorers.evaluation.bounds import least_steps
 from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.log import Flown, Log
-from indoor_explorers.evaluation.metrics import LEVELS, team_metrics
-from indoor_explorers.evaluation.record import Outcome, Record
+from indoor_explorers.evaluation.flight import Flight, failed_record
+from indoor_explorers.evaluation.log import Log
+from indoor_explorers.evaluation.record import Record
+from indoor_explorers.evaluation.spool import Clock, DecisionTimeout, Spool, Steps
 
 #: Belief cells (episodes x agents x map) of one batch: bounds its memory to a few hundred megabytes.
 BATCH_CELLS = 20_000_000
+#: What ends an episode as failed when a policy raises it; Ctrl-C is nobody's fault.
+BREAKING = (Exception, SystemExit, DecisionTimeout)
 
 
-@dataclass
-class _Flight:
-    """One running episode of a batch."""
-
-    place: int
-    task: Task
-    pilots: list[Pilot]
-    bound: int
-    """Steps that no team can do without on its way to 99 %."""
-    latencies: list[float] = field(default_factory=list)
-    """Seconds of each decision."""
-    tallies: dict[str, float | None] = field(default_factory=dict)
-    """Means over the UAVs of what their pilots tallied, prefixed by ``pilot_``."""
-    failure: str = ""
+class _Undivided(Exception):
+    """A policy failed at a decision for several episodes at once."""
 
 
-def fly(policy: Policy, name: str, scenario: Scenario, tasks: Sequence[Task]) -> Iterator[Record]:
+def fly(
+    policy: Policy, name: str, scenario: Scenario, tasks: Sequence[Task], spool: Spool | None = None
+) -> Iterator[Record]:
     """Fly the tasks of one scenario and yield their records.
 
     Tasks on maps of one shape fly in lock-step, so that a batched policy gets one forward pass for all of
-    them. A policy that raises costs only the episode it raised in.
+    them. A policy that raises costs only the episode it raised in. A ``spool`` is told of decisions that are going
+    on and, of a task alone, of every step.
     """
     drawn = {task: draw_floorplan(scenario, task.seed, task.map_index) for task in tasks}
 
@@ -53,68 +44,91 @@ def fly(policy: Policy, name: str, scenario: Scenario, tasks: Sequence[Task]) ->
 
     for (height, width), group in groupby(sorted(tasks, key=shape), key=shape):
         batch = max(1, BATCH_CELLS // (height * width * scenario.team))
-        alike = list(group)
+        alike = [(task, drawn[task]) for task in group]
         for start in range(0, len(alike), batch):
             some = alike[start : start + batch]
-            yield from _fly_batch(policy, name, scenario, [(task, drawn[task]) for task in some])
+            try:
+                yield from _fly_batch(policy, name, scenario, some, spool)
+            except _Undivided:  # episodes do not depend on their batch: alone, each shows whether it is to blame
+                for one in some:
+                    yield from _fly_batch(policy, name, scenario, [one], spool)
 
 
-def _fly_batch(policy: Policy, name: str, scenario: Scenario, tasks: Sequence[tuple[Task, Floorplan]]) -> list[Record]:
+def _fly_batch(
+    policy: Policy, name: str, scenario: Scenario, tasks: Sequence[tuple[Task, Floorplan]], spool: Spool | None
+) -> list[Record]:
     world = World(scenario, len(tasks))
-    for place, (task, floorplan) in enumerate(tasks):
-        world.begin(place, task.seed, floorplan=floorplan)
-    flights = [_Flight(b, task, [], least_steps(world, b, LEVELS["t99"])) for b, (task, _) in enumerate(tasks)]
-    batch = _Batch(policy, world, flights)
+    flights = [Flight.begin(world, place, *task) for place, task in enumerate(tasks)]
+    batch = _Batch(policy, world, flights, spool)
     batch.fly()
-    return [_record(name, world, flight, batch.log.flown(flight.place)) for flight in flights]
+    return [
+        failed_record(flight, name, scenario, floorplan, Steps(flown.actions, flown.seconds[1:], flown.sent[1:]))
+        if flight.failure
+        else flight.record(name, world, flown)
+        for flight, (_, floorplan) in zip(flights, tasks, strict=True)
+        for flown in [batch.log.flown(flight.place)]
+    ]
 
 
 class _Batch:
     """Fly a batch of episodes that have begun."""
 
-    def __init__(self, policy: Policy, world: World, flights: Sequence[_Flight]) -> None:
+    def __init__(self, policy: Policy, world: World, flights: Sequence[Flight], spool: Spool | None) -> None:
         self.log = Log(world)
         self._policy = policy
         self._world = world
         self._flights = flights
+        self._clock = Clock() if spool is None else spool.clock
+        self._spool = spool if world.batch == 1 else None
         self._actions = np.empty(world.state.end.shape, np.int64)
         self._seconds = np.zeros(world.batch)
 
     def fly(self) -> None:
         """Fly every episode to its end."""
+        if self._spool is not None:
+            self._spool.begin()
         for flight in self._flights:
             self._brief(flight)
         while self.log.running.any():
             self._actions[:] = Action.STAY
             self._seconds[:] = 0.0
             self._decide()
-            self._world.step(self._actions)
-            self.log.add(self._actions, self._seconds)
+            if self.log.running.any():
+                self._step()
         for flight in self._flights:
             self._tally(flight)
 
-    def _brief(self, flight: _Flight) -> None:
+    def _step(self) -> None:
+        self._world.step(self._actions)
+        self.log.add(self._actions, self._seconds)
+        if self._spool is not None:
+            self._spool.add(self._actions[0], self._seconds[0], int(self._world.state.sent_bytes[0].sum()))
+
+    def _brief(self, flight: Flight) -> None:
         try:
-            for agent in range(self._world.scenario.team):
-                briefing = self._world.briefing(flight.place, agent, privileged=self._policy.privileged)
-                flight.pilots.append(self._policy.pilot(briefing))
-        except Exception as error:
+            with self._clock:
+                for agent in range(self._world.scenario.team):
+                    briefing = self._world.briefing(flight.place, agent, privileged=self._policy.privileged)
+                    flight.pilots.append(self._policy.pilot(briefing))
+        except BREAKING as error:
             self._fail(flight, error)
 
-    def _tally(self, flight: _Flight) -> None:
+    def _tally(self, flight: Flight) -> None:
         if flight.failure:
             return
         try:
-            tallies = [pilot.tally() for pilot in flight.pilots]
-            names = sorted({name for tally in tallies for name in tally})
-            flight.tallies = {
-                f"pilot_{name}": float(np.mean([tally[name] for tally in tallies if name in tally])) for name in names
-            }
-        except Exception as error:
+            with self._clock:
+                tallies = [pilot.tally() for pilot in flight.pilots]
+                names = sorted({name for tally in tallies for name in tally})
+                flight.tallies = {
+                    f"pilot_{name}": float(np.mean([tally[name] for tally in tallies if name in tally]))
+                    for name in names
+                }
+        except BREAKING as error:
             self._fail(flight, error)
 
-    def _fail(self, flight: _Flight, error: Exception) -> None:
-        flight.failure = f"{type(error).__name__}: {error}".replace("\n", " ")[:500]
+    def _fail(self, flight: Flight, error: BaseException) -> None:
+        flight.failure = told(error)
         self.log.running[flight.place] = False
 
     def _decide(self) -> None:
@@ -128,96 +142,55 @@ class _Batch:
         elif asked:
             self._ask_together(asked)
 
-    def _ask_one(self, flight: _Flight, agent: int) -> None:
+    def _ask_one(self, flight: Flight, agent: int) -> None:
         view = self._world.view(flight.place, agent)
-        start = time.perf_counter()
         try:
-            action = flight.pilots[agent].act(view)
-        except Exception as error:
-            return self._fail(flight, error)
-        return self._enter(flight, agent, action, time.perf_counter() - start)
+            with self._clock:
+                start = time.perf_counter()
+                action = flight.pilots[agent].act(view)
+                self._enter(flight, agent, action, time.perf_counter() - start)
+        except BREAKING as error:
+            self._fail(flight, error)
 
-    def _ask_together(self, asked: Sequence[tuple[_Flight, int]]) -> None:
+    def _ask_together(self, asked: Sequence[tuple[Flight, int]]) -> None:
         pilots = [flight.pilots[agent] for flight, agent in asked]
         views: list[View] = [self._world.view(flight.place, agent) for flight, agent in asked]
-        start = time.perf_counter()
         try:
-            chosen = self._policy.act(pilots, views)
+            with self._clock:
+                start = time.perf_counter()
+                chosen = list(self._policy.act(pilots, views))
+                share = (time.perf_counter() - start) / len(asked)
             if len(chosen) != len(asked):
                 raise ValueError(f"act returned {len(chosen)} actions for {len(asked)} pilots")
-        except Exception as error:
-            for flight, _ in asked:
-                self._fail(flight, error)
-            return
-        share = (time.perf_counter() - start) / len(asked)
+        except BREAKING as error:
+            first = asked[0][0]
+            if any(flight is not first for flight, _ in asked):
+                raise _Undivided from error
+            return self._fail(first, error)
         for (flight, agent), action in zip(asked, chosen, strict=True):
-            self._enter(flight, agent, action, share)
+            try:
+                with self._clock:
+                    self._enter(flight, agent, action, share)
+            except BREAKING as error:
+                self._fail(flight, error)
+        return None
 
-    def _enter(self, flight: _Flight, agent: int, action: object, seconds: float) -> None:
+    def _enter(self, flight: Flight, agent: int, action: object, seconds: float) -> None:
         """Check one decision and put action and message where the world finds them."""
         flight.latencies.append(seconds)
         self._seconds[flight.place] += seconds
-        try:
-            if not is_action(action):
-                raise InputError(f"expected an action from 0 to 4, got {action!r}")
-            self._world.post(flight.place, agent, flight.pilots[agent].message)
-            self._actions[flight.place, agent] = action
-        except Exception as error:
-            self._fail(flight, error)
+        if not is_action(action):
+            raise InputError(f"expected an action from 0 to 4, got {action!r}")
+        self._world.post(flight.place, agent, flight.pilots[agent].message)
+        self._actions[flight.place, agent] = action
 
 
-def _outcome(world: World, flight: _Flight) -> tuple[Outcome, str]:
-    ends = [End(int(end)) for end in world.state.end[flight.place]]
-    if flight.failure:
-        return Outcome.FAILED, flight.failure
-    if End.GOAL in ends:
-        return Outcome.COMPLETE, ""
-    if End.BUDGET in ends:
-        return Outcome.BUDGET, ""
-    return Outcome.ENDED, ", ".join(f"UAV {n}: {end.name.lower().replace('_', ' ')}" for n, end in enumerate(ends))
-
-
-def _record(name: str, world: World, flight: _Flight, flown: Flown) -> Record:
-    state, b = world.state, flight.place
-    outcome, reason = _outcome(world, flight)
-    return Record(
-        policy=name,
-        task=flight.task,
-        floorplan=world.floorplan(b),
-        team=world.scenario.team,
-        budget=int(state.budget[b]),
-        reachable=int(state.total[b]),
-        outcome=outcome,
-        reason=reason,
-        steps=len(flown.actions),
-        metrics=_metrics(world, flight, flown),
-        covered=flown.covered,
-        cells=flown.cells,
-        actions=flown.actions,
-        seconds=flown.seconds,
-        sent=flown.sent,
-    )
-
-
-def _metrics(world: World, flight: _Flight, flown: Flown) -> dict[str, float | None]:
-    state, b = world.state, flight.place
-    sensed, total, budget = state.sensed_count[b], int(state.total[b]), int(state.budget[b])
-    covered = int(flown.covered[-1, 0])
-    of_team = team_metrics(flown.covered, total, budget)
-    late = of_team["t99"] if of_team["t99"] is not None else budget
-    return {
-        **of_team,
-        "t99_to_bound": late / flight.bound if flight.bound else None,
-        "path_length": float(state.path_length[b].sum()),
-        "path_max": float(state.path_length[b].max()),
-        "overlap": float((sensed.sum() - covered) / covered),
-        "balance": float((sensed / total).std()),
-        "collisions": float(state.collisions[b].sum()),
-        "blocked": float(state.blocked[b].sum()),
-        "messages_bytes": float(flown.sent[-1]),
-        "age_of_information": flown.age,
-        "latency_total_s": float(flown.seconds[-1]),
-        "latency_p50_us": float(np.percentile(flight.latencies, 50) * 1e6) if flight.latencies else None,
-        "latency_p99_us": float(np.percentile(flight.latencies, 99) * 1e6) if flight.latencies else None,
-        **flight.tallies,
-    }
+def told(error: BaseException) -> str:
+    """Return what an exception of a policy says, in one short line that can be written anywhere."""
+    try:
+        text = str(error)
+    except BREAKING as worse:
+        text = f"its message raised {type(worse).__name__}"
+    kind = "" if isinstance(error, DecisionTimeout) else f"{type(error).__name__}: "
+    line = " ".join(f"{kind}{text}".split())[:500]
+    return line.encode("utf-8", "replace").decode()

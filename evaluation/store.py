@@ -1,7 +1,7 @@
 """The store: one SQLite file per experiment, append-only, one transaction per finished episode.
 
-Episodes are keyed by (policy, scenario, map, seed); finished keys are skipped, so every run is a resume.
-Maps are kept in the store, so that a report needs nothing else.
+Episodes are keyed by (policy, scenario, map, seed); finished keys are skipped, so every run is a resume. Only a failed
+episode that was flown again is ever replaced. Maps are kept in the store, so that a report needs nothing else.
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from __future__ import annotations
 import json
 import sqlite3
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.experiment import Experiment, Task
 from indoor_explorers.evaluation.record import Outcome, Record
@@ -55,6 +57,29 @@ def _unpacked(blob: bytes, kind: type, *shape: int) -> NDArray[Any]:
     return np.frombuffer(zlib.decompress(blob), kind).reshape(shape)
 
 
+@contextmanager
+def _transaction(db: sqlite3.Connection, path: Path) -> Iterator[None]:
+    """Write everything within or nothing.
+
+    Raises:
+        RunError: there is no room, or the file cannot be written for another reason of the system's.
+
+    """
+    try:
+        with db:
+            db.execute("BEGIN IMMEDIATE")
+            yield
+    except sqlite3.OperationalError as error:
+        raise _not_written(path, error) from error
+
+
+def _not_written(path: Path, error: sqlite3.Error) -> RunError:
+    return RunError(
+        f"{path} cannot be written: {error}; the finished episodes are kept: make room on the disk, and the same "
+        "command goes on from there"
+    )
+
+
 class Store:
     """Keep the results of one experiment in a file; use as a context manager."""
 
@@ -70,6 +95,8 @@ class Store:
                 self._create()
             found = self._db.execute("SELECT value FROM meta WHERE key = 'format'").fetchone()
         except sqlite3.DatabaseError as error:
+            if getattr(error, "sqlite_errorcode", 0) & 0xFF in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
+                raise _not_written(path, error) from error
             what = "expected a results store" if existed else "cannot be created"
             raise InputError(
                 f"{path}: {what}, got: {error}; choose another folder, or one that can be written"
@@ -104,11 +131,11 @@ class Store:
 
         Raises:
             InputError: the store holds another experiment; the message names what differs.
+            RunError: there is no room on the disk.
 
         """
         self._refuse_another(experiment, policies)
-        with self._db:
-            self._db.execute("BEGIN IMMEDIATE")
+        with _transaction(self._db, self.path):
             for name, about in policies.items():
                 self._db.execute(
                     "INSERT OR IGNORE INTO policy VALUES (?, (SELECT count(*) FROM policy), ?)",
@@ -149,16 +176,23 @@ class Store:
 
     # -- episodes -------------------------------------------------------------------------------------
 
-    def finished(self) -> set[tuple[str, Task]]:
-        """Return the keys of all stored episodes."""
-        rows = self._db.execute("SELECT policy, scenario, map_index, seed FROM episode")
+    def finished(self, *, failed: bool = True) -> set[tuple[str, Task]]:
+        """Return the keys of all stored episodes, the ``failed`` ones among them or not."""
+        which = "" if failed else f"WHERE outcome <> '{Outcome.FAILED}'"
+        rows = self._db.execute(f"SELECT policy, scenario, map_index, seed FROM episode {which}")
         return {(policy, Task(scenario, index, seed)) for policy, scenario, index, seed in rows}
 
-    def add(self, record: Record, run: int) -> None:
-        """Append one episode in a transaction of its own; one that is there already is left as it is."""
+    def add(self, record: Record, run: int, *, replace_failed: bool = False) -> None:
+        """Append one episode in a transaction of its own; one that is there already is left as it is.
+
+        With ``replace_failed`` it takes the place of a failed one.
+
+        Raises:
+            RunError: there is no room on the disk; what was added before is kept.
+
+        """
         plan = record.floorplan
-        with self._db:
-            self._db.execute("BEGIN IMMEDIATE")
+        with _transaction(self._db, self.path):
             self._db.execute(
                 "INSERT OR IGNORE INTO floorplan VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 (
@@ -171,6 +205,10 @@ class Store:
                     *(plan.start or (None, None)),
                 ),
             )
+            if replace_failed:
+                key = "policy = ? AND scenario = ? AND map_index = ? AND seed = ?"
+                gone = (record.policy, *record.task, Outcome.FAILED)
+                self._db.execute(f"DELETE FROM episode WHERE {key} AND outcome = ?", gone)
             self._db.execute(
                 f"INSERT OR IGNORE INTO episode VALUES ({', '.join('?' * 18)})",
                 (

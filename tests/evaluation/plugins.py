@@ -1,8 +1,14 @@
 """Policies for the tests: an honest one and every way of being broken."""
 
+import contextlib
+import ctypes
+import itertools
 import os
+import signal
+import sys
 import time
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -88,3 +94,183 @@ class Leaks(Wander):
 
     def pilot(self, briefing):
         return self.Mind(briefing)
+
+
+class Breaks(Wander):
+    """Fly as Wander does, but break at step 5 on odd seeds; the seed is where the first UAV's generator says."""
+
+    class Mind(Wanderer):
+        def __init__(self, briefing, policy):
+            super().__init__(briefing)
+            self.policy = policy
+            self.guilty = briefing.rng.bit_generator.seed_seq.entropy % 2 == 1
+
+        def act(self, view):
+            if self.guilty and view.step == 5:
+                self.policy.break_down(view)
+            return super().act(view)
+
+    def pilot(self, briefing):
+        return self.Mind(briefing, self)
+
+    def break_down(self, view):
+        raise NotImplementedError
+
+
+class HangsInSleep(Breaks):
+    def break_down(self, view):
+        while True:
+            try:
+                time.sleep(0.01)
+            except Exception:  # as a careless retry loop would
+                continue
+
+
+class HangsInPython(Breaks):
+    def break_down(self, view):
+        while True:
+            pass
+
+
+class HangsForGood(Breaks):
+    """Swallow every interruption."""
+
+    def break_down(self, view):
+        while True:
+            with contextlib.suppress(BaseException):
+                time.sleep(0.01)
+
+
+class HangsInC(Breaks):
+    """Keep the interpreter's lock: nothing else of the process runs, no signal is handled."""
+
+    def break_down(self, view):
+        sum(itertools.repeat(1))
+
+
+class HangsTogether(Breaks):
+    """One forward pass for all, which hangs as soon as a guilty UAV takes part in it."""
+
+    act = Batched.act
+
+    def break_down(self, view):
+        while True:
+            pass
+
+
+class HangsAtTheStart(Wander):
+    def pilot(self, briefing):
+        if briefing.rng.bit_generator.seed_seq.entropy % 2:
+            time.sleep(60)
+        return Wanderer(briefing)
+
+
+class ExitsPython(Breaks):
+    def break_down(self, view):
+        sys.exit("enough")
+
+
+class Exits(Breaks):
+    def break_down(self, view):
+        os._exit(3)
+
+
+class KillsItself(Breaks):
+    def break_down(self, view):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+class Segfaults(Breaks):
+    def break_down(self, view):
+        ctypes.string_at(0)
+
+
+class ReturnsNothing(Breaks):
+    class Mind(Breaks.Mind):
+        def act(self, view):
+            return "up" if self.guilty and view.step == 5 else super().act(view)
+
+
+class LeaksAtOnce(Breaks):
+    """Take a hundred megabytes and more at each step from the fifth on."""
+
+    HELD: ClassVar[list[object]] = []
+
+    def break_down(self, view):
+        pass
+
+    class Mind(Breaks.Mind):
+        def act(self, view):
+            if self.guilty and view.step >= 5:
+                LeaksAtOnce.HELD.append(np.ones(15_000_000))
+                time.sleep(0.1)
+            return super().act(view)
+
+
+class LeaksSlowly(Wander):
+    """Take a hundred megabytes for each UAV: no single episode is to blame."""
+
+    HELD: ClassVar[list[object]] = []
+
+    def pilot(self, briefing):
+        LeaksSlowly.HELD.append(np.ones(12_500_000))
+        time.sleep(0.05)
+        return Wanderer(briefing)
+
+
+class Vandal(Breaks):
+    """Write to what it may only read, in one of the ways there are."""
+
+    way: str
+
+    def break_down(self, view):
+        WAYS[self.way](view.belief)
+        raise AssertionError("that worked")
+
+    def __init__(self, way):
+        object.__setattr__(self, "way", way)
+
+
+def _base(array):
+    while isinstance(array.base, np.ndarray):
+        array = array.base
+    return np.asarray(array.base)
+
+
+WAYS = {
+    "item": lambda belief: belief.__setitem__((0, 0), 1),
+    "in place": lambda belief: np.add(belief, 1, out=belief),
+    "copyto": lambda belief: np.copyto(belief, 1),
+    "fill": lambda belief: belief.fill(1),
+    "flag": lambda belief: setattr(belief.flags, "writeable", True),
+    "setflags": lambda belief: belief.setflags(write=True),
+    "slice": lambda belief: belief[:2].setflags(write=True),
+    "view": lambda belief: belief.view().setflags(write=True),
+    "base": lambda belief: belief.base.setflags(write=True),
+    "base of all": lambda belief: _base(belief).setflags(write=True),
+    "object behind": lambda belief: np.asarray(memoryview(belief).obj).fill(1),
+    "buffer": lambda belief: memoryview(belief).__setitem__((0, 0), 1),
+    "frombuffer": lambda belief: np.frombuffer(belief, np.uint8).setflags(write=True),
+}
+
+
+class Prints(Wander):
+    """Write to the standard output, by Python and behind its back."""
+
+    def pilot(self, briefing):
+        sys.stdout.write("noise\n" * 100)
+        os.write(1, b"more noise\n")
+        return Wanderer(briefing)
+
+
+#: Whether :class:`Mended` is not mended yet.
+BROKEN = True
+
+
+class Mended(Wander):
+    """Fail until somebody mends it."""
+
+    def pilot(self, briefing):
+        if BROKEN:
+            raise RuntimeError("not mended yet")
+        return Wanderer(briefing)

@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import os
+import resource
 import signal
 import sqlite3
 import subprocess
@@ -19,7 +20,9 @@ from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.cli import main
 from indoor_explorers.evaluation.results import SUMMARY_COLUMNS
 
-PLUGINS = "tests.evaluation.plugins"
+from . import plugins
+
+PLUGINS = plugins.__name__
 ROOT = Path(__file__).resolve().parents[2]
 CONTRACT_METRICS = {
     *("auc", "t50", "t90", "t95", "t99", "path_length", "overlap", "collisions"),
@@ -46,8 +49,14 @@ def summary(out):
         return list(csv.DictReader(file))
 
 
-def start(*words):
-    """Start the command as a user does, in a process of its own."""
+def start(*words, room=None):
+    """Start the command as a user does, in a process of its own; no file of it can grow above ``room`` bytes."""
+
+    def prepare():
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background jobs ignore it
+        if room is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))
+
     code = "import sys; from indoor_explorers.evaluation.cli import main; sys.exit(main())"
     return subprocess.Popen(
         [sys.executable, "-c", code, *map(str, words)],
@@ -57,7 +66,7 @@ def start(*words):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background jobs ignore it
+        preexec_fn=prepare,
     )
 
 
@@ -190,12 +199,45 @@ def test_failed_episodes_are_kept_and_make_status_1(capsys, tmp_path):
     assert stored(tmp_path) == 16
 
 
-def test_a_worker_that_dies_is_reported_in_one_line(capsys, tmp_path):
-    words = ["compare", "--policies", f"{PLUGINS}:Dies", "--scenario", "thesis-open", "--episodes", "2"]
-    status, _, errors = run(capsys, *words, "--workers", "1", "--out", tmp_path)
+def test_a_policy_that_ends_its_process_leaves_the_others_alone(capsys, tmp_path):
+    words = ["compare", "--policies", f"{PLUGINS}:Dies,random", "--scenario", "thesis-open", "--episodes", "2"]
+    status, printed, errors = run(capsys, *words, "--workers", "1", "--out", tmp_path)
+    assert (status, errors) == (1, "")
+    assert printed.count("the process of the policy ended with exit code 3") == 2
+    assert stored(tmp_path) == 4
+    assert (tmp_path / "report.html").exists()
+    assert [row["success"] for row in summary(tmp_path) if row["metric"] == "path_length"] == ["0", "0"]
+
+
+def test_failed_episodes_are_flown_again_on_request_alone(capsys, tmp_path, monkeypatch):
+    words = ["compare", "--policies", f"{PLUGINS}:Mended,random", "--scenario", "thesis-open", "--episodes", "2"]
+    words += ["--workers", "0", "--out", tmp_path]
+    monkeypatch.setattr(plugins, "BROKEN", True)
+    assert run(capsys, *words)[0] == 1
+    monkeypatch.setattr(plugins, "BROKEN", False)
+    status, printed, _ = run(capsys, *words)
     assert status == 1
-    assert errors.count("\n") == 1
-    assert "a worker process died" in errors
+    assert "4 of 4 episodes are there already" in printed
+    status, printed, _ = run(capsys, *words, "--retry-failed")
+    assert status == 0
+    assert "2 of 4 episodes are there already; flying 2" in printed
+    assert stored(tmp_path) == 4
+
+
+@pytest.mark.parametrize(("episodes", "room", "full"), [(40, 200_000, "results.db"), (2, 500_000, "the output")])
+def test_a_run_without_room_says_so_and_is_resumed_with_room(episodes, room, full, tmp_path):
+    words = ["compare", "--policies", "random", "--scenario", "thesis-open", "--episodes", episodes, "--workers", "1"]
+    running = start(*words, "--out", tmp_path, room=room)
+    _, errors = running.communicate(timeout=300)
+    assert (running.returncode, errors.replace(NOTICE, "").count("\n")) == (1, 1), errors
+    assert full in errors
+    assert "make room on the disk, and the same command goes on from there" in errors
+    assert not list(tmp_path.rglob("*.partial"))
+    assert 0 < stored(tmp_path) <= episodes
+    running = start(*words, "--out", tmp_path)
+    assert (running.communicate(timeout=300)[1].replace(NOTICE, ""), running.returncode) == ("", 0)
+    assert stored(tmp_path) == episodes
+    assert (tmp_path / "report.html").stat().st_size > room
 
 
 def test_a_report_is_rebuilt_and_combined(capsys, tmp_path):

@@ -11,14 +11,12 @@ import ray
 from ray.cluster_utils import Cluster
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.presets import on_files
 from indoor_explorers.evaluation import cluster as engine
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.cli import main
 from indoor_explorers.evaluation.engines import make_engine
-from indoor_explorers.evaluation.experiment import PolicyChoice, Task
-from indoor_explorers.evaluation.local import Job
+from indoor_explorers.evaluation.experiment import Job, PolicyChoice, Task
 from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.results import Results
 
@@ -117,7 +115,10 @@ def test_nodes_need_no_map_files(tmp_path):
     jobs = [Job(PolicyChoice.model_validate("random"), scenario, tasks)]
     compare(tmp_path / "local", scenario=scenario, policies=["random"], episodes=2, workers=0)
     lost = scenario.model_copy(update={"map": scenario.map.model_copy(update={"paths": ("gone/a.npy", "gone/b.npy")})})
-    (records,) = (engine.fly_on_node(engine.Origin.here(), job._replace(scenario=lost), *plans) for job in jobs)
+    away = (job._replace(scenario=lost) for job in jobs)
+    (records,) = (engine.fly_on_node(engine.Origin.here(), (60.0, None), job, *plans) for job in away)
+    engine.supervisor(60.0, None).close()
+    engine.supervisor.cache_clear()
     assert {record.floorplan.digest for record in records} == {plan.digest for plan in plans}
     compare(tmp_path / "ray", scenario=scenario, policies=["random"], episodes=2, **ON_RAY)
     assert rows(tmp_path / "ray") == rows(tmp_path / "local")
@@ -135,13 +136,14 @@ def test_a_plug_in_that_raises_costs_only_its_own_episodes(tmp_path):
 
 
 @pytest.mark.usefixtures("connected")
-def test_a_plug_in_that_kills_its_worker_ends_the_run_in_one_line_and_keeps_the_rest(tmp_path, monkeypatch):
-    monkeypatch.setattr(engine, "RETRIES", 1)
-    plan = {"scenario": "thesis-open", "policies": [f"{PLUGINS}:Dies", "random"], "episodes": 10}
-    with pytest.raises(RunError, match=r"Dies on thesis-open, seeds 0 to 9: the job failed .* are kept") as caught:
-        compare(tmp_path, **plan, **ON_RAY)
-    assert "\n" not in str(caught.value)
-    assert {record.policy for record in Results.load(tmp_path).records} == {"random"}
+def test_a_plug_in_that_ends_its_process_costs_only_its_own_episodes(tmp_path):
+    plan = {"scenario": "thesis-open", "policies": [f"{PLUGINS}:Exits", "random"], "episodes": 4}
+    compare(tmp_path, **plan, **ON_RAY)
+    records = Results.load(tmp_path).records
+    failed = [record for record in records if record.outcome is Outcome.FAILED]
+    assert len(records) == 8
+    assert {(record.policy, record.task.seed % 2, record.steps) for record in failed} == {(f"{PLUGINS}:Exits", 1, 5)}
+    assert {record.reason for record in failed} == {"the process of the policy ended with exit code 3"}
 
 
 @pytest.mark.usefixtures("connected")

@@ -84,12 +84,13 @@ def test_crashed_uavs_end_the_episode():
 
 @pytest.mark.parametrize("workers", [0, 2])
 def test_engines_fly_the_same_episodes(workers):
-    from indoor_explorers.evaluation.experiment import PolicyChoice
-    from indoor_explorers.evaluation.local import Job, fly_jobs
+    from indoor_explorers.evaluation.experiment import Job, PolicyChoice
+    from indoor_explorers.evaluation.limits import limits_for
+    from indoor_explorers.evaluation.local import fly_jobs
 
     choice = PolicyChoice.model_validate("random")
     jobs = [Job(choice, TEAM, tuple(tasks(3, start))) for start in (0, 3, 6)]
-    flown = [record for records in fly_jobs(jobs, workers) for record in records]
+    flown = [record for records in fly_jobs(jobs, workers, limits_for(2, None, None)) for record in records]
     expected = [facts(record) for record in fly(choice.make(), "random", TEAM, tasks(9))]
     assert sorted((facts(record) for record in flown), key=lambda f: f[0]) == expected
 

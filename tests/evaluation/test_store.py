@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, InputError
+from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.experiment import Task, build_experiment
+from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.runner import fly
 from indoor_explorers.evaluation.store import Store
@@ -96,6 +98,46 @@ def test_other_parameters_of_a_policy_are_refused(tmp_path):
     planned = experiment()
     with Store(tmp_path / "results.db") as store, pytest.raises(InputError, match="the parameters of policy 'w'"):
         store.begin_run(planned, {"w": {"use": POLICY, "privileged": True}}, {})
+
+
+def test_a_full_disk_is_said_and_what_was_added_stays(tmp_path):
+    planned = experiment(episodes=40)
+    records = list(fly(Wander(), "w", planned.scenarios[0], planned.tasks()))
+
+    def add_all(store):
+        for record in records:
+            store.add(record, 1)
+
+    with Store(tmp_path / "results.db") as store:
+        store.begin_run(planned, about(planned), {})
+        store._db.execute("PRAGMA max_page_count = 60")
+        with pytest.raises(RunError, match="database or disk is full; the finished episodes are kept: make room"):
+            add_all(store)
+        kept = store.finished()
+        assert 0 < len(kept) < 40
+    with Store(tmp_path / "results.db") as store:
+        assert store.finished() == kept
+        add_all(store)
+        assert len(list(store.records())) == 40
+
+
+def test_only_failed_episodes_are_replaced(tmp_path):
+    good = filled(tmp_path / "results.db")[0]
+    failed = replace(good, outcome=Outcome.FAILED, task=good.task._replace(seed=99))
+    other = {"steps": 1, "actions": good.actions[:1], "covered": good.covered[:2], "cells": good.cells[:2]}
+    other |= {"seconds": good.seconds[:2], "sent": good.sent[:2]}
+    with Store(tmp_path / "results.db") as store:
+        store.add(failed, 1)
+        assert len(store.finished()) == len(store.finished(failed=False)) + 1
+        for record in (good, replace(failed, outcome=Outcome.BUDGET)):
+            store.add(replace(record, **other), 1)
+        assert all(copy.steps > 1 for copy in store.records())
+        for record in (good, replace(failed, outcome=Outcome.BUDGET)):
+            store.add(replace(record, **other), 1, replace_failed=True)
+        steps = {copy.task.seed: copy.steps for copy in store.records()}
+        assert steps.pop(99) == 1
+        assert min(steps.values()) > 1
+        assert store.finished() == store.finished(failed=False)
 
 
 def test_a_file_that_is_no_store_is_refused(tmp_path):

@@ -1,0 +1,109 @@
+"""What runs in a worker process: it flies the jobs it is sent and sends back their records.
+
+It does not watch over the policies it flies; its driver does, see :mod:`indoor_explorers.evaluation.child`.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+import traceback
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any
+
+from numba.core import event
+
+from indoor_explorers.env import Briefing, InputError, Pilot, Policy
+from indoor_explorers.env.errors import RunError
+from indoor_explorers.evaluation.experiment import Job
+from indoor_explorers.evaluation.runner import BREAKING, fly, told
+from indoor_explorers.evaluation.spool import Clock, Spool
+
+#: Seconds between two looks at whether the driver still lives.
+LOOK_EVERY = 0.5
+#: numba has no types for its events.
+_Listener: Any = event.Listener
+_register: Any = event.register
+
+
+def serve(connection: Connection, spool: Spool, driver: int) -> None:
+    """Fly jobs until the connection closes: of each, send every record, then None; or what went wrong.
+
+    Ctrl-C is left to the driver; when that is killed, the process leaves. What policies print goes to the standard
+    error, as the standard output is the command's.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGUSR1, spool.clock.interrupt)
+    os.dup2(2, 1)
+    threading.Thread(target=_leave_with, args=(driver,), daemon=True).start()
+    _register("numba:compile", _Compiling(spool.clock))
+    connection.send(None)
+    while True:
+        try:
+            job = connection.recv()
+        except EOFError:
+            return
+        _serve_job(job, connection, spool)
+
+
+def _leave_with(driver: int) -> None:
+    while os.getppid() == driver:
+        time.sleep(LOOK_EVERY)
+    os._exit(1)
+
+
+def _serve_job(job: Job, connection: Connection, spool: Spool) -> None:
+    try:
+        for record in fly(_made(job, spool.clock), job.policy.name, job.scenario, job.tasks, spool):
+            connection.send(record)
+        connection.send(None)
+    except InputError as error:
+        connection.send(error)
+    except Exception as error:
+        connection.send(RunError(f"an episode could not be flown: {told(error)}; {traceback.format_exc()}"))
+
+
+def _made(job: Job, clock: Clock) -> Policy:
+    """Make the policy of a job, or one that breaks as the making did."""
+    try:
+        with clock:
+            return job.policy.make()
+    except InputError:
+        raise
+    except BREAKING as error:
+        return _Unmade(error=error)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Unmade(Policy):
+    """A policy that cannot be made."""
+
+    error: BaseException
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        raise self.error
+
+
+class _Compiling(_Listener):  # type: ignore[misc]  # a base class without types
+    """Begin a decision's time anew after each function that numba had to compile for it: machines differ in that."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._depth = 0
+        self._deciding = False
+
+    def on_start(self, event: Any) -> None:
+        """Stop the clock."""
+        self._depth += 1
+        if self._depth == 1:
+            self._deciding = self._clock.asked > 0
+            self._clock.__exit__()
+
+    def on_end(self, event: Any) -> None:
+        """Start it again."""
+        self._depth -= 1
+        if self._depth == 0 and self._deciding:
+            self._clock.__enter__()
