@@ -17,6 +17,7 @@ from indoor_explorers.env.presets import named_scenario
 from indoor_explorers.env.registry import policy_entry_points
 from indoor_explorers.env.starts import draw_floorplan
 from indoor_explorers.evaluation import bench
+from indoor_explorers.evaluation.combining import combined
 from indoor_explorers.evaluation.compare import plan, run
 from indoor_explorers.evaluation.map_text import facts, picture
 from indoor_explorers.evaluation.progress import ProgressBar
@@ -89,7 +90,7 @@ def run_watch(arguments: argparse.Namespace) -> int:
 
 def run_report(arguments: argparse.Namespace) -> int:
     """Rebuild a report from one folder, or combine several."""
-    results = Results.combined([Results.load(folder) for folder in arguments.folders])
+    results = combined([Results.load(folder) for folder in arguments.folders])
     try:
         arguments.out.parent.mkdir(parents=True, exist_ok=True)
         write_report(results, arguments.out)
