@@ -53,7 +53,7 @@ def run_compare(arguments: argparse.Namespace) -> int:
     )
     with ProgressBar(console) as bar:
         results = run(experiment, arguments.out, workers=arguments.workers, watcher=bar, command=arguments.words)
-    console.print(headline_table(results))
+    console.print(headline_table(results, console.width))
     console.print(f"Report: {arguments.out / 'report.html'}", highlight=False, soft_wrap=True)
     return _status(results, console)
 
