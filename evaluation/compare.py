@@ -16,12 +16,12 @@ from indoor_explorers.env import InputError, Policy, Scenario
 from indoor_explorers.env.presets import on_files
 from indoor_explorers.env.starts import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.experiment import Experiment, Task, build_experiment, read_experiment
+from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.local import Job, fly_jobs
 from indoor_explorers.evaluation.provenance import run_facts
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report import write_report
-from indoor_explorers.evaluation.report.figures import write_figures
-from indoor_explorers.evaluation.results import Results, write_summary
+from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.selection import chosen_policies, chosen_scenarios
 from indoor_explorers.evaluation.store import Store
 
@@ -57,8 +57,9 @@ def compare(
 ) -> pd.DataFrame:
     """Compare policies and return the summary as a table with the columns of ``summary.csv``.
 
-    Takes the arguments of ``indoor-explorers compare``. Writes ``out/results.db``, ``report.html``,
-    ``summary.csv`` and ``figures/``; episodes that ``out/results.db`` holds already are not flown again.
+    Takes the arguments of ``indoor-explorers compare``. Writes ``out/results.db``, ``report.html``, and what
+    :func:`~indoor_explorers.evaluation.exports.write_exports` does; episodes that ``out/results.db`` holds already
+    are not flown again.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
@@ -199,9 +200,8 @@ def _make_folder(out: Path) -> None:
 
 
 def write_outputs(out: Path) -> Results:
-    """Write summary.csv, figures and report from ``out/results.db``."""
+    """Write the exports and the report from ``out/results.db``."""
     results = Results.load(out)
-    write_summary(results, out / "summary.csv")
-    write_figures(results, out / "figures")
+    write_exports(results, out)
     write_report(results, out / "report.html")
     return results

@@ -93,6 +93,10 @@ class Results:
             return np.array([_value(r, "t99") / (least.get(r.task) or np.nan) for r in records], np.float64)
         return np.array([_value(record, metric) for record in records], np.float64)
 
+    def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
+        """Return (E,) which map each episode was flown on; equal maps have equal labels, whatever their files."""
+        return np.array([record.floorplan.digest for record in self.groups[scenario, policy]])
+
     @cached_property
     def references(self) -> dict[str, dict[Task, float]]:
         """T99 of each task by scenario, flown by the first policy that knows the map; empty where none does."""
@@ -132,21 +136,29 @@ class Results:
     def episodes(self) -> pd.DataFrame:
         """Return one row per episode: its task, outcome, steps and metrics."""
         return pd.DataFrame(
-            {
-                "policy": record.policy,
-                "scenario": record.task.scenario,
-                "map": record.floorplan.name,
-                "map_index": record.task.map_index,
-                "seed": record.task.seed,
-                "team": record.team,
-                "budget": record.budget,
-                "outcome": str(record.outcome),
-                "reason": record.reason,
-                "steps": record.steps,
-                **record.metrics,
-            }
-            for record in self.records
+            self._episode_row(record, ratio)
+            for scenario, policy in self.groups
+            for record, ratio in zip(
+                self.groups[scenario, policy], self.values(scenario, policy, "t99_to_reference"), strict=True
+            )
         )
+
+    def _episode_row(self, record: Record, ratio: float) -> dict[str, Any]:
+        return {
+            "policy": record.policy,
+            "scenario": record.task.scenario,
+            "map": record.floorplan.name,
+            "map_index": record.task.map_index,
+            "seed": record.task.seed,
+            "team": record.team,
+            "budget": record.budget,
+            "reachable": record.reachable,
+            "outcome": str(record.outcome),
+            "reason": record.reason,
+            "steps": record.steps,
+            **record.metrics,
+            **({"t99_to_reference": ratio} if self.references else {}),
+        }
 
 
 def _can_matter(key: str) -> bool:
