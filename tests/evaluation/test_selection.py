@@ -8,7 +8,9 @@ from indoor_explorers.evaluation.experiment import Experiment
 from indoor_explorers.evaluation.selection import DEFAULT_POLICIES
 
 FILE = """
-policies = ["random", {use = "pso", name = "dddqn, no guard", parameters = {candidates = 8}}, {use = "pso", name = "pso "}]
+policies = [
+    "random", {use = "pso", name = "dddqn, no guard", parameters = {candidates = 8}}, {use = "pso", name = "pso "},
+]
 episodes = 4
 seed = 9
 scenarios = [
