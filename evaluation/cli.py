@@ -148,7 +148,12 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folders", type=Path, nargs="+", metavar="DIR", help="folders that compare has written")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.html", help="the page to write")
     parser.add_argument("--against", type=Path, metavar="OLD", help="say what changed since the results of this folder")
-    parser.add_argument("--exports", type=Path, metavar="DIR", help="also write summary, tables, figures and databases")
+    parser.add_argument(
+        "--exports",
+        type=Path,
+        metavar="DIR",
+        help="also write summary, tables, figures, experiments and planner-arena.db",
+    )
     parser.set_defaults(run=commands.run_report)
 
 
