@@ -19,11 +19,15 @@ from indoor_explorers.env.registry import policy_entry_points
 from indoor_explorers.env.starts import draw_floorplan
 from indoor_explorers.evaluation import bench
 from indoor_explorers.evaluation.check_table import print_findings, print_header
+from indoor_explorers.evaluation.combining import combined
 from indoor_explorers.evaluation.compare import plan, run
+from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.map_text import facts, picture
 from indoor_explorers.evaluation.progress import ProgressBar
 from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.report import write_report
+from indoor_explorers.evaluation.report.against import compare_with
+from indoor_explorers.evaluation.report.against_table import against_lines
 from indoor_explorers.evaluation.report.table import headline_table
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.training import run_training
@@ -101,14 +105,20 @@ def run_watch(arguments: argparse.Namespace) -> int:
 
 
 def run_report(arguments: argparse.Namespace) -> int:
-    """Rebuild a report from one folder, or combine several."""
-    results = Results.combined([Results.load(folder) for folder in arguments.folders])
+    """Rebuild a report from one folder, or combine several; say what changed against another."""
+    results = combined([Results.load(folder) for folder in arguments.folders])
+    against = compare_with(results, Results.load(arguments.against)) if arguments.against is not None else None
     try:
-        arguments.out.parent.mkdir(parents=True, exist_ok=True)
-        write_report(results, arguments.out)
+        write_report(results, arguments.out, against=against)
+        if arguments.exports is not None:
+            write_exports(results, arguments.exports)
     except OSError as error:
-        raise InputError(f"{arguments.out}: cannot be written: {error.strerror}; choose another --out") from error
-    _console().print(f"Report: {arguments.out}", highlight=False, soft_wrap=True)
+        where = error.filename or arguments.out
+        raise InputError(f"{where}: cannot be written: {error.strerror}; choose another --out or --exports") from error
+    console = _console()
+    for part in against_lines(against) if against is not None else ():
+        console.print(part, highlight=False)
+    console.print(f"Report: {arguments.out}", highlight=False, soft_wrap=True)
     return 0
 
 

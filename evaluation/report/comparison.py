@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.results import Results
-from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean, paired_difference
+from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean, maps_are_sampled, paired_difference
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +55,20 @@ class Comparison:
         groups = self.results.groups.items()
         return {policy: records for (scenario, policy), records in groups if scenario == self.scenario}
 
+    def maps(self, policy: str) -> NDArray[np.str_]:
+        """Return (E,) which map each episode of a policy was flown on; equal maps have equal labels."""
+        return self.results.maps(self.scenario, policy)
+
+    @cached_property
+    def map_count(self) -> int:
+        """How many different maps were flown."""
+        return len({label for policy in self.groups for label in self.maps(policy).tolist()})
+
+    @cached_property
+    def over_maps(self) -> bool:
+        """Whether intervals speak about maps like these; False: about these maps alone, which are few."""
+        return all(maps_are_sampled(self.maps(policy)) for policy in self.groups)
+
     def privileged(self, policy: str) -> bool:
         """Return whether the policy is given the true map."""
         return bool(self.results.policies[policy].get("privileged", False))
@@ -63,9 +77,8 @@ class Comparison:
         """Return the mean of a metric with its interval; a NaN mean where nothing was measured."""
         if (policy, metric) not in self._estimates:
             values = self.results.values(self.scenario, policy, metric)
-            values = values[~np.isnan(values)]
-            missing = Estimate(float("nan"), None, None)
-            self._estimates[policy, metric] = bootstrap_mean(values) if len(values) else missing
+            held = ~np.isnan(values)
+            self._estimates[policy, metric] = bootstrap_mean(values[held], maps=self.maps(policy)[held])
         return self._estimates[policy, metric]
 
     @cached_property

@@ -16,6 +16,7 @@ from plotly.offline import get_plotlyjs
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report import facts
+from indoor_explorers.evaluation.report.against import Against
 from indoor_explorers.evaluation.report.charts import WHO, chart_data
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.headline import headline
@@ -39,14 +40,14 @@ from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, RESAMPLES
 REPLAY_BYTES, CHART_BYTES = 3_000_000, 1_200_000
 
 
-def write_report(results: Results, path: Path, *, title: str | None = None) -> None:
+def write_report(results: Results, path: Path, *, title: str | None = None, against: Against | None = None) -> None:
     """Write one HTML file that shows ``results`` and needs nothing else, not even a network."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as partial:
-        partial.write_text(render(results, title=title), encoding="utf-8", newline="\n")
+        partial.write_text(render(results, title=title, against=against), encoding="utf-8", newline="\n")
 
 
-def render(results: Results, *, title: str | None = None) -> str:
+def render(results: Results, *, title: str | None = None, against: Against | None = None) -> str:
     """Return the page as text."""
     looks = styles(results.policies)
     sections = [_section(results, name, number, looks) for number, name in enumerate(results.scenarios, 1)]
@@ -58,6 +59,7 @@ def render(results: Results, *, title: str | None = None) -> str:
             subtitle=_subtitle(results),
             colours=COLOURS,
             sections=sections,
+            against=against,
             columns=COLUMNS,
             listed=LISTED,
             swatches={name: swatch(look) for name, look in looks.items()},
