@@ -15,6 +15,7 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.report import facts
 from indoor_explorers.evaluation.report.numbers import counted, percent
 from indoor_explorers.evaluation.report.palette import COLOURS, styles
+from indoor_explorers.evaluation.report.panels import sweep_sections
 from indoor_explorers.evaluation.report.replay import ending
 from indoor_explorers.evaluation.report.sections import section_of
 from indoor_explorers.evaluation.report.strips import swatch
@@ -42,6 +43,7 @@ def render(results: Results, *, title: str | None = None) -> str:
             subtitle=_subtitle(results),
             colours=COLOURS,
             sections=sections,
+            sweeps=sweep_sections(results, looks),
             columns=COLUMNS,
             listed=LISTED,
             swatches={name: swatch(look) for name, look in looks.items()},

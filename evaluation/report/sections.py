@@ -14,8 +14,9 @@ from indoor_explorers.evaluation.report.charts import WHO, chart_data
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.headline import headline
 from indoor_explorers.evaluation.report.palette import Style
+from indoor_explorers.evaluation.report.panels import SectionPanels, section_panels
 from indoor_explorers.evaluation.report.replay import replay_data
-from indoor_explorers.evaluation.report.tables import map_table, paired_table, results_table, tally_table, troubles
+from indoor_explorers.evaluation.report.tables import paired_table, results_table, tally_table, troubles
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
@@ -40,10 +41,10 @@ class Section:
     baseline: str
     paired: list[Any]
     policies: list[str]
-    maps: list[Any]
     tallies: list[str]
     tally_rows: list[Any]
     troubles: list[Record]
+    panels: SectionPanels
     setting_rows: list[tuple[str, str, str]]
     chart: dict[str, Any] | None
     replay: dict[str, Any] | None
@@ -72,10 +73,10 @@ def section_of(results: Results, name: str, number: int, looks: Mapping[str, Sty
         baseline=baseline,
         paired=paired,
         policies=list(comparison.groups),
-        maps=map_table(comparison),
         tallies=comparison.tallies,
         tally_rows=tally_table(comparison),
         troubles=troubles(comparison),
+        panels=section_panels(comparison, looks),
         setting_rows=facts.setting_rows(settings),
         chart=chart_data(comparison, looks, _points(results)) if flown else None,
         replay=replay_data(comparison, looks, REPLAY_BYTES // len(results.scenarios)) if flown else None,

@@ -94,3 +94,12 @@ def difference_scale(rows: list[Paired], width: int = 260) -> Scale:
     reach = max(1.0, min(max(ends, default=1.0), 4 * float(np.median(ends)) if ends else 1.0))
     lows = [low for each in rows if (low := each.estimate.low if each.estimate.low is not None else each.estimate.mean)]
     return Scale(-min(reach, max(0.12 * reach, -1.1 * min(lows, default=0.0))), reach * 1.05, width)
+
+
+def share_strip(scores: NDArray[np.float64], estimate: Estimate, style: Style, label: str, width: int = 150) -> Markup:
+    """Draw a share between 0 and 1 with its interval against one half; without an interval, each episode's score."""
+    scale = Scale(0.0, 1.0, width)
+    half = Markup('<path class="axis" d="M4 10H{}"/><path class="zero" d="M{} 0V20"/>').format(width - 4, scale(0.5))
+    dots = Markup("") if estimate.low is not None else _dots(scores, scale, 10)
+    mark = _mean_and_interval(estimate, scale, 10)
+    return _drawing(scale, half + Markup('<g style="color:{}">{}{}</g>').format(style.variable, dots, mark), label)

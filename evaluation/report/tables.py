@@ -1,4 +1,4 @@
-"""The tables of a scenario: results by policy, paired differences, results by map, failures."""
+"""The tables of a scenario: results by policy, paired differences, failures."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.record import Outcome, Record
@@ -15,9 +14,9 @@ from indoor_explorers.evaluation.report.comparison import Comparison, Paired
 from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, interval, percent, with_interval
 from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.strips import Scale, difference_scale, difference_strip, episode_strip
-from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean
+from indoor_explorers.evaluation.statistics import Estimate
 
-#: The most failures that are listed, and the most maps.
+#: The most failures that are listed.
 LISTED = 60
 
 
@@ -184,31 +183,6 @@ def tally_table(comparison: Comparison) -> list[tuple[str, list[Cell]]]:
         if not all(math.isnan(mean) for mean in means):
             rows.append((policy, [Cell(fixed(mean, 3), None if math.isnan(mean) else mean) for mean in means]))
     return rows
-
-
-def map_table(comparison: Comparison) -> list[tuple[str, list[Cell]]]:
-    """Return mean T99 by map, a cell for each policy; empty when the scenario has a single map."""
-    maps = sorted({(r.task.map_index, r.floorplan.name) for rs in comparison.groups.values() for r in rs})
-    indices = list(dict.fromkeys(index for index, _ in maps))
-    if len(indices) < 2:
-        return []
-    names = dict(reversed(maps))
-    return [(names[index], _map_row(comparison, index)) for index in indices[:LISTED]]
-
-
-def _map_row(comparison: Comparison, index: int) -> list[Cell]:
-    cells = []
-    for policy, records in comparison.groups.items():
-        values = comparison.results.values(comparison.scenario, policy, "t99")
-        here = np.array([record.task.map_index == index for record in records])
-        if not here.any():
-            cells.append(Cell(fixed(None, 0)))
-            continue
-        estimate = bootstrap_mean(values[here])
-        reached = sum(record.metrics.get("t99") is not None for record in records if record.task.map_index == index)
-        detail = f"{interval(estimate, 1)} {reached}/{int(here.sum())}".strip()
-        cells.append(Cell(fixed(estimate.mean, 1), estimate.mean, detail))
-    return cells
 
 
 def failed(records: list[Record]) -> list[Record]:
