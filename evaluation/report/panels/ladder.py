@@ -35,10 +35,15 @@ class Chance(NamedTuple):
 
     @property
     def reading(self) -> str:
-        """What the interval says about which of the two is better on most tasks."""
-        low, high = self.estimate.low, self.estimate.high
+        """What the interval says about which of the two is better on most tasks.
+
+        Where all tasks fall the same way the interval has no width, and nothing is said beyond these tasks.
+        """
+        mean, low, high = self.estimate
         if low is None or high is None:
             return "too few tasks"
+        if mean in (0.0, 1.0):
+            return "on every task" if mean else "on no task"
         return "better on most" if low > 0.5 else "worse on most" if high < 0.5 else "not decided"
 
     def strip(self, style: Style) -> Markup:

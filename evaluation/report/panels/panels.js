@@ -4,8 +4,14 @@ class PanelPlot {
   constructor(box) {
     this.box = box;
     this.data = JSON.parse(document.getElementById(box.id.replace("plot-", "plot-data-")).textContent);
+    this.legend = box.closest(".linked").querySelectorAll("[data-toggle]");
+    for (const button of this.legend) button.addEventListener("click", () => this.draw());
     Theme.listeners.push(() => this.draw());
     this.draw();
+  }
+
+  get hidden() {
+    return new Set([...this.legend].filter((each) => each.getAttribute("aria-pressed") === "false").map((each) => each.dataset.toggle));
   }
 
   /* The line with its markers, and what lies beneath: intervals, whiskers, the dots of single episodes. */
@@ -48,12 +54,12 @@ class PanelPlot {
     };
   }
 
-  axis(axis) {
+  axis(axis, fitted) {
     const soft = Theme.colour("--soft"), line = Theme.colour("--line");
     const place = axis.log ? Math.log10 : (value) => value;
     const out = {
       title: { text: axis.title, standoff: 8, font: { size: 12 } }, type: axis.log ? "log" : "linear",
-      range: [place(axis.low), place(axis.high)], gridcolor: line, zeroline: false, linecolor: soft, tickcolor: soft,
+      ...(fitted ? { autorange: true } : { range: [place(axis.low), place(axis.high)] }), gridcolor: line, zeroline: false, linecolor: soft, tickcolor: soft,
       automargin: true, ...(axis.share ? { tickformat: ".0%" } : {}),
     };
     if (axis.ticks.length) {
@@ -76,24 +82,27 @@ class PanelPlot {
     return { tickvals: shown, ticktext: shown.map(String) };
   }
 
-  layout() {
+  layout(hidden) {
     const soft = Theme.colour("--soft"), ink = Theme.colour("--ink"), line = Theme.colour("--line");
     return {
       paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", showlegend: false, hovermode: "closest",
       font: { family: getComputedStyle(document.body).fontFamily, size: 11, color: soft },
-      margin: { l: 50, r: 10, t: 8, b: 40 }, modebar: { bgcolor: "rgba(0,0,0,0)", color: soft, activecolor: ink },
-      xaxis: { ...this.axis(this.data.x), ticks: "outside", ticklen: 4, showline: true, showgrid: false }, yaxis: this.axis(this.data.y),
+      margin: { l: 50, r: 10, t: 8, b: 40 },
+      xaxis: { ...this.axis(this.data.x), ticks: "outside", ticklen: 4, showline: true, showgrid: false }, yaxis: this.axis(this.data.y, hidden),
       hoverlabel: { bgcolor: Theme.colour("--paper"), bordercolor: line, font: { color: ink, size: 12 }, align: "left" },
     };
   }
 
   draw() {
-    const traces = [...this.data.guides.map((guide) => this.guide(guide)), ...this.data.series.flatMap((series) => this.traces(series))];
-    Plotly.react(this.box, traces, this.layout(), {
-      responsive: true, displaylogo: false, displayModeBar: "hover",
-      modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]], toImageButtonOptions: { format: "svg", filename: this.box.id },
+    const hidden = this.hidden, shown = this.data.series.filter((series) => !hidden.has(series.name));
+    const traces = [...this.data.guides.map((guide) => this.guide(guide)), ...shown.flatMap((series) => this.traces(series))];
+    Plotly.react(this.box, traces, this.layout(hidden.size > 0 && !this.data.y.share), {
+      responsive: true, displayModeBar: false,
     });
   }
 }
 
+for (const button of document.querySelectorAll("[data-toggle]")) {
+  button.addEventListener("click", () => { button.setAttribute("aria-pressed", String(button.getAttribute("aria-pressed") !== "true")); });
+}
 for (const box of document.querySelectorAll(".plot")) new PanelPlot(box);

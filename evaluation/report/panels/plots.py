@@ -79,8 +79,6 @@ class Plot:
     def data(self) -> dict[str, Any]:
         """Return JSON data for the page."""
         return {
-            "title": self.title,
-            "label": self.label,
             "x": asdict(self.x),
             "y": asdict(self.y),
             "series": [each.data() for each in self.series],

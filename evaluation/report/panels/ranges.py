@@ -15,6 +15,8 @@ from indoor_explorers.evaluation.statistics import FEWEST, Estimate, bootstrap_m
 
 #: Policies are drawn this share of the axis apart, so that their intervals do not hide each other.
 APART = 0.012
+#: Factor between lowest and highest from which an axis is logarithmic.
+WIDE = 4.0
 
 
 class Quantity(NamedTuple):
@@ -60,15 +62,23 @@ def _plot(
     ]
     ends = [end for each in series for end in (*each.y, *(each.low or []), *(each.high or []))]
     ends += [value for each in series for _, value in each.dots or []]
-    margin = 0.08 * ((max(ends) - min(ends)) or 1.0)
     ticks = tuple((place, _named(far)) for far, place in places.items())
     return Plot(
-        title=quantity.title,
+        title=quantity.heading,
         label=f"{quantity.heading} against the range of the radio",
         x=Axis(title="radio range [cells]", low=-0.07 * span, high=1.07 * span, ticks=ticks),
-        y=Axis(title=quantity.heading, low=max(0.0, min(ends) - margin), high=max(ends) + margin),
+        y=_upright(ends),
         series=series,
     )
+
+
+def _upright(ends: list[float]) -> Axis:
+    """Return the y axis around all that is drawn: logarithmic where it spans a factor of four or more."""
+    low, high = min(ends), max(ends)
+    if low > 0 and high >= WIDE * low:
+        return Axis(title="", low=low / 1.15, high=high * 1.15, log=True)
+    margin = 0.08 * ((high - low) or 1.0)
+    return Axis(title="", low=max(0.0, low - margin), high=high + margin)
 
 
 def _places(reaches: tuple[float, ...]) -> dict[float, float]:

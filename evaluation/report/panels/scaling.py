@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.report.numbers import percent, with_interval
 from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels.plots import Axis, Guide, Plot, Series, bounds
+from indoor_explorers.evaluation.report.panels.ranges import APART
 from indoor_explorers.evaluation.report.panels.sweeps import TeamScaling
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate, ratio_of_means
@@ -84,7 +85,7 @@ def _speedup_plot(
     found: Mapping[str, list[Gain]], scaling: TeamScaling, level: str, looks: Mapping[str, Style]
 ) -> Plot:
     most = scaling.teams[-1]
-    series = [_series(policy, each, looks[policy], _speedup_told) for policy, each in found.items()]
+    series = _series(found, looks, _speedup_told)
     return Plot(
         title=f"Speed-up to {level}",
         label=f"Speed-up to {level} coverage against the number of UAVs",
@@ -99,9 +100,9 @@ def _efficiency_plot(
     found: Mapping[str, list[Gain]], scaling: TeamScaling, level: str, looks: Mapping[str, Style]
 ) -> Plot:
     shares = {policy: [each.a_uav() for each in found[policy]] for policy in found}
-    series = [_series(policy, each, looks[policy], _efficiency_told) for policy, each in shares.items()]
+    series = _series(shares, looks, _efficiency_told)
     return Plot(
-        title=f"Parallel efficiency to {level}",
+        title=f"Efficiency to {level}",
         label=f"Parallel efficiency to {level} coverage against the number of UAVs",
         x=_teams(scaling),
         y=Axis(title="T(1) / (N T(N))", low=0.0, high=max(1.08, 1.05 * _top(series)), share=True),
@@ -121,20 +122,28 @@ def _top(series: list[Series]) -> float:
     return max(end for each in series for end in (*each.y, *(each.high or []), *dots, 0.0))
 
 
-def _series(policy: str, found: list[Gain], style: Style, told: Callable[[Gain], str]) -> Series:
-    low, high = bounds([each.speedup for each in found])
-    dots = [(float(each.team), value) for each in found for value in each.each]
-    return Series(
-        name=policy,
-        style=style,
-        x=[float(each.team) for each in found],
-        y=[each.speedup.mean for each in found],
-        low=low,
-        high=high,
-        dots=dots or None,
-        hollow=[each.censored for each in found],
-        text=[told(each) for each in found],
-    )
+def _series(found: Mapping[str, list[Gain]], looks: Mapping[str, Style], told: Callable[[Gain], str]) -> list[Series]:
+    """Return each policy's line, drawn a little beside the others' so that intervals do not hide each other."""
+    span = max(each.team for gains_of in found.values() for each in gains_of) - 1
+    lines = []
+    for place, (policy, of_policy) in enumerate(found.items()):
+        beside = (place - (len(found) - 1) / 2) * APART * span
+        low, high = bounds([each.speedup for each in of_policy])
+        x = [each.team + (beside if each.team > 1 else 0.0) for each in of_policy]
+        lines.append(
+            Series(
+                name=policy,
+                style=looks[policy],
+                x=x,
+                y=[each.speedup.mean for each in of_policy],
+                low=low,
+                high=high,
+                dots=[(at, value) for at, each in zip(x, of_policy, strict=True) for value in each.each] or None,
+                hollow=[each.censored for each in of_policy],
+                text=[told(each) for each in of_policy],
+            )
+        )
+    return lines
 
 
 def _speedup_told(gain: Gain) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from markupsafe import Markup
 
@@ -14,6 +13,7 @@ from indoor_explorers.evaluation.report.panels.causes import Cause, causes
 from indoor_explorers.evaluation.report.panels.ladder import Chance, Rung, ladder
 from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
 from indoor_explorers.evaluation.report.panels.pareto import pareto_plot
+from indoor_explorers.evaluation.report.panels.plots import Plot
 from indoor_explorers.evaluation.report.panels.profiles import profile_plot
 from indoor_explorers.evaluation.report.panels.ranks import Ranks, ranks
 from indoor_explorers.evaluation.report.panels.wins import Duel, win_matrix
@@ -36,8 +36,8 @@ class SectionPanels:
     duels: list[tuple[str, list[Duel | None]]]
     ranks: Ranks | None
     ladder: list[Step]
-    pareto: dict[str, Any] | None
-    profile: dict[str, Any] | None
+    pareto: Plot | None
+    profile: Plot | None
     tasks: int
     """Tasks that all contestants flew."""
     maps: int
@@ -50,14 +50,13 @@ class SectionPanels:
 def section_panels(comparison: Comparison, looks: Mapping[str, Style]) -> SectionPanels:
     """Gather the panels of a scenario."""
     outcomes = Outcomes.of(comparison)
-    pareto, profile = pareto_plot(comparison, looks), profile_plot(outcomes, looks)
     counts = sorted({len(records) for records in comparison.groups.values()})
     return SectionPanels(
         duels=win_matrix(outcomes),
         ranks=ranks(comparison, outcomes),
         ladder=[_step(rung, looks) for rung in ladder(outcomes)],
-        pareto=pareto.data() if pareto else None,
-        profile=profile.data() if profile else None,
+        pareto=pareto_plot(comparison, looks),
+        profile=profile_plot(outcomes, looks),
         tasks=len(outcomes.common().tasks),
         maps=len(outcomes.by_map()),
         episodes=" to ".join(str(count) for count in (counts[:1] + counts[-1:] if len(counts) > 1 else counts)),

@@ -22,7 +22,7 @@ class SweepPanel:
     title: str
     scenarios: tuple[str, ...]
     policies: list[str]
-    plots: list[dict[str, Any]]
+    plots: Sequence[Plot]
     tasks: str
     """Episodes a point."""
     few: bool
@@ -61,7 +61,7 @@ def _panel(title: str, sweep: RadioSweep | TeamScaling, plots: Sequence[Plot], r
         title,
         sweep.scenarios,
         list(dict.fromkeys(each.name for each in series)),
-        [plot.data() for plot in plots],
+        plots,
         " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1]))),
         any(each.dots for each in series),
         any(any(each.hollow or []) for each in series),
@@ -75,6 +75,8 @@ def _radio_title(sweep: RadioSweep) -> str:
 
 def _team_title(scaling: TeamScaling, settings: Mapping[str, Any]) -> str:
     radio = settings[scaling.scenarios[-1]]["radio"]
-    range_ = "" if radio["model"] in ("none", "unlimited") else f" {radio['range']:g}"
+    reach = {"none": "without radio", "unlimited": "unlimited radio"}
+    told = reach.get(radio["model"], f"{radio['model']} radio of {radio['range']:g} cells")
     loss = f", {radio['loss']:.0%} of contacts lost" if radio.get("loss") else ""
-    return f"1 to {scaling.teams[-1]} UAVs, radio {radio['model']}{range_}{loss}"
+    *most, last = scaling.teams
+    return f"{', '.join(str(team) for team in most)} and {last} UAVs, {told}{loss}"

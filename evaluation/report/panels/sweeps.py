@@ -92,7 +92,7 @@ def _fits(settings: Settings, kind: _Radio) -> bool:
 
 
 def team_scalings(scenarios: Mapping[str, Settings]) -> list[TeamScaling]:
-    """Return the families with one UAV and at least one team, in the order of their first team.
+    """Return the families with one UAV and at least one team, those with most teams first.
 
     Spawns that are listed cell by cell are taken as alike, since they cannot be the same for other teams.
     """
@@ -108,7 +108,7 @@ def team_scalings(scenarios: Mapping[str, Settings]) -> list[TeamScaling]:
         if solo is not None:
             teams = sorted(family)
             found.append(TeamScaling((solo, *(family[team] for team in teams)), (1, *teams)))
-    return found
+    return sorted(found, key=lambda scaling: -len(scaling.teams))
 
 
 def _key(settings: Settings, *ignored: tuple[str, ...]) -> str:
