@@ -29,27 +29,34 @@ class Chance(NamedTuple):
     @property
     def text(self) -> str:
         """The probability with its interval."""
-        low, high = self.estimate.low, self.estimate.high
-        around = f" [{percent(low)}, {percent(high)}]" if low is not None and high is not None else ""
+        _, low, high = self.estimate
+        around = "" if low is None or high is None else f" [{_clipped(low)}, {_clipped(high)}]"
         return percent(self.estimate.mean) + around
 
     @property
     def reading(self) -> str:
         """What the interval says about which of the two is better on most tasks.
 
-        Where all tasks fall the same way the interval has no width, and nothing is said beyond these tasks.
+        Where all tasks of each map fall the same way the interval has no width, and nothing is said beyond these tasks.
         """
         mean, low, high = self.estimate
         if low is None or high is None:
             return "too few tasks"
         if mean in (0.0, 1.0):
             return "on every task" if mean else "on no task"
+        if high - low < 1e-9:
+            return "no spread to judge by"
         return "better on most" if low > 0.5 else "worse on most" if high < 0.5 else "not decided"
 
     def strip(self, style: Style) -> Markup:
         """Draw it against one half, in the colour of the policy; without an interval, each task's score."""
         told = f"{self.policy} better than {self.other}: {self.text}"
         return share_strip(self.scores, self.estimate, style, told)
+
+
+def _clipped(share: float) -> str:
+    """Write the end of an interval, which rounding may have moved past none or all."""
+    return percent(min(max(share, 0.0), 1.0))
 
 
 class Rung(NamedTuple):
