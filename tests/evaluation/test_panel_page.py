@@ -5,6 +5,7 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
+import matplotlib as mpl
 import pytest
 
 from indoor_explorers.evaluation.experiment import Task
@@ -12,7 +13,7 @@ from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.palette import styles
 from indoor_explorers.evaluation.report.panels.prints import scenario_figures, sweep_figures
-from indoor_explorers.evaluation.report.paper import save
+from indoor_explorers.evaluation.report.paper import LOOK, save
 from indoor_explorers.evaluation.results import Results
 from tests.evaluation.records import flown, made_up, results_of, room
 
@@ -117,7 +118,8 @@ def test_figures_for_print_are_those_with_content_and_deterministic(swept: Resul
     written = []
     for folder in (tmp_path / "a", tmp_path / "b"):
         folder.mkdir()
-        figures = [*scenario_figures(comparison, looks), *sweep_figures(part, looks)]
-        assert [name for name, _ in figures] == ["profile", "pareto", "ladder", "teams-01"]
-        written.append([path.read_bytes() for name, figure in figures for path in save(figure, folder, name)])
+        with mpl.rc_context(LOOK):
+            figures = [*scenario_figures(comparison, looks), *sweep_figures(part, looks)]
+            assert [name for name, _ in figures] == ["profile", "pareto", "ladder", "teams-01"]
+            written.append([path.read_bytes() for name, figure in figures for path in save(figure, folder, name)])
     assert written[0] == written[1]
