@@ -4,14 +4,10 @@ class PanelPlot {
   constructor(box) {
     this.box = box;
     this.data = JSON.parse(document.getElementById(box.id.replace("plot-", "plot-data-")).textContent);
-    this.legend = box.closest(".linked").querySelectorAll("[data-toggle]");
-    for (const button of this.legend) button.addEventListener("click", () => this.draw());
+    this.visibility = Visibility.of(box.closest("section").id);
+    this.visibility.listeners.push(() => this.draw());
     Theme.listeners.push(() => this.draw());
     this.draw();
-  }
-
-  get hidden() {
-    return new Set([...this.legend].filter((each) => each.getAttribute("aria-pressed") === "false").map((each) => each.dataset.toggle));
   }
 
   /* The line with its markers, and what lies beneath: intervals, whiskers, the dots of single episodes. */
@@ -82,27 +78,24 @@ class PanelPlot {
     return { tickvals: shown, ticktext: shown.map(String) };
   }
 
-  layout(hidden) {
+  layout(fitted) {
     const soft = Theme.colour("--soft"), ink = Theme.colour("--ink"), line = Theme.colour("--line");
     return {
       paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", showlegend: false, hovermode: "closest",
       font: { family: getComputedStyle(document.body).fontFamily, size: 11, color: soft },
       margin: { l: 50, r: 10, t: 8, b: 40 },
-      xaxis: { ...this.axis(this.data.x), ticks: "outside", ticklen: 4, showline: true, showgrid: false }, yaxis: this.axis(this.data.y, hidden),
+      xaxis: { ...this.axis(this.data.x), ticks: "outside", ticklen: 4, showline: true, showgrid: false }, yaxis: this.axis(this.data.y, fitted),
       hoverlabel: { bgcolor: Theme.colour("--paper"), bordercolor: line, font: { color: ink, size: 12 }, align: "left" },
     };
   }
 
   draw() {
-    const hidden = this.hidden, shown = this.data.series.filter((series) => !hidden.has(series.name));
+    const shown = this.data.series.filter((series) => this.visibility.shows(series.name));
     const traces = [...this.data.guides.map((guide) => this.guide(guide)), ...shown.flatMap((series) => this.traces(series))];
-    Plotly.react(this.box, traces, this.layout(hidden.size > 0 && !this.data.y.share), {
+    Plotly.react(this.box, traces, this.layout(shown.length < this.data.series.length && !this.data.y.share), {
       responsive: true, displayModeBar: false,
     });
   }
 }
 
-for (const button of document.querySelectorAll("[data-toggle]")) {
-  button.addEventListener("click", () => { button.setAttribute("aria-pressed", String(button.getAttribute("aria-pressed") !== "true")); });
-}
 for (const box of document.querySelectorAll(".plot")) new PanelPlot(box);

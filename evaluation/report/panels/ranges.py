@@ -98,7 +98,7 @@ def _series(
     pairs = zip(sweep.scenarios, sweep.reaches, strict=True)
     flown = [(results.groups[name, policy], far) for name, far in pairs if (name, policy) in results.groups]
     samples = [results.values(r[0].task.scenario, policy, quantity.metric) / quantity.divisor for r, _ in flown]
-    maps = [[record.task.map_index for record in records] for records, _ in flown]
+    maps = [results.maps(records[0].task.scenario, policy) for records, _ in flown]
     estimates = [bootstrap_mean(values, maps=here) for values, here in zip(samples, maps, strict=True)]
     low, high = bounds(estimates)
     x = [places[far] + offset for _, far in flown]

@@ -38,13 +38,14 @@ class Gain(NamedTuple):
 def gains(results: Results, scaling: TeamScaling, policy: str, metric: str) -> list[Gain]:
     """Return a policy's gains by team, one UAV first; teams of which no episode got there are left out."""
     solo = _times(results, scaling.scenarios[0], policy, metric)
+    maps = _maps(results, scaling.scenarios[0], policy)
     found = []
     for name, team in zip(scaling.scenarios, scaling.teams, strict=True):
         times = _times(results, name, policy, metric)
         common = sorted(solo.keys() & times.keys())
         alone, together = (np.array([source[key] for key in common]).reshape(-1, 2) for source in (solo, times))
         if len(common) and alone[:, 1].any() and together[:, 1].any():
-            found.append(_gain(team, alone, together, [map_index for map_index, _ in common]))
+            found.append(_gain(team, alone, together, [maps[key] for key in common]))
     return found if len(found) > 1 else []
 
 
@@ -60,7 +61,16 @@ def _times(results: Results, scenario: str, policy: str, metric: str) -> dict[tu
     }
 
 
-def _gain(team: int, alone: NDArray[np.float64], together: NDArray[np.float64], maps: list[int]) -> Gain:
+def _maps(results: Results, scenario: str, policy: str) -> dict[tuple[int, int], str]:
+    """Return which map each episode was flown on, by map and seed; equal maps have equal labels."""
+    if (scenario, policy) not in results.groups:
+        return {}
+    tasks = [record.task for record in results.groups[scenario, policy]]
+    labels = results.maps(scenario, policy).tolist()
+    return {(task.map_index, task.seed): label for task, label in zip(tasks, labels, strict=True)}
+
+
+def _gain(team: int, alone: NDArray[np.float64], together: NDArray[np.float64], maps: list[str]) -> Gain:
     censored = not bool(alone[:, 1].all() and together[:, 1].all())
     if team == 1:
         return Gain(1, Estimate(1.0, None, None), [], censored)

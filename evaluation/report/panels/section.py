@@ -40,8 +40,6 @@ class SectionPanels:
     profile: Plot | None
     tasks: int
     """Tasks that all contestants flew."""
-    maps: int
-    """Different maps that the contestants flew, where maps are files."""
     episodes: str
     """Episodes a policy."""
     causes: list[Cause]
@@ -58,7 +56,6 @@ def section_panels(comparison: Comparison, looks: Mapping[str, Style]) -> Sectio
         pareto=pareto_plot(comparison, looks),
         profile=profile_plot(outcomes, looks),
         tasks=len(outcomes.common().tasks),
-        maps=len(outcomes.by_map()),
         episodes=" to ".join(str(count) for count in (counts[:1] + counts[-1:] if len(counts) > 1 else counts)),
         causes=causes(troubles(comparison), {policy: len(group) for policy, group in comparison.groups.items()}),
     )
