@@ -62,7 +62,7 @@ def pareto_plot(comparison: Comparison, looks: Mapping[str, Style]) -> Plot | No
         title="AUC against the time of a decision",
         label="AUC of each policy against its decision latency, the Pareto front marked",
         x=Axis(title="time of a decision [ms]", low=fastest / 1.6, high=slowest * 1.6, log=True),
-        y=Axis(title="AUC", low=max(0.0, min(areas) - margin), high=min(1.0, max(areas) + margin)),
+        y=Axis(title="AUC", low=max(0.0, min(areas) - margin), high=max(areas) + margin),
         series=[_point(comparison, each, looks[each.policy]) for each in found],
         guides=[Guide(name="Pareto front", x=stairs_x, y=[*stairs_y, stairs_y[-1]], step=True)],
     )
