@@ -2,7 +2,7 @@
 
 import gymnasium
 
-from indoor_explorers.env.conformance import check_policy
+from indoor_explorers.env.conformance import Finding, check_policy, run_checks
 from indoor_explorers.env.errors import InputError, PolicyError
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN, Action
 from indoor_explorers.env.live import LivePlanes
@@ -21,6 +21,7 @@ __all__ = [
     "UNKNOWN",
     "Action",
     "Briefing",
+    "Finding",
     "InputError",
     "LivePlanes",
     "Mate",
@@ -36,6 +37,7 @@ __all__ = [
     "make_policy",
     "parallel_env",
     "policy_names",
+    "run_checks",
     "scenario",
 ]
 

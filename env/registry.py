@@ -11,7 +11,7 @@ from collections import defaultdict
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.errors import InputError, PolicyError, did_you_mean
 from indoor_explorers.env.policy import Policy
 
 GROUP = "indoor_explorers.policies"
@@ -45,6 +45,7 @@ def make_policy(name: str, **parameters: Any) -> Policy:
 
     Raises:
         InputError: no such name, a missing optional dependency, or parameters it does not take.
+        PolicyError: its module or its constructor raises something else.
 
     """
     kind = _load(name)
@@ -52,6 +53,10 @@ def make_policy(name: str, **parameters: Any) -> Policy:
         policy = kind(**parameters)
     except TypeError as error:
         raise InputError(f"policy {name!r} cannot be made: {error}") from error
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise PolicyError(f"policy {name!r} cannot be made: {type(error).__name__}: {error}") from error
     if not isinstance(policy, Policy):
         raise InputError(
             f"policy {name!r}: expected a subclass of indoor_explorers.env.Policy, got {type(policy).__name__}"
@@ -68,13 +73,22 @@ def _load(name: str) -> Any:
     else:
         target = name
     module_name, _, attribute = target.partition(":")
+    found = _imported(name, module_name)
     try:
-        found: Any = importlib.import_module(module_name)
         for part in attribute.split("."):
             found = getattr(found, part)
-    except ModuleNotFoundError as error:
-        extra = "; install indoor-explorers[rl]" if error.name in {"torch", "safetensors"} else ""
-        raise InputError(f"policy {name!r}: no module named {error.name!r}{extra}") from error
     except AttributeError as error:
         raise InputError(f"policy {name!r}: module {module_name} has no {attribute!r}") from error
     return found
+
+
+def _imported(name: str, module_name: str) -> Any:
+    if not module_name or module_name.startswith("."):
+        raise InputError(f"policy {name!r}: expected module:Class, got no full module name before the colon")
+    try:
+        return importlib.import_module(module_name)
+    except ModuleNotFoundError as error:
+        extra = "; install indoor-explorers[rl]" if error.name in {"torch", "safetensors"} else ""
+        raise InputError(f"policy {name!r}: no module named {error.name!r}{extra}") from error
+    except (Exception, SystemExit) as error:
+        raise PolicyError(f"policy {name!r}: importing {module_name} raised {type(error).__name__}: {error}") from error

@@ -169,6 +169,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = argparse.Namespace()
     try:
         arguments = build_parser().parse_args(words)
+        arguments.debug = debug
         arguments.words = shlex.join(["indoor-explorers", *words])
         status: int = arguments.run(arguments)
     except (InputError, PolicyError, RunError) as error:

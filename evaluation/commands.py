@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
-from indoor_explorers.env import PRESETS, InputError, check_policy, make_policy
+from indoor_explorers.env import PRESETS, InputError, make_policy, run_checks
 from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
@@ -17,6 +18,7 @@ from indoor_explorers.env.presets import named_scenario
 from indoor_explorers.env.registry import policy_entry_points
 from indoor_explorers.env.starts import draw_floorplan
 from indoor_explorers.evaluation import bench
+from indoor_explorers.evaluation.check_table import print_findings, print_header
 from indoor_explorers.evaluation.compare import plan, run
 from indoor_explorers.evaluation.map_text import facts, picture
 from indoor_explorers.evaluation.progress import ProgressBar
@@ -52,7 +54,7 @@ def run_compare(arguments: argparse.Namespace) -> int:
     )
     with ProgressBar(console) as bar:
         results = run(experiment, arguments.out, workers=arguments.workers, watcher=bar, command=arguments.words)
-    console.print(headline_table(results))
+    console.print(headline_table(results, console.width))
     console.print(f"Report: {arguments.out / 'report.html'}", highlight=False, soft_wrap=True)
     return _status(results, console)
 
@@ -166,16 +168,19 @@ def _maps_of(arguments: argparse.Namespace) -> Iterator[Floorplan]:
 
 
 def check(arguments: argparse.Namespace) -> int:
-    """Run the conformance suite on a policy and print what it found."""
+    """Run the whole conformance suite on a policy and print what it found; the status is 1 where a check fails."""
     known = policy_entry_points()
     if ":" not in arguments.policy and arguments.policy not in known:
         raise InputError(f"unknown policy {arguments.policy!r}{did_you_mean(arguments.policy, known)}")
-    report = check_policy(make_policy(arguments.policy))
-    table = Table("check", "result", box=None, header_style="bold", title=arguments.policy, title_justify="left")
-    for name, finding in report.items():
-        table.add_row(name, finding)
-    _console().print(table)
-    return 0
+    policy, console = make_policy(arguments.policy), _console()
+    print_header(console, arguments.policy, policy)
+    with console.status("checking") if console.is_terminal else nullcontext():
+        findings = list(run_checks(policy))
+    print_findings(console, findings)
+    failures = [finding.error for finding in findings if finding.error is not None]
+    if failures and arguments.debug:
+        raise failures[0]
+    return 1 if failures else 0
 
 
 def run_bench(arguments: argparse.Namespace) -> int:

@@ -1,8 +1,9 @@
 """Means, interquartile means and paired differences, with percentile bootstrap intervals.
 
 Whole episodes are drawn as :mod:`~indoor_explorers.evaluation.statistics.resampling` says, with the same
-resamples for all policies. The interval lies between the 2.5 % and 97.5 % quantiles of the resampled
-statistic (Efron & Tibshirani 1993, An Introduction to the Bootstrap, section 13.3).
+resamples for all policies. The interval lies between two quantiles of the resampled statistic (Efron & Tibshirani
+1993, An Introduction to the Bootstrap, section 13.3): 2.5 % and 97.5 % for many units, and further out for few, as
+:mod:`~indoor_explorers.evaluation.statistics.small_samples` says.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ TRIMMED = 0.25
 
 
 def bootstrap_mean(values: ArrayLike, *, resamples: int = RESAMPLES, maps: ArrayLike | None = None) -> Estimate:
-    """Return the mean of (E,) episode values with its 95 % percentile bootstrap interval.
+    """Return the mean of (E,) episode values with its 95 % bootstrap interval; NaN for no episodes at all.
 
     Args:
         values: (E,), in the same order of tasks for every policy.
@@ -61,15 +62,17 @@ def bootstrap_iqm(values: ArrayLike, *, resamples: int = RESAMPLES, maps: ArrayL
     sample = episode_values(values)
     if not len(sample):
         return Estimate(float("nan"), None, None)
+    point = interquartile_mean(sample)
     order = np.argsort(sample, kind="stable")
+    apart = (sample - point)[order, None]
     trimmed = int(TRIMMED * len(sample)) / len(sample)
 
     def statistic(weights: NDArray[np.float64]) -> NDArray[np.float64]:
         reach = np.cumsum(weights[:, order], axis=1).clip(trimmed, 1 - trimmed)
         kept = np.diff(reach, axis=1, prepend=trimmed) / (1 - 2 * trimmed)
-        return np.asarray(kept @ sample[order, None])
+        return np.asarray(point + kept @ apart)
 
-    return _estimates(np.array([interquartile_mean(sample)]), statistic, len(sample), resamples, maps)[0]
+    return _estimates(np.array([point]), statistic, len(sample), resamples, maps)[0]
 
 
 def interquartile_mean(values: ArrayLike) -> float:

@@ -21,7 +21,7 @@ def performance_ratios(times: NDArray[np.floating]) -> NDArray[np.float64]:
         InputError: ``times`` is not (E, P), or a time is negative.
 
     """
-    steps = _table(times, 0, "steps of at least 0")
+    steps = _table(times, 0, "steps of at least 0", "pass NaN where never reached")
     steps = np.where(np.isnan(steps), np.inf, np.maximum(steps, 1.0))
     best = steps.min(axis=1, keepdims=True)
     solved = np.isfinite(steps)
@@ -45,16 +45,16 @@ def performance_profile(ratios: NDArray[np.floating]) -> tuple[NDArray[np.float6
         InputError: ``ratios`` is not (E, P), or a ratio is below 1.
 
     """
-    table = _table(ratios, 1, "ratios of at least 1")
+    table = _table(ratios, 1, "ratios of at least 1", "divide by the steps of the best policy on the task")
     tau = np.unique(np.concatenate(([1.0], table[np.isfinite(table)])))
     reached = [np.searchsorted(np.sort(column), tau, side="right") for column in table.T]
     return tau, np.stack(reached, axis=1) / len(table)
 
 
-def _table(values: NDArray[np.floating], least: float, what: str) -> NDArray[np.float64]:
+def _table(values: NDArray[np.floating], least: float, what: str, mend: str) -> NDArray[np.float64]:
     table = np.asarray(values, np.float64)
     if table.ndim != 2 or not table.size:
         raise InputError(f"expected an array of (tasks, policies), got shape {table.shape}; pass one row a task")
     if (table < least).any():
-        raise InputError(f"expected {what}, got {np.nanmin(table):g}; pass a row of one task, not a difference")
+        raise InputError(f"expected {what}, got {np.nanmin(table):g}; {mend}")
     return table

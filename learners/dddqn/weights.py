@@ -19,6 +19,9 @@ from indoor_explorers.learners.dddqn.inference import SHAPES, Weights, weights_f
 #: The weights that ship, trained on thesis-obstacles.
 SHIPPED = Path(__file__).parent / "weights" / "thesis-obstacles.safetensors"
 
+#: The largest file that is read as weights; the network has some 255,000 numbers.
+MOST_BYTES = 32_000_000
+
 
 def write_tensors(path: Path, tensors: Mapping[str, NDArray[Any]], metadata: dict[str, str] | None = None) -> None:
     """Write a safetensors file in one go: a crash leaves the old file or the new one, never half of one."""
@@ -46,9 +49,14 @@ def load_weights(path: Path) -> dict[str, NDArray[np.float32]]:
     """Return a network's arrays, float32 by name.
 
     Raises:
-        InputError: the file is missing, is no safetensors file, or holds another network.
+        InputError: the file is missing, too large, no safetensors file, or holds another network.
 
     """
+    if path.is_file() and path.stat().st_size > MOST_BYTES:
+        raise InputError(
+            f"{path}: expected weights of at most {MOST_BYTES // 10**6} MB, got {path.stat().st_size / 1e6:.0f} MB; "
+            "give weights that train wrote, not a checkpoint"
+        )
     found, _ = read_tensors(path)
     expected = dict(SHAPES)
     if missing := sorted(expected.keys() ^ found.keys()):

@@ -68,3 +68,23 @@ class WrongAction(Wander):
 class Dies(Wander):
     def pilot(self, briefing):
         os._exit(3)
+
+
+class NeverMade(Wander):
+    def __init__(self):
+        raise RuntimeError("no\nweights")
+
+
+class Leaks(Wander):
+    """Let all pilots look at one counter, and say too much."""
+
+    class Mind(Wanderer):
+        calls = np.zeros(1, int)
+
+        def act(self, view):
+            self.message = [float(view.step)]
+            self.calls += 1
+            return int(np.flatnonzero(view.legal)[self.calls[0] // 3 % view.legal.sum()])
+
+    def pilot(self, briefing):
+        return self.Mind(briefing)

@@ -113,3 +113,11 @@ def test_results_can_tell_which_weights_were_flown(untrained: str) -> None:
     own, shipped = Dddqn(weights=untrained).provenance(), Dddqn().provenance()
     assert len(own["weights_sha256"]) == 64
     assert own != shipped
+
+
+def test_weights_of_any_size_are_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "large.safetensors"
+    with path.open("wb") as file:
+        file.truncate(40_000_000)
+    with pytest.raises(InputError, match="expected weights of at most 32 MB, got 40 MB"):
+        Dddqn(weights=str(path))

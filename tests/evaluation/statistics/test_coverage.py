@@ -35,6 +35,13 @@ def test_intervals_of_normal_values_hold_the_mean_about_95_times_in_100(count):
     assert 0.91 <= coverage(values, 50) <= 0.97
 
 
+def test_plain_percentiles_of_few_values_would_hold_the_mean_less_often():
+    values = np.random.default_rng(5).normal(50, 10, (1500, 5))
+    weights = np.concatenate(list(resampled_weights(5, 1000)))
+    low, high = np.quantile(values @ weights.T, (0.025, 0.975), axis=1)
+    assert ((low <= 50) & (high >= 50)).mean() <= 0.87
+
+
 @pytest.mark.parametrize(("count", "least"), [(5, 0.85), (20, 0.90), (40, 0.92)])
 def test_intervals_of_skewed_values_hold_the_mean_a_little_less_often(count, least):
     values = np.random.default_rng(count).gamma(4.0, 10.0, (1500, count))
@@ -67,7 +74,7 @@ def test_on_fixed_maps_the_interval_is_about_their_own_mean(count, each, least):
     assert least <= coverage(values, 5.0 * maps.mean(), maps) <= 0.97
 
 
-@pytest.mark.parametrize(("count", "least"), [(20, 0.90), (40, 0.92)])
+@pytest.mark.parametrize(("count", "least"), [(5, 0.84), (10, 0.88), (20, 0.91), (40, 0.92)])
 def test_a_band_holds_whole_curves_where_intervals_of_each_step_do_not(count, least):
     rng = np.random.default_rng(count)
     weights = np.concatenate(list(resampled_weights(count, 500)))
@@ -78,7 +85,7 @@ def test_a_band_holds_whole_curves_where_intervals_of_each_step_do_not(count, le
         low, high = np.quantile(weights @ curves, SmallSample.of(count, None).tails, axis=0)
         pointwise += bool(((low <= 0) & (high >= 0)).all())
     assert least <= inside / runs <= 0.98
-    assert pointwise / runs <= 0.80
+    assert pointwise / runs <= inside / runs - 0.1
 
 
 def test_a_band_over_sampled_maps_holds_curves_that_differ_by_map():

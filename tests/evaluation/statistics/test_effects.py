@@ -54,6 +54,11 @@ def test_the_sign_flip_test_finds_it_about_80_times_in_100(count):
     assert 0.74 <= found <= 0.86
 
 
+def test_the_sign_flip_test_of_6_units_finds_it_less_often():
+    rng, shift = np.random.default_rng(6), smallest_detectable_difference(spread(6))
+    assert np.mean([sign_flip_test(rng.normal(shift, 1, 6)) <= 0.05 for _ in range(500)]) <= 0.7
+
+
 def test_too_few_units_detect_nothing():
     assert smallest_detectable_difference([1.0]) == math.inf
     assert smallest_detectable_difference(spread(5)) == math.inf

@@ -60,6 +60,11 @@ def test_too_few_episodes_get_no_interval():
     assert np.isnan(bootstrap_iqm([]).mean)
 
 
+@pytest.mark.parametrize("estimate", [bootstrap_mean, bootstrap_iqm])
+def test_values_that_are_all_alike_have_an_interval_without_width(estimate):
+    assert estimate(np.full(11, 5.0)) == (5, 5, 5)
+
+
 def test_the_interval_of_few_normal_values_is_as_wide_as_the_t_interval():
     values = stats.norm.ppf((np.arange(8) + 0.5) / 8)
     estimate = bootstrap_mean(values)

@@ -1,0 +1,68 @@
+"""What a policy may answer. A breach is noted in the trace, once of each kind, and something harmless flown instead."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+
+from indoor_explorers.env.conformance.findings import Breach, CannotFly, calling, shown
+from indoor_explorers.env.conformance.traces import Trace
+from indoor_explorers.env.grid import Action
+from indoor_explorers.env.policy import Pilot, is_action
+from indoor_explorers.env.view import MESSAGE_LIMIT, Briefing, Message
+
+
+def checked_action(answer: object, trace: Trace) -> int:
+    """Return an action, to stay in place of what is none."""
+    if is_action(answer):
+        return int(answer)
+    found = f"expected an action from 0 to 4 (down, left, up, right, stay), got {shown(answer)}"
+    trace.breaches.setdefault("actions", Breach(found, "return an int, such as int(np.argmax(values))"))
+    return int(Action.STAY)
+
+
+def checked_message(said: Any, trace: Trace) -> Message:
+    """Return a message, None in place of what is none."""
+    if said is None:
+        return None
+    if isinstance(said, tuple) and len(said) <= MESSAGE_LIMIT and all(map(_is_number, said)):
+        return tuple(map(float, said))
+    found = f"expected pilot.message to be None or a tuple of at most {MESSAGE_LIMIT} finite numbers, got {shown(said)}"
+    mend = "write tuple(map(float, values)), and choose what matters most where they are too many"
+    trace.breaches.setdefault("messages", Breach(found, mend))
+    return None
+
+
+def check_tallied(pilot: Pilot, trace: Trace) -> None:
+    """Ask a pilot for its tally."""
+    try:
+        with calling("tally"):
+            tally = pilot.tally()
+    except CannotFly as error:
+        trace.breaches.setdefault("tally", error)
+        return
+    if not isinstance(tally, dict) or not all(isinstance(k, str) and _is_number(v) for k, v in tally.items()):
+        found = f"expected tally to return a dict of finite numbers by name, got {shown(tally)}"
+        trace.breaches.setdefault("tally", Breach(found, "return {} for nothing to tell"))
+
+
+def facts_of(briefing: Briefing) -> dict[str, str]:
+    """Return how the plain facts of a briefing are written, which later changes leave alone."""
+    names = ("agent", "team", "shape", "lidar_range", "scenario")
+    with calling("the repr of the briefing"):
+        return {name: repr(getattr(briefing, name, None)) for name in names}
+
+
+def check_briefed(briefing: Briefing, facts: dict[str, str], trace: Trace) -> None:
+    """Compare a briefing with its facts as they were."""
+    changed = [name for name, value in facts_of(briefing).items() if value != facts[name]]
+    if changed:
+        found = f"the briefing's {changed[0]} was changed"
+        trace.breaches.setdefault("decisions", Breach(found, "leave it as it is, and copy what you change"))
+
+
+def _is_number(value: Any) -> bool:
+    limit = sys.float_info.max
+    return isinstance(value, (int, float, np.integer, np.floating)) and bool(-limit <= value <= limit)

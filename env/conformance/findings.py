@@ -1,0 +1,90 @@
+"""What the conformance suite says: breaches of the contract, and what each check found."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+from indoor_explorers.env.errors import PolicyError
+
+#: Characters of a plug-in's value or error that are repeated in a message.
+SHOWN = 120
+#: The folders of this package and of the policy interface; where a plug-in raised is looked for outside of them.
+_OURS = (Path(__file__).parent, Path(__file__).parent.parent)
+
+
+class Breach(PolicyError):
+    """Report one breach of the contract: what was found, and the likely cause with the way to mend it."""
+
+    def __init__(self, found: str, mend: str) -> None:
+        super().__init__(f"{found}; {mend}")
+        self.found = found
+        self.mend = mend
+
+
+class CannotFly(Breach):
+    """Report a breach after which an episode cannot go on, such as an error raised by the policy."""
+
+
+class Differs(Breach):
+    """Report choices that should have been the same."""
+
+
+class Finding(NamedTuple):
+    """What one check found."""
+
+    name: str
+    """Name of the check."""
+    passed: bool
+    text: str
+    """What was found, in a few words."""
+    seconds: float
+    """Time the check took, with the episodes flown for it."""
+    error: Breach | None = None
+    """The breach, of a check that failed."""
+    conclusive: bool = True
+    """False for a failure that says nothing of its own, since an earlier finding explains it."""
+
+    @property
+    def mend(self) -> str:
+        """The likely cause of a failure and the way to mend it; empty for a check that passed."""
+        return self.error.mend if self.error is not None and self.conclusive else ""
+
+
+@contextmanager
+def calling(what: str) -> Iterator[None]:
+    """Turn whatever a plug-in raises inside into :class:`CannotFly`; ``what`` names the code that was called."""
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        found = f"{what} raised {type(error).__name__}: {one_line(error)}"
+        if "read-only" in str(error):
+            raise CannotFly(found, "views are read-only, copy what you change") from error
+        raise CannotFly(found, _where(error)) from error
+
+
+def _where(error: BaseException) -> str:
+    """Say where a plug-in raised: the innermost place in its own folder, not in a library that it called."""
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent not in _OURS]
+    if not frames:
+        return "give it the arguments that indoor_explorers.env.Policy and Pilot have"
+    home = Path(frames[0].filename).parent
+    place = [frame for frame in frames if Path(frame.filename).is_relative_to(home)][-1]
+    return f"see {Path(place.filename).name}, line {place.lineno}, in {place.name}"
+
+
+def one_line(value: object) -> str:
+    """Return the text of a value on one line of at most :data:`SHOWN` characters."""
+    text = "".join(char if char.isprintable() else "?" for char in " ".join(str(value).split()))
+    return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
+
+
+def shown(value: object) -> str:
+    """Return how a value that a plug-in gave is written, on one line, even where its ``repr`` fails."""
+    try:
+        return one_line(repr(value))
+    except Exception as error:
+        return f"a {type(value).__name__} whose repr raises {type(error).__name__}"

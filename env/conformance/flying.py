@@ -1,0 +1,175 @@
+"""Fly checked episodes: every call of the policy is guarded, every answer looked at and recorded.
+
+A wrong action is replaced by a stay and a wrong message by none, and noted, so that one fault fails one check and
+the others still see the episode. A policy that raises, or changes what it was only to read, ends the flight.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from indoor_explorers.env.conformance.contract import (
+    check_briefed,
+    check_tallied,
+    checked_action,
+    checked_message,
+    facts_of,
+)
+from indoor_explorers.env.conformance.findings import CannotFly, calling, shown
+from indoor_explorers.env.conformance.traces import Decision, Setup, Trace, digest_of
+from indoor_explorers.env.grid import UNKNOWN, Action
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.env.view import Briefing
+from indoor_explorers.env.world import World
+
+#: A UAV of a batch: (episode, agent).
+Asked = tuple[int, int]
+
+
+def together(asked: list[Asked]) -> list[list[Asked]]:
+    """Ask all UAVs in one call, as the harness does."""
+    return [asked]
+
+
+def backwards(asked: list[Asked]) -> list[list[Asked]]:
+    """Ask all UAVs in one call, the last one first."""
+    return [asked[::-1]]
+
+
+def one_by_one(asked: list[Asked]) -> list[list[Asked]]:
+    """Ask each UAV in a call of its own."""
+    return [[one] for one in asked]
+
+
+def is_privileged(policy: Policy) -> bool:
+    """Tell whether a policy asks for the true map."""
+    with calling("policy.privileged"):
+        return bool(policy.privileged)
+
+
+class Changed(NamedTuple):
+    """A UAV whose doings are replaced."""
+
+    agent: int
+    wanders: bool
+    """It is asked as before but makes random legal moves; otherwise it is not asked, stays and says nothing."""
+
+
+class Flight:
+    """Fly one policy in a batch of episodes side by side."""
+
+    def __init__(
+        self,
+        policy: Policy,
+        scenario: Scenario,
+        setups: Sequence[Setup],
+        *,
+        ask: Callable[[list[Asked]], list[list[Asked]]] = together,
+        changed: Changed | None = None,
+    ) -> None:
+        self._policy = policy
+        self._ask = ask
+        self._changed = changed
+        self._task = scenario.model_copy(deep=True)  # which the policy may reach through its briefing
+        self._world = World(self._task, len(setups))
+        for b, setup in enumerate(setups):
+            self._world.begin(b, setup.seed, floorplan=setup.floorplan, spawns=setup.spawns)
+        self._traces = [Trace(setup) for setup in setups]
+        self._rngs = [np.random.default_rng(setup.seed) for setup in setups]
+        self._briefings: list[tuple[Trace, Briefing, dict[str, str]]] = []
+        """What each pilot was told, and the same as it was at the start."""
+        self._pilots = {
+            (b, n): self._pilot(trace, b, n) for b, trace in enumerate(self._traces) for n in range(scenario.team)
+        }
+
+    @property
+    def pilot_kind(self) -> type[Pilot]:
+        """The class of the policy's pilots."""
+        return type(self._pilots[0, 0])
+
+    def _pilot(self, trace: Trace, b: int, n: int) -> Pilot:
+        briefing = self._world.briefing(b, n, privileged=is_privileged(self._policy))
+        self._briefings.append((trace, briefing, facts_of(briefing)))
+        with calling("policy.pilot"):
+            pilot = self._policy.pilot(briefing)
+        if not isinstance(pilot, Pilot):
+            raise CannotFly(f"expected policy.pilot to return a Pilot, got {shown(pilot)}", "subclass Pilot")
+        return pilot
+
+    def fly(self, steps: int) -> list[Trace]:
+        """Fly at most ``steps`` steps and return what each episode was.
+
+        Raises:
+            CannotFly: the policy raises, answers for another number of UAVs, or changes a view.
+
+        """
+        world = self._world
+        for _ in range(steps):
+            asked = [(b, n) for b, n in np.argwhere(world.flying).tolist()]
+            if not asked:
+                break
+            for b in sorted({b for b, _ in asked}):
+                self._traces[b].steps.append({})
+                self._traces[b].unseen.append((world.state.union[b] == UNKNOWN).tobytes())
+            world.step(self._decided(asked))
+        self._debrief()
+        return self._traces
+
+    def _decided(self, asked: list[Asked]) -> np.ndarray:
+        """Ask the UAVs in turn and return the actions (B, N)."""
+        actions = np.full(self._world.state.end.shape, int(Action.STAY))
+        present = [(b, n) for b, n in asked if self._changed != Changed(n, wanders=False)]
+        for group in filter(None, self._ask(present)):
+            for (b, n), action in zip(group, self._answers(group), strict=True):
+                actions[b, n] = action
+        for b, n in asked:
+            if self._changed == Changed(n, wanders=True):
+                actions[b, n] = self._rngs[b].choice(np.flatnonzero(self._world.state.legal[b, n]))
+        return actions
+
+    def _answers(self, group: list[Asked]) -> list[int]:
+        """Ask some UAVs in one call and record what they chose."""
+        state = self._world.state
+        pilots, views = [self._pilots[one] for one in group], [self._world.view(b, n) for b, n in group]
+        digests = [digest_of(view) for view in views]
+        guarded = (state.belief, state.legal, state.visited, state.truth)
+        before = [array.copy() for array in guarded]
+        with calling("act"):
+            start = time.perf_counter()
+            answers: Any = self._policy.act(pilots, views)
+            share = (time.perf_counter() - start) / len(group)
+            chosen = list(answers) if isinstance(answers, Collection) else None
+        if not all(np.array_equal(old, new) for old, new in zip(before, guarded, strict=True)):
+            raise CannotFly("act changed the view it was given", "views are live, copy what you write to")
+        if chosen is None or len(chosen) != len(group):
+            got = shown(answers) if chosen is None else f"{len(chosen)}: {shown(answers)}"
+            raise CannotFly(f"expected a list of {len(group)} actions from act, got {got}", "return one for each pilot")
+        return [
+            self._recorded(b, n, action, digest, share)
+            for (b, n), action, digest in zip(group, chosen, digests, strict=True)
+        ]
+
+    def _recorded(self, b: int, n: int, answer: object, digest: bytes, share: float) -> int:
+        """Record one UAV's answer and post its message; returns the action to fly."""
+        trace, world = self._traces[b], self._world
+        action = checked_action(answer, trace)
+        with calling("pilot.message"):
+            said = self._pilots[b, n].message
+        message = checked_message(said, trace)
+        trace.seconds.append(share)
+        trace.into_walls += not world.state.legal[b, n, action]
+        trace.steps[-1][n] = Decision(digest, action, message)
+        world.post(b, n, message)
+        return action
+
+    def _debrief(self) -> None:
+        """Ask each pilot for its tally, and look at what became of the briefings."""
+        for (b, _), pilot in self._pilots.items():
+            check_tallied(pilot, self._traces[b])
+        for trace, briefing, facts in self._briefings:
+            check_briefed(briefing, facts, trace)

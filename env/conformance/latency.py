@@ -1,0 +1,52 @@
+"""How long decisions take, for one UAV in a small room and for a team on a large map. A report, never a failure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from indoor_explorers.env.conformance.flying import one_by_one, together
+from indoor_explorers.env.conformance.subject import FIRST, LARGE, SOLO, STEPS, Subject
+from indoor_explorers.env.scenario import Scenario
+
+#: Steps flown on the large map.
+LARGE_STEPS = 100
+#: A decision that takes longer is counted, in seconds.
+LIMIT = 5e-3
+#: Told to get slower: the last quarter's median is so many times the first's, and so many seconds above it.
+SLOWER_FACTOR, SLOWER_SECONDS = 2.0, 50e-6
+
+
+def report_latency(subject: Subject) -> str:
+    """Time one UAV in a 16x16 room."""
+    return f"one UAV, 16x16: {latency_text(_timed(subject, SOLO, STEPS))}"
+
+
+def report_large_latency(subject: Subject) -> str:
+    """Time four UAVs on a 64x64 map."""
+    return f"four UAVs, 64x64: {latency_text(_timed(subject, LARGE, LARGE_STEPS))}"
+
+
+def _timed(subject: Subject, scenario: Scenario, steps: int) -> list[float]:
+    """Time decisions as the harness does, in seconds; earlier flights have loaded and compiled what there is to."""
+    (trace,) = subject.fly(scenario, [FIRST], steps, ask=together if subject.batched else one_by_one)
+    return trace.seconds
+
+
+def latency_text(seconds: Sequence[float]) -> str:
+    """Say median, 99th percentile and slowest of a flight's decisions in the order made, and whether they slow down."""
+    times = np.asarray(seconds)
+    share = float(np.mean(times > LIMIT))
+    figures = (("median", np.percentile(times, 50)), ("p99", np.percentile(times, 99)), ("slowest", times.max()))
+    text = ", ".join(f"{name} {_time(float(value))}" for name, value in figures)
+    text += f"; {100 * share:.1f} % over 5 ms" if share else "; none over 5 ms"
+    quarter = max(1, len(times) // 4)
+    first, last = float(np.median(times[:quarter])), float(np.median(times[-quarter:]))
+    if last > SLOWER_FACTOR * first and last > first + SLOWER_SECONDS:
+        text += f"; gets slower: median {_time(first)} in the first quarter, {_time(last)} in the last"
+    return text
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds * 1e6:.0f} us" if seconds < 1e-3 else f"{seconds * 1e3:.1f} ms"

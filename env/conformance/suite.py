@@ -1,0 +1,75 @@
+"""The conformance suite every policy must pass, the project's own and everybody's plug-in."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+
+from indoor_explorers.env.conformance.answers import check_actions, check_decisions, check_messages, check_tally
+from indoor_explorers.env.conformance.findings import Breach, CannotFly, Differs, Finding
+from indoor_explorers.env.conformance.knowledge import check_unlinked, check_unseen
+from indoor_explorers.env.conformance.latency import report_large_latency, report_latency
+from indoor_explorers.env.conformance.sameness import check_independent, check_order, check_pickling, check_repeatable
+from indoor_explorers.env.conformance.subject import Subject
+from indoor_explorers.env.policy import Policy
+
+REPEATABLE = "same seed, same episode"
+#: The checks by name, in the order in which they run; each returns what it found or raises a :class:`Breach`.
+CHECKS: dict[str, Callable[[Subject], str]] = {
+    "decisions": check_decisions,
+    "actions": check_actions,
+    "messages": check_messages,
+    "tally": check_tally,
+    REPEATABLE: check_repeatable,
+    "pickling": check_pickling,
+    "pilots share nothing": check_independent,
+    "order of the batch": check_order,
+    "no hidden knowledge": check_unseen,
+    "unlinked teammates": check_unlinked,
+    "latency": report_latency,
+    "latency, large map": report_large_latency,
+}
+
+
+def run_checks(policy: Policy) -> Iterator[Finding]:
+    """Run every check on a policy, also after one has failed, and yield what each found.
+
+    What an earlier finding explains is told as such: the same error raised again, and other differences of a policy
+    that never flies the same episode twice. Nothing stops a policy that takes for ever.
+    """
+    subject = Subject(policy)
+    earlier: dict[str, Finding] = {}
+    for name, check in CHECKS.items():
+        start = time.perf_counter()
+        try:
+            text, error = check(subject), None
+        except Breach as breach:
+            text, error = breach.found, breach
+        finding = Finding(name, error is None, text, time.perf_counter() - start, error)
+        earlier[name] = finding
+        yield _explained(finding, earlier)
+
+
+def _explained(finding: Finding, earlier: dict[str, Finding]) -> Finding:
+    """Refer to an earlier finding that explains this one."""
+    first = next(name for name, other in earlier.items() if other.text == finding.text)
+    if isinstance(finding.error, CannotFly) and first != finding.name:
+        return finding._replace(text=f"not run: see {first}", conclusive=False)
+    if isinstance(finding.error, Differs) and finding.name != REPEATABLE and not earlier[REPEATABLE].passed:
+        return finding._replace(text=f"cannot be told: see {REPEATABLE}", conclusive=False)
+    return finding
+
+
+def check_policy(policy: Policy) -> dict[str, str]:
+    """Fly a policy through the conformance suite; return what each check found.
+
+    Raises:
+        PolicyError: the policy breaks its contract; the message names the likely cause.
+
+    """
+    report = {}
+    for finding in run_checks(policy):
+        if finding.error is not None:
+            raise finding.error
+        report[finding.name] = finding.text
+    return report

@@ -1,0 +1,97 @@
+"""What a checked episode was: who decided what, and from which knowledge."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.conformance.findings import Breach
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.view import Message, View
+
+
+class Setup(NamedTuple):
+    """Start of an episode: a seed, and a map and spawns that replace what it would draw."""
+
+    seed: int
+    floorplan: Floorplan | None = None
+    spawns: tuple[Cell, ...] | None = None
+
+
+class Decision(NamedTuple):
+    """What one UAV chose at one step, and a hash of the view that it chose from."""
+
+    view: bytes
+    action: int
+    message: Message
+
+    @property
+    def choice(self) -> tuple[int, Message]:
+        """What the policy answered."""
+        return self.action, self.message
+
+
+#: The decisions of one step by UAV; those that had ended or were not asked are missing.
+Step = dict[int, Decision]
+
+
+@dataclass
+class Trace:
+    """Record one episode."""
+
+    setup: Setup
+    steps: list[Step] = field(default_factory=list)
+    unseen: list[bytes] = field(default_factory=list)
+    """(H, W) bool at each step: cells that no UAV has seen."""
+    seconds: list[float] = field(default_factory=list)
+    """Time of each decision; in a batched act, each UAV's share of it."""
+    into_walls: int = 0
+    """Moves into a wall or off the map."""
+    breaches: dict[str, Breach] = field(default_factory=dict)
+    """The first breach of each kind, named like the check that reports it."""
+
+
+def digest_of(view: View) -> bytes:
+    """Return a hash of all that a view shows."""
+    seen = hashlib.blake2b(digest_size=16)
+    for array in (view.belief, view.legal, view.visited):
+        seen.update(array.tobytes())
+    seen.update(repr((view.cell, view.step, view.budget, view.mates)).encode())
+    return seen.digest()
+
+
+def first_difference(found: Trace, expected: Trace) -> int | None:
+    """Return the first step at which two episodes differ in anything chosen or known; None when they are the same."""
+    if found.steps == expected.steps:
+        return None
+    pairs = zip(found.steps, expected.steps, strict=False)
+    shorter = min(len(found.steps), len(expected.steps))
+    return next((step for step, (one, other) in enumerate(pairs) if one != other), shorter)
+
+
+class Comparison(NamedTuple):
+    """What comparing two episodes by what each UAV knew has shown."""
+
+    compared: int
+    """Decisions of UAVs that had had the same views in both episodes up to then."""
+    differs: tuple[int, int] | None
+    """The first such decision that is another one, as (UAV, step); None when all are the same."""
+
+
+def compare(changed: Trace, recorded: Trace, agents: Sequence[int]) -> Comparison:
+    """Demand that UAVs which knew the same up to a step choose the same at that step.
+
+    Each of ``agents`` is followed until its own view differs for the first time or it has ended in one of the
+    episodes.
+    """
+    alike, compared = set(agents), 0
+    for step, (now, then) in enumerate(zip(changed.steps, recorded.steps, strict=False)):
+        alike = {n for n in alike if n in now and n in then and now[n].view == then[n].view}
+        for n in sorted(alike):
+            if now[n].choice != then[n].choice:
+                return Comparison(compared, (n, step))
+        compared += len(alike)
+    return Comparison(compared, None)

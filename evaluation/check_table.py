@@ -1,0 +1,82 @@
+"""The page that ``indoor-explorers check`` prints: what was checked, what each check found, and how to mend it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from indoor_explorers.env import Finding, Policy
+from indoor_explorers.env.conformance import is_privileged, shown
+
+#: Columns before what was found.
+_INDENT = 2
+
+
+def print_header(console: Console, name: str, policy: Policy) -> None:
+    """Say which policy is checked, its class and parameters, and what it is told.
+
+    Raises:
+        PolicyError: the policy cannot say whether it is privileged.
+
+    """
+    kind = type(policy)
+    told = "the true map, too: privileged" if is_privileged(policy) else "its view and briefing alone"
+    facts = Table.grid(padding=(0, 2))
+    facts.add_column(style="dim", no_wrap=True)
+    facts.add_column(overflow="fold")
+    for label, value in (
+        ("policy", Text(name, style="bold")),
+        ("class", Text(f"{kind.__module__}:{kind.__qualname__}")),
+        ("parameters", Text(_parameters(policy))),
+        ("knows", Text(told)),
+    ):
+        facts.add_row(label, value)
+    console.print(Padding(facts, (1, 0, 1, _INDENT), expand=False), highlight=False)
+
+
+def _parameters(policy: Policy) -> str:
+    if not dataclasses.is_dataclass(policy):
+        return "none that results can say; make the policy a dataclass"
+    told = [f"{field.name}={shown(getattr(policy, field.name, None))}" for field in dataclasses.fields(policy)]
+    return ", ".join(told) or "none"
+
+
+def print_findings(console: Console, findings: Sequence[Finding]) -> None:
+    """Print a row for each finding and a line that sums them up."""
+    table = Table.grid(padding=(0, 2))
+    table.add_column(no_wrap=True)
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold")
+    for finding in findings:
+        table.add_row(_mark(finding, console.options.ascii_only), Text(finding.name), _found(finding))
+    console.print(Padding(table, (0, 0, 1, _INDENT), expand=False), highlight=False)
+    passed, seconds = sum(finding.passed for finding in findings), sum(finding.seconds for finding in findings)
+    style = "bold green" if passed == len(findings) else "bold red"
+    summary = Text(f"{passed} of {len(findings)} checks passed", style=style).append(
+        f" in {seconds:.1f} s", style="dim"
+    )
+    console.print(Padding(summary, (0, 0, 0, _INDENT), expand=False), highlight=False)
+
+
+def _mark(finding: Finding, plain: bool) -> Text:
+    """Return a tick or a cross, and the same in a word for those who see no colours."""
+    if finding.passed:
+        sign, word, style = "\N{CHECK MARK} ", "ok", "green"
+    elif finding.conclusive:
+        sign, word, style = "\N{BALLOT X} ", "FAILED", "bold red"
+    else:
+        sign, word, style = "- ", "unknown", "yellow"
+    return Text(word if plain else sign + word, style=style)
+
+
+def _found(finding: Finding) -> Text:
+    """Return what was found and, on lines of their own, the likely cause and the way to mend it."""
+    text = Text(finding.text, style="" if finding.conclusive else "dim")
+    if finding.mend:
+        text.append(f"\nTo mend: {finding.mend}", style="yellow")
+    return text

@@ -1,0 +1,3 @@
+"""A plug-in whose module cannot be imported."""
+
+raise RuntimeError("licence\nexpired")
