@@ -212,7 +212,7 @@ def test_a_report_is_rebuilt_and_combined(capsys, tmp_path):
     run(capsys, "compare", "--policies", "random", *common, "--set", "lidar.range=4", "--out", tmp_path / "c")
     status, _, errors = run(capsys, "report", tmp_path / "a", tmp_path / "c", "--out", tmp_path / "no.html")
     assert status == 2
-    assert "what differs: lidar" in errors
+    assert "what differs: lidar.range (3.0 and 4.0)" in errors
     assert not (tmp_path / "no.html").exists()
 
 
