@@ -20,7 +20,8 @@ from typing import Any
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.metrics import LEVELS, MEASURES
 from indoor_explorers.evaluation.record import Outcome
-from indoor_explorers.evaluation.report.charts import WHO, coverage_at, sampled_steps
+from indoor_explorers.evaluation.report.axes import coverage_at, sampled_steps
+from indoor_explorers.evaluation.report.charts import WHO
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.facts import denominator, setting_rows
 from indoor_explorers.evaluation.results import Results

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.charts import coverage_at, sampled_steps
+from indoor_explorers.evaluation.report.axes import coverage_at, sampled_steps
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import curve_band

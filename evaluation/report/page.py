@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -14,30 +12,23 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report import facts
 from indoor_explorers.evaluation.report.against import Against
-from indoor_explorers.evaluation.report.charts import WHO, chart_data
+from indoor_explorers.evaluation.report.comparability import judged, on_common_tasks
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.headline import headline
+from indoor_explorers.evaluation.report.definitions import definitions
+from indoor_explorers.evaluation.report.multiples import scenario_multiples
 from indoor_explorers.evaluation.report.numbers import counted, percent
-from indoor_explorers.evaluation.report.palette import COLOURS, Style, styles
-from indoor_explorers.evaluation.report.replay import ending, replay_data
+from indoor_explorers.evaluation.report.overview import lead, line
+from indoor_explorers.evaluation.report.palette import COLOURS, styles
+from indoor_explorers.evaluation.report.panels import sweep_sections
+from indoor_explorers.evaluation.report.replay import ending
+from indoor_explorers.evaluation.report.reproduce import experiment_files, row_command
+from indoor_explorers.evaluation.report.sections import section_of
 from indoor_explorers.evaluation.report.strips import swatch
-from indoor_explorers.evaluation.report.tables import (
-    COLUMNS,
-    LISTED,
-    map_table,
-    paired_table,
-    results_table,
-    tally_table,
-    troubles,
-)
+from indoor_explorers.evaluation.report.tables import COLUMNS, LISTED
 from indoor_explorers.evaluation.results import Results
-from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, RESAMPLES
-
-#: Bytes of the whole page that replays and charts may take, beside the 5 MB of plotly.js.
-REPLAY_BYTES, CHART_BYTES = 3_000_000, 1_200_000
+from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
 
 def write_report(results: Results, path: Path, *, title: str | None = None, against: Against | None = None) -> None:
@@ -49,8 +40,9 @@ def write_report(results: Results, path: Path, *, title: str | None = None, agai
 
 def render(results: Results, *, title: str | None = None, against: Against | None = None) -> str:
     """Return the page as text."""
+    common = on_common_tasks(results)
     looks = styles(results.policies)
-    sections = [_section(results, name, number, looks) for number, name in enumerate(results.scenarios, 1)]
+    comparisons = [(f"s{number}", Comparison(common, name)) for number, name in enumerate(results.scenarios, 1)]
     return (
         _environment()
         .get_template("page.html")
@@ -58,21 +50,34 @@ def render(results: Results, *, title: str | None = None, against: Against | Non
             title=title or "Exploration policies compared",
             subtitle=_subtitle(results),
             colours=COLOURS,
-            sections=sections,
             against=against,
+            verdict=judged(results),
+            lead=lead([each for _, each in comparisons]),
+            lines=[line(each, section_id) for section_id, each in comparisons],
+            panels=scenario_multiples(comparisons, looks),
+            sections=[section_of(each, section_id, looks) for section_id, each in comparisons],
+            sweeps=sweep_sections(common, looks),
             columns=COLUMNS,
             listed=LISTED,
             swatches={name: swatch(look) for name, look in looks.items()},
             policies=results.policies,
             privileged=[name for name, about in results.policies.items() if about.get("privileged")],
-            measures=facts.measures(),
+            definitions=definitions(),
             runs=facts.run_rows(results.runs),
             run_count=len(results.runs),
             commands=facts.commands(results.runs),
-            interval={"confidence": percent(CONFIDENCE), "resamples": RESAMPLES, "fewest": FEWEST},
+            row_commands=_row_commands(results),
+            experiments=experiment_files(results),
+            interval={"confidence": percent(CONFIDENCE), "fewest": FEWEST},
             plotly=Markup(get_plotlyjs().replace("</script", "<\\/script")),
         )
     )
+
+
+def _row_commands(results: Results) -> list[tuple[str, str, str]]:
+    """Return (scenario, policy, command) of each row of the results tables that can be made again by itself."""
+    rows = [(scenario, policy, row_command(results, scenario, policy)) for scenario, policy in results.groups]
+    return [row for row in rows if row[2]]
 
 
 @lru_cache(maxsize=1)
@@ -98,71 +103,6 @@ def embedded(data: Any) -> Markup:
     """Return JSON that can stand inside a script element whatever the names in it are."""
     text = json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
-
-
-@dataclass(frozen=True)
-class Section:
-    """What the template shows of one scenario."""
-
-    id: str
-    name: str
-    settings: Mapping[str, Any]
-    phrases: list[str]
-    denominator: str
-    headline: Markup
-    episodes: int
-    few: bool
-    who: tuple[str, ...]
-    table: list[Any]
-    baseline: str
-    paired: list[Any]
-    policies: list[str]
-    maps: list[Any]
-    tallies: list[str]
-    tally_rows: list[Any]
-    troubles: list[Record]
-    setting_rows: list[tuple[str, str, str]]
-    chart: dict[str, Any] | None
-    replay: dict[str, Any] | None
-
-
-def _section(results: Results, name: str, number: int, looks: Mapping[str, Style]) -> Section:
-    comparison = Comparison(results, name)
-    settings = results.scenarios[name]
-    records = [record for group in comparison.groups.values() for record in group]
-    flown = bool(records)
-    baseline, paired = paired_table(comparison, looks) if flown else ("", [])
-    return Section(
-        id=f"s{number}",
-        name=name,
-        settings=settings,
-        phrases=facts.summary_line(
-            settings, sorted({r.budget for r in records}), sorted({r.floorplan.shape for r in records})
-        ),
-        denominator=facts.denominator(settings),
-        headline=headline(comparison),
-        episodes=max((len(group) for group in comparison.groups.values()), default=0),
-        few=any(len(group) < FEWEST for group in comparison.groups.values()),
-        who=WHO if settings["team"] > 1 else WHO[:1],
-        table=results_table(comparison, looks) if flown else [],
-        baseline=baseline,
-        paired=paired,
-        policies=list(comparison.groups),
-        maps=map_table(comparison),
-        tallies=comparison.tallies,
-        tally_rows=tally_table(comparison),
-        troubles=troubles(comparison),
-        setting_rows=facts.setting_rows(settings),
-        chart=chart_data(comparison, looks, _points(results)) if flown else None,
-        replay=replay_data(comparison, looks, REPLAY_BYTES // len(results.scenarios)) if flown else None,
-    )
-
-
-def _points(results: Results) -> int:
-    """Return how many steps a chart may have for all charts to stay within their share of the page."""
-    numbers = 9 if any(settings["team"] > 1 for settings in results.scenarios.values()) else 3
-    curves = max(1, len(results.groups)) * numbers
-    return int(min(480, max(60, CHART_BYTES / (curves * 2.7))))
 
 
 def _subtitle(results: Results) -> list[str]:

@@ -18,6 +18,7 @@ from indoor_explorers.evaluation.statistics.means import (
     paired_difference,
 )
 from indoor_explorers.evaluation.statistics.profiles import performance_profile, performance_ratios
+from indoor_explorers.evaluation.statistics.ratios import ratio_of_means
 from indoor_explorers.evaluation.statistics.resampling import maps_are_sampled, resampled_weights
 from indoor_explorers.evaluation.statistics.significance import holm, sign_flip_test
 from indoor_explorers.evaluation.statistics.wins import WinTieLoss, probability_of_improvement, win_tie_loss
@@ -43,6 +44,7 @@ __all__ = [
     "performance_profile",
     "performance_ratios",
     "probability_of_improvement",
+    "ratio_of_means",
     "resampled_weights",
     "restricted_mean",
     "sign_flip_test",

@@ -1,0 +1,64 @@
+"""Failures and early ends, gathered by policy and cause."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from indoor_explorers.evaluation.record import Outcome, Record
+from indoor_explorers.evaluation.report.numbers import EN_DASH, percent
+from indoor_explorers.evaluation.report.panels.links import replay_link
+from indoor_explorers.evaluation.report.replay import ending
+
+#: The most seeds that a row lists.
+SEEDS = 8
+
+
+class Cause(NamedTuple):
+    """The episodes of one policy that ended for one cause."""
+
+    policy: str
+    cause: str
+    """In the words of the first of them."""
+    episodes: int
+    flown: int
+    """Episodes of the policy in all."""
+    coverage: str
+    """When they ended, from least to most."""
+    seeds: str
+    replay: str
+    """The first of them."""
+
+
+def causes(troubles: Sequence[Record], flown: dict[str, int]) -> list[Cause]:
+    """Gather records that failed or ended early, of policies with that many episodes ``flown``; most frequent first."""
+    groups: dict[tuple[str, str], list[Record]] = {}
+    for record in troubles:
+        groups.setdefault((record.policy, _kind(record)), []).append(record)
+    rows = [_cause(policy, records, flown[policy]) for (policy, _), records in groups.items()]
+    return sorted(rows, key=lambda row: -row.episodes)
+
+
+def _kind(record: Record) -> str:
+    """Return what two episodes have in common that ended for the same cause: messages but for their numbers."""
+    if record.outcome is Outcome.ENDED:
+        return f"{record.outcome}: {', '.join(_ends(record))}"
+    return f"{record.outcome}: " + re.sub(r"-?\d+(\.\d+)?", "#", record.reason)
+
+
+def _ends(record: Record) -> list[str]:
+    """Return the different ways in which the UAVs of an episode ended."""
+    return sorted({part.partition(": ")[2] for part in record.reason.split(", ")})
+
+
+def _cause(policy: str, records: list[Record], flown: int) -> Cause:
+    first = records[0]
+    ended = first.outcome is Outcome.ENDED
+    cause = f"all UAVs ended {EN_DASH} {', '.join(_ends(first))}" if ended else ending(first)
+    covered = sorted(float(record.curve[-1]) for record in records)
+    spread = list(dict.fromkeys(percent(share, 1) for share in (covered[0], covered[-1])))
+    seeds = list(dict.fromkeys(str(record.task.seed) for record in records))
+    more = f" and {len(seeds) - SEEDS} more" if len(seeds) > SEEDS else ""
+    coverage, listed = " to ".join(spread), ", ".join(seeds[:SEEDS]) + more
+    return Cause(policy, cause, len(records), flown, coverage, listed, replay_link(policy, first.task))

@@ -1,0 +1,78 @@
+"""T99 of every contestant on every task of a scenario, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.report.comparison import Comparison
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two policies on the tasks that both flew."""
+
+    tasks: list[Task]
+    ours: NDArray[np.float64]
+    """(E,) steps; the budget where the level was never reached."""
+    theirs: NDArray[np.float64]
+    """(E,) steps."""
+    maps: NDArray[np.str_]
+    """(E,) which map each task was flown on; equal maps have equal labels."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcomes:
+    """A metric of E tasks by P policies."""
+
+    tasks: list[Task]
+    """Sorted."""
+    policies: list[str]
+    """Best first."""
+    times: NDArray[np.float64]
+    """(E, P) steps, the budget where the level was never reached, NaN where the policy has not flown the task."""
+    reached: NDArray[np.bool_]
+    """(E, P) whether the level was reached."""
+    maps: NDArray[np.str_]
+    """(E,) which map each task was flown on; equal maps have equal labels."""
+
+    @classmethod
+    def of(cls, comparison: Comparison, metric: str = "t99") -> Outcomes:
+        """Collect a scenario's policies, without those that know the map unless all do."""
+        policies = comparison.contestants if comparison.groups else []
+        tasks = sorted({record.task for policy in policies for record in comparison.groups[policy]})
+        place = {task: row for row, task in enumerate(tasks)}
+        times = np.full((len(tasks), len(policies)), np.nan)
+        reached = np.zeros(times.shape, np.bool_)
+        labels: dict[int, str] = {}
+        for column, policy in enumerate(policies):
+            records = comparison.groups[policy]
+            rows = [place[record.task] for record in records]
+            labels |= dict(zip(rows, comparison.maps(policy).tolist(), strict=True))
+            times[rows, column] = comparison.results.values(comparison.scenario, policy, metric)
+            reached[rows, column] = [record.metrics.get(metric) is not None for record in records]
+        return cls(tasks, policies, times, reached, np.array([labels[row] for row in range(len(tasks))], np.str_))
+
+    def pair(self, policy: str, other: str) -> Pair:
+        """Return two policies on the tasks that both flew."""
+        ours, theirs = (self.times[:, self.policies.index(name)] for name in (policy, other))
+        both = ~np.isnan(ours) & ~np.isnan(theirs)
+        return Pair([self.tasks[row] for row in np.flatnonzero(both)], ours[both], theirs[both], self.maps[both])
+
+    def common(self) -> Outcomes:
+        """Keep the tasks that every policy has flown."""
+        return self.among(np.flatnonzero(~np.isnan(self.times).any(axis=1)).tolist())
+
+    def among(self, rows: Sequence[int]) -> Outcomes:
+        """Keep some of the tasks."""
+        tasks, kept = [self.tasks[row] for row in rows], np.array(rows, np.int64)
+        return Outcomes(tasks, self.policies, self.times[kept], self.reached[kept], self.maps[kept])
+
+    def by_map(self) -> dict[int, Outcomes]:
+        """Return the tasks of each of a scenario's map files; one that makes its maps counts as a single one."""
+        maps = np.array([task.map_index for task in self.tasks], np.int64)
+        return {int(index): self.among(np.flatnonzero(maps == index).tolist()) for index in np.unique(maps)}

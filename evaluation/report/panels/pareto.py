@@ -1,0 +1,94 @@
+"""What thinking buys: the area under the coverage curve against the time of a decision."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.numbers import fixed, with_interval
+from indoor_explorers.evaluation.report.palette import Style
+from indoor_explorers.evaluation.report.panels.plots import Axis, Guide, Plot, Series
+from indoor_explorers.evaluation.statistics import FEWEST, Estimate
+
+
+class Bargain(NamedTuple):
+    """What one policy costs and gives."""
+
+    policy: str
+    median: float
+    """Milliseconds: mean over episodes of the median decision."""
+    late: float
+    """Milliseconds: the same of the 99th percentile."""
+    area: Estimate
+    """Of the AUC."""
+    front: bool
+    """True when no other contestant is as fast and as good, and better in one of the two."""
+
+
+def bargains(comparison: Comparison) -> list[Bargain]:
+    """Return the policies whose latency and AUC were measured, fastest first; those that know the map never lead."""
+    found = []
+    for policy in comparison.ranking:
+        median, late = (comparison.estimate(policy, f"latency_{which}_us").mean / 1000 for which in ("p50", "p99"))
+        area = comparison.estimate(policy, "auc")
+        if median > 0 and not math.isnan(area.mean):
+            found.append(Bargain(policy, median, max(median, late), area, front=False))
+    rivals = [each for each in found if each.policy in comparison.contestants]
+    leading = [each for each in rivals if not any(_beats(other, each) for other in rivals)]
+    return [
+        each._replace(front=each in leading) for each in sorted(found, key=lambda each: (each.median, -each.area.mean))
+    ]
+
+
+def _beats(one: Bargain, other: Bargain) -> bool:
+    no_worse = one.median <= other.median and one.area.mean >= other.area.mean
+    return no_worse and (one.median < other.median or one.area.mean > other.area.mean)
+
+
+def pareto_plot(comparison: Comparison, looks: Mapping[str, Style]) -> Plot | None:
+    """Return the plot; None when fewer than two policies can be drawn."""
+    found = bargains(comparison)
+    if len(found) < 2:
+        return None
+    front = [each for each in found if each.front]
+    slowest, fastest = max(each.late for each in found), min(each.median for each in found)
+    areas = [end for each in found for end in each.area if end is not None]
+    margin = max(0.004, 0.06 * (max(areas) - min(areas)))
+    # The front is a staircase: what a policy reaches, it also reaches with more time.
+    stairs_x, stairs_y = [each.median for each in front] + [slowest * 2], [each.area.mean for each in front]
+    return Plot(
+        title="AUC against the time of a decision",
+        label="AUC of each policy against its decision latency, the Pareto front marked",
+        x=Axis(title="time of a decision [ms]", low=fastest / 1.6, high=slowest * 1.6, log=True),
+        y=Axis(title="AUC", low=max(0.0, min(areas) - margin), high=max(areas) + margin),
+        series=[_point(comparison, each, looks[each.policy]) for each in found],
+        guides=[Guide(name="Pareto front", x=stairs_x, y=[*stairs_y, stairs_y[-1]], step=True)],
+    )
+
+
+def _point(comparison: Comparison, bargain: Bargain, style: Style) -> Series:
+    low, high = bargain.area.low, bargain.area.high
+    few = len(comparison.groups[bargain.policy]) < FEWEST
+    areas = comparison.results.values(comparison.scenario, bargain.policy, "auc").tolist()
+    return Series(
+        name=bargain.policy,
+        style=style,
+        x=[bargain.median],
+        y=[bargain.area.mean],
+        low=None if low is None else [low],
+        high=None if high is None else [high],
+        right=[bargain.late],
+        dots=[(bargain.median, area) for area in areas] if few else None,
+        hollow=[not bargain.front],
+        line=False,
+        text=[
+            f"AUC {with_interval(bargain.area, 3)}, p50 {_milliseconds(bargain.median)}, "
+            f"p99 {_milliseconds(bargain.late)}" + (", on the front" if bargain.front else "")
+        ],
+    )
+
+
+def _milliseconds(value: float) -> str:
+    return f"{fixed(value, 3 if value < 1 else 1)} ms"

@@ -1,0 +1,132 @@
+"""Which policy was best where: a table by map, or by seed where a scenario has one map or makes them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.numbers import counted, fixed, interval
+from indoor_explorers.evaluation.report.panels.links import replay_link
+from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
+from indoor_explorers.evaluation.statistics import bootstrap_mean
+
+#: The most maps, and the most seeds, that are shown.
+MAPS, SEEDS = 60, 40
+#: Upper ends of the ratios to the best that share a shade, the best's own first.
+SHADES = (1.0, 1.1, 1.25, 1.5, 2.0)
+
+
+class Place(NamedTuple):
+    """How one policy did on one map or task."""
+
+    text: str
+    detail: str
+    winner: bool
+    shade: int
+    """0 for the best, to 5 for more than twice its steps or never there."""
+    title: str
+    replay: str
+
+
+@dataclass(frozen=True)
+class Ranks:
+    """A table of places: units, which are maps or seeds, by policies."""
+
+    unit: str
+    """``map`` or ``seed``."""
+    policies: list[str]
+    rows: list[tuple[str, list[Place]]]
+    """By unit; a cell a policy."""
+    won: list[tuple[int, int]]
+    """By policy: how many units it won alone, and shared."""
+    units: int
+    """In all; ``rows`` holds the first of them."""
+    tasks: int
+
+
+def ranks(comparison: Comparison, outcomes: Outcomes) -> Ranks | None:
+    """Return the table over the tasks that all contestants flew; None without any or with a single policy."""
+    common = outcomes.common()
+    if not common.tasks or len(common.policies) < 2:
+        return None
+    maps = common.by_map()
+    return _by_map(comparison, common, maps) if len(maps) > 1 else _by_seed(common)
+
+
+def _by_map(comparison: Comparison, common: Outcomes, maps: dict[int, Outcomes]) -> Ranks:
+    names = {r.task.map_index: r.floorplan.name for rs in comparison.groups.values() for r in rs}
+    means = np.stack([here.times.mean(axis=0) for here in maps.values()])
+    rows = [
+        (names[index], [_on_map(here, column, names[index]) for column in range(len(common.policies))])
+        for index, here in list(maps.items())[:MAPS]
+    ]
+    return Ranks("map", common.policies, rows, _won(means), len(maps), len(common.tasks))
+
+
+def _by_seed(common: Outcomes) -> Ranks:
+    rows = [
+        (str(task.seed), [_on_task(common, row, column) for column in range(len(common.policies))])
+        for row, task in enumerate(common.tasks[:SEEDS])
+    ]
+    return Ranks("seed", common.policies, rows, _won(common.times), len(common.tasks), len(common.tasks))
+
+
+def _won(times: NDArray[np.float64]) -> list[tuple[int, int]]:
+    """Return for each column of (U, P) how many units it has the lowest value of alone, and with others."""
+    first = np.isclose(times, times.min(axis=1, keepdims=True), rtol=0, atol=1e-9)
+    alone = first & (first.sum(axis=1, keepdims=True) == 1)
+    everyone = first.all(axis=1, keepdims=True)
+    return list(zip(alone.sum(axis=0).tolist(), (first & ~alone & ~everyone).sum(axis=0).tolist(), strict=True))
+
+
+def _on_map(here: Outcomes, column: int, name: str) -> Place:
+    """Describe a policy on one map; its episode nearest to its mean is the one to replay."""
+    estimate = bootstrap_mean(here.times[:, column])
+    means = here.times.mean(axis=0)
+    ratio, reached = _ratio(means, column), int(here.reached[:, column].sum())
+    typical = int(np.argmin(np.abs(here.times[:, column] - estimate.mean)))
+    told = f"{interval(estimate, 1)} {reached}/{len(here.tasks)}".strip()
+    title = f"{here.policies[column]} on {name}: mean T99 {fixed(estimate.mean, 1)} {interval(estimate, 1)} steps"
+    title = f"{title.strip()}, {_times(ratio)}; 99 % reached in {reached} of {counted(len(here.tasks), 'episode')}"
+    return _place(fixed(estimate.mean, 1), told, ratio, means, title, here, column, here.tasks[typical])
+
+
+def _on_task(common: Outcomes, row: int, column: int) -> Place:
+    times, task = common.times[row], common.tasks[row]
+    ratio = _ratio(times, column)
+    there = bool(common.reached[row, column])
+    steps = f"{fixed(times[column], 0)} steps" if there else "99 % never reached"
+    title = f"{common.policies[column]}, seed {task.seed}: {steps}, {_times(ratio)}"
+    here = common.among([row])
+    return _place(fixed(times[column], 0) if there else "never", "", ratio, times, title, here, column, task)
+
+
+def _place(
+    text: str,
+    detail: str,
+    ratio: float,
+    times: NDArray[np.float64],
+    title: str,
+    here: Outcomes,
+    column: int,
+    task: Task,
+) -> Place:
+    reached = bool(here.reached[:, column].any())
+    level = len(SHADES) if not reached else int(np.searchsorted(SHADES, ratio - 1e-9))
+    decided = bool((times > times.min() + 1e-9).any())
+    return Place(text, detail, decided and ratio <= 1 + 1e-9, level, title, replay_link(here.policies[column], task))
+
+
+def _ratio(times: NDArray[np.float64], column: int) -> float:
+    """Return a policy's steps as a multiple of the best one's; a level that was there at the start counts as 1 step."""
+    counted_steps = np.maximum(times, 1.0)
+    return float(counted_steps[column] / counted_steps.min())
+
+
+def _times(ratio: float) -> str:
+    return "the best" if ratio <= 1 + 1e-9 else f"{ratio:.2f} times the best"

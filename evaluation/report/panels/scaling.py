@@ -1,0 +1,166 @@
+"""What more UAVs bring: speed-up over one UAV and parallel efficiency, a line for each policy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.evaluation.report.numbers import percent, with_interval
+from indoor_explorers.evaluation.report.palette import Style
+from indoor_explorers.evaluation.report.panels.plots import Axis, Guide, Plot, Series, bounds
+from indoor_explorers.evaluation.report.panels.ranges import APART
+from indoor_explorers.evaluation.report.panels.sweeps import TeamScaling
+from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.statistics import FEWEST, Estimate, ratio_of_means
+
+
+class Gain(NamedTuple):
+    """How much faster a team is than one UAV."""
+
+    team: int
+    speedup: Estimate
+    """Mean T(1) / mean T(N) over the maps and seeds that both flew."""
+    each: list[float]
+    """The ratio on every task, where these are too few for an interval."""
+    censored: bool
+    """Whether an episode never got there and counts as its budget."""
+
+    def a_uav(self) -> Gain:
+        """Return the gain divided by the number of UAVs: the parallel efficiency."""
+        mean, low, high = self.speedup
+        share = Estimate(mean / self.team, low and low / self.team, high and high / self.team)
+        return self._replace(speedup=share, each=[value / self.team for value in self.each])
+
+
+def gains(results: Results, scaling: TeamScaling, policy: str, metric: str) -> list[Gain]:
+    """Return a policy's gains by team, one UAV first; teams of which no episode got there are left out."""
+    solo = _times(results, scaling.scenarios[0], policy, metric)
+    maps = _maps(results, scaling.scenarios[0], policy)
+    found = []
+    for name, team in zip(scaling.scenarios, scaling.teams, strict=True):
+        times = _times(results, name, policy, metric)
+        common = sorted(solo.keys() & times.keys())
+        alone, together = (np.array([source[key] for key in common]).reshape(-1, 2) for source in (solo, times))
+        if len(common) and alone[:, 1].any() and together[:, 1].any():
+            found.append(_gain(team, alone, together, [maps[key] for key in common]))
+    return found if len(found) > 1 else []
+
+
+def _times(results: Results, scenario: str, policy: str, metric: str) -> dict[tuple[int, int], tuple[float, bool]]:
+    """Return (steps, reached) by map and seed; a level that was there at the start counts as one step."""
+    if (scenario, policy) not in results.groups:
+        return {}
+    values = np.maximum(results.values(scenario, policy, metric), 1.0).tolist()
+    records = results.groups[scenario, policy]
+    return {
+        (record.task.map_index, record.task.seed): (value, record.metrics.get(metric) is not None)
+        for record, value in zip(records, values, strict=True)
+    }
+
+
+def _maps(results: Results, scenario: str, policy: str) -> dict[tuple[int, int], str]:
+    """Return which map each episode was flown on, by map and seed; equal maps have equal labels."""
+    if (scenario, policy) not in results.groups:
+        return {}
+    tasks = [record.task for record in results.groups[scenario, policy]]
+    labels = results.maps(scenario, policy).tolist()
+    return {(task.map_index, task.seed): label for task, label in zip(tasks, labels, strict=True)}
+
+
+def _gain(team: int, alone: NDArray[np.float64], together: NDArray[np.float64], maps: list[str]) -> Gain:
+    censored = not bool(alone[:, 1].all() and together[:, 1].all())
+    if team == 1:
+        return Gain(1, Estimate(1.0, None, None), [], censored)
+    ratios = (alone[:, 0] / together[:, 0]).tolist() if len(maps) < FEWEST else []
+    return Gain(team, ratio_of_means(alone[:, 0], together[:, 0], maps=maps), ratios, censored)
+
+
+def scaling_plots(results: Results, scaling: TeamScaling, looks: Mapping[str, Style]) -> list[Plot]:
+    """Return speed-up to 90 % and 99 % coverage and efficiency to 99 %; empty when no policy was flown in both."""
+    plots = []
+    for metric, level in (("t90", "90 %"), ("t99", "99 %")):
+        found = {policy: gains(results, scaling, policy, metric) for policy in results.policies}
+        found = {policy: each for policy, each in found.items() if each}
+        if found:
+            plots.append(_speedup_plot(found, scaling, level, looks))
+        if found and metric == "t99":
+            plots.append(_efficiency_plot(found, scaling, level, looks))
+    return plots
+
+
+def _speedup_plot(
+    found: Mapping[str, list[Gain]], scaling: TeamScaling, level: str, looks: Mapping[str, Style]
+) -> Plot:
+    most = scaling.teams[-1]
+    series = _series(found, looks, _speedup_told)
+    return Plot(
+        title=f"Speed-up to {level}",
+        label=f"Speed-up to {level} coverage against the number of UAVs",
+        x=_teams(scaling),
+        y=Axis(title="T(1) / T(N)", low=0.0, high=max(1.5, 1.12 * _top(series))),
+        series=series,
+        guides=[Guide(name="ideal", x=[1.0, float(most)], y=[1.0, float(most)])],
+    )
+
+
+def _efficiency_plot(
+    found: Mapping[str, list[Gain]], scaling: TeamScaling, level: str, looks: Mapping[str, Style]
+) -> Plot:
+    shares = {policy: [each.a_uav() for each in found[policy]] for policy in found}
+    series = _series(shares, looks, _efficiency_told)
+    return Plot(
+        title=f"Efficiency to {level}",
+        label=f"Parallel efficiency to {level} coverage against the number of UAVs",
+        x=_teams(scaling),
+        y=Axis(title="T(1) / (N T(N))", low=0.0, high=max(1.08, 1.05 * _top(series)), share=True),
+        series=series,
+        guides=[Guide(name="ideal", x=[1.0, float(scaling.teams[-1])], y=[1.0, 1.0])],
+    )
+
+
+def _teams(scaling: TeamScaling) -> Axis:
+    most = scaling.teams[-1]
+    ticks = tuple((float(team), str(team)) for team in scaling.teams)
+    return Axis(title="UAVs", low=1 - 0.06 * (most - 1), high=most + 0.06 * (most - 1), ticks=ticks)
+
+
+def _top(series: list[Series]) -> float:
+    dots = [value for each in series for _, value in each.dots or []]
+    return max(end for each in series for end in (*each.y, *(each.high or []), *dots, 0.0))
+
+
+def _series(found: Mapping[str, list[Gain]], looks: Mapping[str, Style], told: Callable[[Gain], str]) -> list[Series]:
+    """Return each policy's line, drawn a little beside the others' so that intervals do not hide each other."""
+    span = max(each.team for gains_of in found.values() for each in gains_of) - 1
+    lines = []
+    for place, (policy, of_policy) in enumerate(found.items()):
+        beside = (place - (len(found) - 1) / 2) * APART * span
+        low, high = bounds([each.speedup for each in of_policy])
+        x = [each.team + (beside if each.team > 1 else 0.0) for each in of_policy]
+        lines.append(
+            Series(
+                name=policy,
+                style=looks[policy],
+                x=x,
+                y=[each.speedup.mean for each in of_policy],
+                low=low,
+                high=high,
+                dots=[(at, value) for at, each in zip(x, of_policy, strict=True) for value in each.each] or None,
+                hollow=[each.censored for each in of_policy],
+                text=[told(each) for each in of_policy],
+            )
+        )
+    return lines
+
+
+def _speedup_told(gain: Gain) -> str:
+    return f"{gain.team} UAVs: {with_interval(gain.speedup, 2)} times as fast"
+
+
+def _efficiency_told(gain: Gain) -> str:
+    low, high = gain.speedup.low, gain.speedup.high
+    around = "" if low is None or high is None else f" [{percent(low)}, {percent(high)}]"
+    return f"{gain.team} UAVs: {percent(gain.speedup.mean)}{around}"

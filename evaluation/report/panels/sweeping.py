@@ -1,0 +1,82 @@
+"""The sections of the page that compare scenarios: by the radio's range, and by the number of UAVs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from indoor_explorers.evaluation.report.numbers import counted
+from indoor_explorers.evaluation.report.palette import Style
+from indoor_explorers.evaluation.report.panels.plots import Plot
+from indoor_explorers.evaluation.report.panels.ranges import range_plots
+from indoor_explorers.evaluation.report.panels.scaling import scaling_plots
+from indoor_explorers.evaluation.report.panels.sweeps import RadioSweep, TeamScaling, radio_sweeps, team_scalings
+from indoor_explorers.evaluation.results import Results
+
+
+@dataclass(frozen=True)
+class SweepPanel:
+    """One sweep: small plots that share their legend."""
+
+    title: str
+    scenarios: tuple[str, ...]
+    policies: list[str]
+    plots: Sequence[Plot]
+    tasks: str
+    """Episodes a point."""
+    few: bool
+    hollow: bool
+    """Whether a point is hollow, since some of its episodes never got there."""
+
+
+@dataclass(frozen=True)
+class SweepSection:
+    """A section of the page; without panels it is left out."""
+
+    radio: list[SweepPanel]
+    team: list[SweepPanel]
+
+
+def sweep_sections(results: Results, looks: Mapping[str, Style]) -> SweepSection:
+    """Return the sweeps among the scenarios that have been flown."""
+    flown = {scenario for scenario, _ in results.groups}
+    settings = {name: facts for name, facts in results.scenarios.items() if name in flown}
+    radio = [
+        _panel(_radio_title(each), each, range_plots(results, each, looks), results) for each in radio_sweeps(settings)
+    ]
+    team = [
+        _panel(_team_title(each, settings), each, scaling_plots(results, each, looks), results)
+        for each in team_scalings(settings)
+    ]
+    return SweepSection([panel for panel in radio if panel], [panel for panel in team if panel])
+
+
+def _panel(title: str, sweep: RadioSweep | TeamScaling, plots: Sequence[Plot], results: Results) -> SweepPanel | None:
+    series = [each for plot in plots for each in plot.series]
+    if not series:
+        return None
+    counts = sorted({len(results.groups[key]) for key in results.groups if key[0] in sweep.scenarios})
+    return SweepPanel(
+        title,
+        sweep.scenarios,
+        list(dict.fromkeys(each.name for each in series)),
+        plots,
+        " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1]))),
+        any(each.dots for each in series),
+        any(any(each.hollow or []) for each in series),
+    )
+
+
+def _radio_title(sweep: RadioSweep) -> str:
+    model = "" if sweep.model in ("none", "unlimited") else f", {sweep.model} radio"
+    return f"{counted(sweep.team, 'UAV')}{model}"
+
+
+def _team_title(scaling: TeamScaling, settings: Mapping[str, Any]) -> str:
+    radio = settings[scaling.scenarios[-1]]["radio"]
+    reach = {"none": "without radio", "unlimited": "unlimited radio"}
+    told = reach.get(radio["model"], f"{radio['model']} radio of {radio['range']:g} cells")
+    loss = f", {radio['loss']:.0%} of contacts lost" if radio.get("loss") else ""
+    *most, last = scaling.teams
+    return f"{', '.join(str(team) for team in most)} and {last} UAVs, {told}{loss}"

@@ -1,0 +1,124 @@
+"""Which scenarios belong together: those that differ in the radio alone, and those that differ in the team alone."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+Settings = Mapping[str, Any]
+
+#: Settings of a scenario that say nothing about the task.
+NOMINAL = ("name", "fingerprint")
+#: Settings that only a team has a use for.
+OF_TEAMS = (("radio",), ("rewards", "received"), ("goal_of",))
+
+
+@dataclass(frozen=True)
+class RadioSweep:
+    """Scenarios that differ in the radio's range alone, by rising range."""
+
+    model: str
+    """Of the ranges that are neither 0 nor unlimited."""
+    team: int
+    scenarios: tuple[str, ...]
+    reaches: tuple[float, ...]
+    """Cells: 0 without radio, infinite when unlimited."""
+
+
+@dataclass(frozen=True)
+class TeamScaling:
+    """Scenarios that differ in the number of UAVs alone, one UAV first."""
+
+    scenarios: tuple[str, ...]
+    teams: tuple[int, ...]
+
+
+def reach(settings: Settings) -> float:
+    """Return how far the radio of a scenario reaches, in cells: 0 without one, infinite when unlimited."""
+    radio = settings["radio"]
+    return {"none": 0.0, "unlimited": math.inf}.get(radio["model"], float(radio["range"]))
+
+
+def radio_sweeps(scenarios: Mapping[str, Settings]) -> list[RadioSweep]:
+    """Return the sweeps of at least two ranges, in the order of their first scenario.
+
+    A radio that reaches nobody or everybody has no model to speak of and stands in every sweep it fits; ``disc`` and
+    ``square`` are two sweeps.
+    """
+    families: dict[str, dict[str, Settings]] = {}
+    for name, settings in scenarios.items():
+        if settings["team"] > 1:
+            families.setdefault(_key(settings, ("radio",)), {})[name] = settings
+    return [sweep for family in families.values() for kind in _kinds(family) for sweep in _sweep(family, kind)]
+
+
+class _Radio(NamedTuple):
+    """What beside its range makes a radio; unused settings are None."""
+
+    model: str
+    loss: float
+    walls: tuple[float, float] | None
+
+
+def _kind(settings: Settings) -> _Radio:
+    radio = settings["radio"]
+    walls = (radio["exponent"], radio["wall_loss"]) if radio["model"] == "path-loss" else None
+    return _Radio(radio["model"], radio.get("loss", 0.0), walls)
+
+
+def _kinds(family: Mapping[str, Settings]) -> list[_Radio]:
+    """Return the radios of limited range in a family; where it has none, the unlimited ones."""
+    reaching = [settings for settings in family.values() if reach(settings) > 0]
+    limited = [settings for settings in reaching if reach(settings) < math.inf]
+    return list(dict.fromkeys(_kind(settings) for settings in limited or reaching))
+
+
+def _sweep(family: Mapping[str, Settings], kind: _Radio) -> list[RadioSweep]:
+    names = sorted((name for name in family if _fits(family[name], kind)), key=lambda name: reach(family[name]))
+    reaches = tuple(reach(family[name]) for name in names)
+    team = family[names[0]]["team"]
+    return [RadioSweep(kind.model, team, tuple(names), reaches)] if len(set(reaches)) > 1 else []
+
+
+def _fits(settings: Settings, kind: _Radio) -> bool:
+    far = reach(settings)
+    if far == 0:
+        return True
+    return _kind(settings).loss == kind.loss if far == math.inf else _kind(settings) == kind
+
+
+def team_scalings(scenarios: Mapping[str, Settings]) -> list[TeamScaling]:
+    """Return the families with one UAV and at least one team, those with most teams first.
+
+    Spawns that are listed cell by cell are taken as alike, since they cannot be the same for other teams.
+    """
+    alone = {name: settings for name, settings in scenarios.items() if settings["team"] == 1}
+    families: dict[str, dict[int, str]] = {}
+    for name, settings in scenarios.items():
+        if settings["team"] > 1:
+            families.setdefault(_key(settings, ("team",)), {}).setdefault(settings["team"], name)
+    found = []
+    for family in families.values():
+        solo_key = _key(scenarios[next(iter(family.values()))], ("team",), *OF_TEAMS)
+        solo = next((name for name, each in alone.items() if _key(each, ("team",), *OF_TEAMS) == solo_key), None)
+        if solo is not None:
+            teams = sorted(family)
+            found.append(TeamScaling((solo, *(family[team] for team in teams)), (1, *teams)))
+    return sorted(found, key=lambda scaling: -len(scaling.teams))
+
+
+def _key(settings: Settings, *ignored: tuple[str, ...]) -> str:
+    """Return everything about a task but the ignored settings, as text to compare."""
+    facts = copy.deepcopy({key: value for key, value in settings.items() if key not in NOMINAL})
+    for *parents, leaf in ignored:
+        place = facts
+        for parent in parents:
+            place = place.get(parent, {})
+        place.pop(leaf, None)
+    if not isinstance(facts.get("spawn", ""), str):
+        facts["spawn"] = "listed"
+    return json.dumps(facts, sort_keys=True)

@@ -1,0 +1,60 @@
+"""Who beats whom: wins, ties and losses of every policy against every other, task by task."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.report.numbers import EN_DASH, counted, fixed
+from indoor_explorers.evaluation.report.panels.links import replay_link
+from indoor_explorers.evaluation.report.panels.outcomes import Outcomes, Pair
+from indoor_explorers.evaluation.statistics import WinTieLoss, win_tie_loss
+
+
+class Duel(NamedTuple):
+    """A cell of the matrix: the policy of the row against that of the column."""
+
+    tally: WinTieLoss
+    shade: int
+    """From -4, all lost, to 4, all won; the colour."""
+    title: str
+    replay: str
+    """The task on which the row's policy was furthest ahead."""
+
+    @property
+    def text(self) -> str:
+        """The counts."""
+        return EN_DASH.join(str(count) for count in self.tally)
+
+
+def win_matrix(outcomes: Outcomes) -> list[tuple[str, list[Duel | None]]]:
+    """Return a row of cells for each policy, best first; None where a policy meets itself or nobody flew both.
+
+    Empty when there are fewer than two policies with a task in common.
+    """
+    names = outcomes.policies
+    rows = [(name, [None if other == name else _duel(outcomes, name, other) for other in names]) for name in names]
+    return rows if any(cell for _, cells in rows for cell in cells) else []
+
+
+def _duel(outcomes: Outcomes, policy: str, other: str) -> Duel | None:
+    pair = outcomes.pair(policy, other)
+    if not pair.tasks:
+        return None
+    tally = win_tie_loss(pair.ours, pair.theirs)
+    score = (tally.wins - tally.losses) / len(pair.tasks)
+    return Duel(tally, round(4 * score), _told(policy, other, tally, pair), replay_link(policy, _furthest_ahead(pair)))
+
+
+def _told(policy: str, other: str, tally: WinTieLoss, pair: Pair) -> str:
+    ahead = pair.theirs - pair.ours
+    return (
+        f"{policy} against {other}: fewer steps on {tally.wins} of {counted(len(pair.tasks), 'task')}, "
+        f"as many on {tally.ties}, more on {tally.losses}; furthest ahead by {fixed(float(ahead.max()), 0)} steps"
+    )
+
+
+def _furthest_ahead(pair: Pair) -> Task:
+    return pair.tasks[int(np.argmax(pair.theirs - pair.ours))]

@@ -1,0 +1,103 @@
+"""What the page shows of one scenario, gathered for the template."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from indoor_explorers.evaluation.record import AXES, Record
+from indoor_explorers.evaluation.report import facts
+from indoor_explorers.evaluation.report.charts import WHO, chart_data, times_data
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.contrast_table import ContrastRow, contrast_table
+from indoor_explorers.evaluation.report.headline import headline
+from indoor_explorers.evaluation.report.measures_table import MeasureRow, measures_table
+from indoor_explorers.evaluation.report.multiples import Multiples, map_multiples
+from indoor_explorers.evaluation.report.palette import Style
+from indoor_explorers.evaluation.report.panels import SectionPanels, section_panels
+from indoor_explorers.evaluation.report.replay import replay_data
+from indoor_explorers.evaluation.report.tables import Cell, results_table, troubles
+from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.statistics import FEWEST
+
+#: Bytes of the whole page that replays and charts may take, beside the 5 MB of plotly.js.
+REPLAY_BYTES, CHART_BYTES = 3_000_000, 1_200_000
+#: What the buttons of a chart call its axes.
+AXIS_NAMES = {"steps": "Steps", "distance": "Distance", "seconds": "Thinking time", "bytes": "Bytes sent"}
+
+
+@dataclass(frozen=True)
+class Section:
+    """What the template shows of one scenario."""
+
+    id: str
+    name: str
+    settings: Mapping[str, Any]
+    phrases: list[str]
+    denominator: str
+    headline: Markup
+    episodes: int
+    few: bool
+    fixed_maps: int
+    """How many maps the intervals speak about alone; 0 where they speak about maps like these."""
+    who: tuple[str, ...]
+    axes: list[tuple[str, str]]
+    """Key and title of each axis that coverage is drawn against."""
+    table: list[tuple[str, list[Cell]]]
+    more: list[MeasureRow]
+    baseline: str
+    contrasts: list[ContrastRow]
+    policies: list[str]
+    multiples: Multiples | None
+    troubles: list[Record]
+    panels: SectionPanels
+    setting_rows: list[tuple[str, str, str]]
+    chart: dict[str, Any] | None
+    times: dict[str, Any] | None
+    replay: dict[str, Any] | None
+
+
+def section_of(comparison: Comparison, section_id: str, looks: Mapping[str, Style]) -> Section:
+    """Gather what the page shows of a scenario."""
+    results, name = comparison.results, comparison.scenario
+    settings = results.scenarios[name]
+    records = [record for group in comparison.groups.values() for record in group]
+    flown = bool(records)
+    chart = chart_data(comparison, looks, _points(results)) if flown else None
+    return Section(
+        id=section_id,
+        name=name,
+        settings=settings,
+        phrases=facts.summary_line(
+            settings, sorted({r.budget for r in records}), sorted({r.floorplan.shape for r in records})
+        ),
+        denominator=facts.denominator(settings),
+        headline=headline(comparison),
+        episodes=max((len(group) for group in comparison.groups.values()), default=0),
+        few=any(len(group) < FEWEST for group in comparison.groups.values()),
+        fixed_maps=0 if comparison.over_maps else comparison.map_count,
+        who=WHO if settings["team"] > 1 else WHO[:1],
+        axes=[(axis["key"], AXIS_NAMES[axis["key"]]) for axis in chart["axes"]] if chart else [],
+        table=results_table(comparison, looks) if flown else [],
+        more=measures_table(comparison),
+        baseline=comparison.contestants[0] if flown else "",
+        contrasts=contrast_table(comparison, looks),
+        policies=list(comparison.groups),
+        multiples=map_multiples(comparison, looks),
+        troubles=troubles(comparison),
+        panels=section_panels(comparison, looks),
+        setting_rows=facts.setting_rows(settings),
+        chart=chart,
+        times=times_data(comparison, looks) if flown else None,
+        replay=replay_data(comparison, looks, REPLAY_BYTES // len(results.scenarios)) if flown else None,
+    )
+
+
+def _points(results: Results) -> int:
+    """Return how many steps a chart may have for all charts to stay within their share of the page."""
+    who = len(WHO) if any(settings["team"] > 1 for settings in results.scenarios.values()) else 1
+    curves = max(1, len(results.groups)) * who * 3 * (1 + (len(AXES) - 1) / 2)
+    return int(min(400, max(60, CHART_BYTES / (curves * 2.7))))
