@@ -136,6 +136,10 @@ def _add_maps(parser: argparse.ArgumentParser) -> None:
 def _add_report(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folders", type=Path, nargs="+", metavar="DIR", help="folders that compare has written")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.html", help="the page to write")
+    parser.add_argument(
+        "--replays", type=_natural, metavar="N",
+        help="replay N episodes of each scenario (default: as many as keep the page under 10 MB)",
+    )  # fmt: skip
     parser.set_defaults(run=commands.run_report)
 
 

@@ -92,7 +92,7 @@ def run_report(arguments: argparse.Namespace) -> int:
     results = Results.combined([Results.load(folder) for folder in arguments.folders])
     try:
         arguments.out.parent.mkdir(parents=True, exist_ok=True)
-        write_report(results, arguments.out)
+        write_report(results, arguments.out, replays=arguments.replays)
     except OSError as error:
         raise InputError(f"{arguments.out}: cannot be written: {error.strerror}; choose another --out") from error
     _console().print(f"Report: {arguments.out}", highlight=False, soft_wrap=True)

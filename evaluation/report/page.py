@@ -23,17 +23,20 @@ from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, RESAMPLES
 
 
-def write_report(results: Results, path: Path, *, title: str | None = None) -> None:
-    """Write one HTML file that shows ``results`` and needs nothing else, not even a network."""
+def write_report(results: Results, path: Path, *, title: str | None = None, replays: int | None = None) -> None:
+    """Write one HTML file that shows ``results`` and needs nothing else, not even a network.
+
+    With ``replays`` it holds that many episodes of each scenario; else as many as keep it under 10 MB.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as partial:
-        partial.write_text(render(results, title=title), encoding="utf-8", newline="\n")
+        partial.write_text(render(results, title=title, replays=replays), encoding="utf-8", newline="\n")
 
 
-def render(results: Results, *, title: str | None = None) -> str:
-    """Return the page as text."""
+def render(results: Results, *, title: str | None = None, replays: int | None = None) -> str:
+    """Return the page as text; its arguments are those of :func:`write_report`."""
     looks = styles(results.policies)
-    sections = [section_of(results, name, number, looks) for number, name in enumerate(results.scenarios, 1)]
+    sections = [section_of(results, name, number, looks, replays) for number, name in enumerate(results.scenarios, 1)]
     return (
         _environment()
         .get_template("page.html")

@@ -49,7 +49,9 @@ class Section:
     replay: dict[str, Any] | None
 
 
-def section_of(results: Results, name: str, number: int, looks: Mapping[str, Style]) -> Section:
+def section_of(
+    results: Results, name: str, number: int, looks: Mapping[str, Style], replays: int | None = None
+) -> Section:
     """Gather what the page shows of the scenario ``name``, the ``number``-th from 1."""
     comparison = Comparison(results, name)
     settings = results.scenarios[name]
@@ -78,7 +80,7 @@ def section_of(results: Results, name: str, number: int, looks: Mapping[str, Sty
         troubles=troubles(comparison),
         setting_rows=facts.setting_rows(settings),
         chart=chart_data(comparison, looks, _points(results)) if flown else None,
-        replay=replay_data(comparison, looks, REPLAY_BYTES // len(results.scenarios)) if flown else None,
+        replay=replay_data(comparison, looks, REPLAY_BYTES // len(results.scenarios), replays) if flown else None,
     )
 
 
