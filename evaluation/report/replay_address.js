@@ -27,7 +27,7 @@ const Address = {
     const names = replay.panels.map((panel) => encodeURIComponent(panel.policy.name));
     const parts = {
       replay: replay.section, task: replay.episode.task.join(","), step: replay.step, panels: names.join(","),
-      map: replay.map || "team", layers: [...replay.layers].join(","),
+      map: replay.map || "team", layers: replay.shownLayers.join(","),
     };
     const theme = location.hash.slice(1).split(";").filter((part) => part === "dark" || part === "light");
     return `#${[...Object.entries(parts).map((part) => part.join("=")), ...theme].join(";")}`;

@@ -73,6 +73,7 @@ class Replay {
     this.changed();
   }
 
+  get shownLayers() { return LAYERS.map(([name]) => name).filter((name) => this.layers.has(name)); }
   get last() { return Math.max(...this.panels.map((panel) => panel.flight.last)); }
   get lastStep() { return Math.max(...this.panels.map((panel) => panel.flight.steps.at(-1))); }
   get step() { return Math.min(this.frame * this.episode.stride, this.lastStep); }
@@ -168,9 +169,8 @@ class Replay {
     const exact = episodes.findIndex((episode) => same(0)(episode) && same(1)(episode));
     if (exact >= 0) return exact;
     const near = Math.max(0, episodes.findIndex(same(0)));
-    this.say(`The episode with seed ${task[1]} on map ${task[0]} is not embedded in this page; this is ${
-      episodes[near].label} instead. To have all of them: indoor-explorers report DIR --out FILE.html --replays ${
-      this.data.tasks}`);
+    this.say(`The episode with seed ${task[1]} on map ${task[0]} is not embedded in this page; this is the nearest one, ${
+      episodes[near].label}. To embed all: indoor-explorers report DIR --out FILE.html --replays ${this.data.tasks}`);
     return near;
   }
 
@@ -196,6 +196,6 @@ class Replay {
     if (layers) this.layers = new Set(LAYERS.map(([name]) => name).filter((name) => layers.includes(name)));
     this.open(this.find(task));
     if (step !== null) this.go(this.frameOf(step));
-    this.box.scrollIntoView({ block: "start" });
+    this.box.scrollIntoView({ block: "start", behavior: "instant" });
   }
 }
