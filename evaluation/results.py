@@ -88,6 +88,10 @@ class Results:
             return np.array([_value(r, "t99") / (least.get(r.task) or np.nan) for r in records], np.float64)
         return np.array([_value(record, metric) for record in records], np.float64)
 
+    def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
+        """Return (E,) which map each episode was flown on; equal maps have equal labels."""
+        return np.array([record.floorplan.digest for record in self.groups[scenario, policy]])
+
     @cached_property
     def references(self) -> dict[str, dict[Task, float]]:
         """T99 of each task by scenario, flown by the first policy that knows the map; empty where none does."""
@@ -113,12 +117,14 @@ class Results:
     def _summary_rows(self) -> Iterator[tuple[Any, ...]]:
         for (scenario, policy), records in self.groups.items():
             extra = sorted({name for record in records for name in record.metrics} - set(MEASURES))
+            maps = self.maps(scenario, policy)
             for metric in (*MEASURES, *extra):
                 values = self.values(scenario, policy, metric)
-                values = values[~np.isnan(values)]
+                held = ~np.isnan(values)
+                values = values[held]
                 if not len(values):
                     continue
-                mean, low, high = bootstrap_mean(values)
+                mean, low, high = bootstrap_mean(values, maps=maps[held])
                 yield (
                     *(policy, scenario, records[0].team, metric, len(values), mean, interquartile_mean(values)),
                     *(low, high, self.success(scenario, policy, metric)),

@@ -57,7 +57,7 @@ class Floorplan:
         """(H, W) in cells."""
         return self.truth.shape[0], self.truth.shape[1]
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """A short hash of shape, cells and start, if any: equal maps have equal digests whatever file they are from."""
         mark = b"" if self.start is None else repr(self.start).encode()

@@ -1,95 +1,93 @@
-"""The data of the coverage charts: mean curves and bands on few steps, small enough to embed."""
+"""The data of the interactive charts, small enough to embed: coverage curves with bands, and times to a level."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.record import Record
+from indoor_explorers.evaluation.metrics import LEVELS, MEASURES
+from indoor_explorers.evaluation.report.axes import Axis, axes_of, coverage_at
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.packing import shares
 from indoor_explorers.evaluation.report.palette import Style
-from indoor_explorers.evaluation.statistics import FEWEST, curve_band
+from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_times
 
 #: Whose coverage a chart can show.
 WHO = ("team", "worst", "mean")
+#: Levels whose times are drawn, the one shown first at the front.
+TIMES = ("t99", "t95", "t90")
+#: The most corners of a distribution of times.
+CORNERS = 400
 
 
-def sampled_steps(comparison: Comparison, points: int) -> NDArray[np.int64]:
-    """Return at most about ``points`` steps: dense while any curve still rises, and the last step of all."""
-    records = [record for records in comparison.groups.values() for record in records]
-    budget, last = max(record.budget for record in records), max(record.steps for record in records)
-    focus = min(focus_step(comparison), last)
-    early = np.linspace(0, focus, min(focus + 1, points * 2 // 3)).round()
-    late = np.linspace(focus, last, min(last - focus + 1, points // 3)).round()
-    return np.unique(np.concatenate((early, late, [budget]))).astype(np.int64)
-
-
-def focus_step(comparison: Comparison) -> int:
-    """Return the step after which little happens: the last mean curve to get to 99 % is there.
-
-    Policies whose mean never gets there do not count, unless none does: then it is the budget.
-    """
-    budget = max(record.budget for records in comparison.groups.values() for record in records)
-    reached = [step for records in comparison.groups.values() if (step := _mean_reaches(records, 0.99)) is not None]
-    return min(budget, int(np.ceil(max(reached) * 1.15)) + 1) if reached else budget
-
-
-def _mean_reaches(records: Sequence[Record], level: float) -> int | None:
-    """Return the first step at which the mean team coverage is at ``level``; coverage never falls, so halve."""
-
-    def there(step: int) -> bool:
-        return float(coverage_at(records, np.array([step])).mean()) >= level - 1e-12
-
-    low, high = 0, max(record.steps for record in records)
-    if not there(high):
-        return None
-    while low < high:
-        middle = (low + high) // 2
-        low, high = (low, middle) if there(middle) else (middle + 1, high)
-    return low
-
-
-def coverage_at(records: Sequence[Record], steps: NDArray[np.int64], who: str = "team") -> NDArray[np.float64]:
-    """Return (E, T) coverage at T ``steps``, each curve constant after its end, without unrolling the budget."""
-    return np.stack(
-        [_covered(record.covered[np.minimum(steps, record.steps)], who) / record.reachable for record in records]
-    )
-
-
-def _covered(rows: NDArray[np.int32], who: str) -> NDArray[np.float64]:
-    own = rows[:, 1:]
-    return np.asarray({"team": rows[:, 0], "mean": own.mean(axis=1), "worst": own.min(axis=1)}[who], np.float64)
+def _about(comparison: Comparison, policy: str, look: Style) -> dict[str, Any]:
+    about = {"name": policy, **look._asdict(), "pattern": look.pattern}
+    return about | {"privileged": comparison.privileged(policy)}
 
 
 def chart_data(comparison: Comparison, looks: Mapping[str, Style], points: int = 360) -> dict[str, Any]:
     """Return the coverage chart of a scenario as JSON data."""
-    steps = sampled_steps(comparison, points)
+    axes = axes_of(comparison, points)
     team = max(record.team for records in comparison.groups.values() for record in records)
+    who = WHO if team > 1 else WHO[:1]
     return {
-        "steps": steps.tolist(),
-        "focus": focus_step(comparison),
-        "budget": int(steps[-1]),
-        "who": list(WHO if team > 1 else WHO[:1]),
+        "axes": [_axis_data(axis) for axis in axes],
+        "who": list(who),
         "policies": [
-            {
-                "name": policy,
-                **looks[policy]._asdict(),
-                "pattern": looks[policy].pattern,
-                "privileged": comparison.privileged(policy),
-                "curves": {who: _curves(comparison, policy, steps, who) for who in (WHO if team > 1 else WHO[:1])},
-            }
+            _about(comparison, policy, looks[policy])
+            | {"curves": {axis.key: {each: _curves(comparison, policy, axis, each) for each in who} for axis in axes}}
             for policy in comparison.groups
         ],
     }
 
 
-def _curves(comparison: Comparison, policy: str, steps: NDArray[np.int64], who: str) -> dict[str, Any]:
-    curves = coverage_at(comparison.groups[policy], steps, who)
+def _axis_data(axis: Axis) -> dict[str, Any]:
+    amounts: list[float] = axis.amounts.tolist() if axis.log else axis.amounts.astype(np.int64).tolist()
+    about = {"key": axis.key, "title": axis.title, "unit": axis.unit, "log": axis.log, "focus": axis.focus}
+    return about | {"amounts": amounts}
+
+
+def _curves(comparison: Comparison, policy: str, axis: Axis, who: str) -> dict[str, Any]:
+    curves = coverage_at(comparison.groups[policy], axis.amounts, who, axis.key)
     if len(curves) < FEWEST:
         return {"mean": shares(curves.mean(axis=0)), "each": [shares(curve) for curve in curves]}
-    mean, low, high = curve_band(curves)
+    mean, low, high = curve_band(curves, maps=comparison.maps(policy))
     return {"mean": shares(mean), "low": shares(low), "high": shares(high)}
+
+
+def times_data(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, Any]:
+    """Return, for every level and policy, the share of episodes that got there by each step, as JSON data."""
+    records = [record for group in comparison.groups.values() for record in group]
+    budget = max(record.budget for record in records)
+    return {
+        "levels": [{"key": name, "title": MEASURES[name].title, "level": LEVELS[name]} for name in TIMES],
+        "budget": budget,
+        "focus": _last_time(comparison, budget),
+        "policies": [
+            _about(comparison, policy, looks[policy])
+            | {"episodes": len(group), "times": {name: _times(comparison, policy, name, budget) for name in TIMES}}
+            for policy, group in comparison.groups.items()
+        ],
+    }
+
+
+def _last_time(comparison: Comparison, budget: int) -> int:
+    """Return when the last episode got to 99 %, of policies that usually get there; the budget where none does."""
+    groups = comparison.groups.items()
+    usual = [group for policy, group in groups if comparison.results.success(comparison.scenario, policy, "t99") > 0.5]
+    times = [late for group in usual for record in group if (late := record.metrics.get("t99")) is not None]
+    return min(budget, int(max(times, default=budget) * 1.05) + 1)
+
+
+def _times(comparison: Comparison, policy: str, level: str, budget: int) -> dict[str, list[float]]:
+    steps, share = ecdf_of_times([record.metrics.get(level) for record in comparison.groups[policy]], budget)
+    kept = _thinned(len(steps))
+    return {"steps": steps[kept].astype(np.int64).tolist(), "share": share[kept].round(4).tolist()}
+
+
+def _thinned(count: int) -> NDArray[np.int64]:
+    """Return which of ``count`` corners are kept, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, CORNERS)).round()).astype(np.int64)

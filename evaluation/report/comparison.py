@@ -1,45 +1,17 @@
-"""Who was first, and by how much: rankings and paired differences of one scenario."""
+"""Who was first, and by how much: rankings, estimates and contrasts of one scenario."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.results import Results
-from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean, paired_difference
-
-
-@dataclass(frozen=True, eq=False)
-class Paired:
-    """Compare a policy with a baseline over the tasks that both flew."""
-
-    policy: str
-    baseline: str
-    differences: NDArray[np.float64]
-    """(E,) policy minus baseline, in steps."""
-
-    @cached_property
-    def estimate(self) -> Estimate:
-        """The mean difference with its interval."""
-        return paired_difference(self.differences, np.zeros_like(self.differences))
-
-    @property
-    def shown(self) -> bool:
-        """True when there is an interval and it leaves out 0."""
-        low, high = self.estimate.low, self.estimate.high
-        return low is not None and high is not None and (low > 0 or high < 0)
-
-    @property
-    def tally(self) -> tuple[int, int, int]:
-        """In how many episodes the policy needed fewer, as many and more steps than the baseline."""
-        signs = np.sign(self.differences)
-        return int((signs < 0).sum()), int((signs == 0).sum()), int((signs > 0).sum())
+from indoor_explorers.evaluation.statistics import Contrast, Estimate, bootstrap_mean, contrasts, maps_are_sampled
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +27,20 @@ class Comparison:
         groups = self.results.groups.items()
         return {policy: records for (scenario, policy), records in groups if scenario == self.scenario}
 
+    def maps(self, policy: str) -> NDArray[np.str_]:
+        """Return (E,) which map each episode of a policy was flown on; equal maps have equal labels."""
+        return self.results.maps(self.scenario, policy)
+
+    @cached_property
+    def map_count(self) -> int:
+        """How many different maps were flown."""
+        return len({label for policy in self.groups for label in self.maps(policy).tolist()})
+
+    @cached_property
+    def over_maps(self) -> bool:
+        """Whether intervals speak about maps like these; False: about these maps alone, which are few."""
+        return all(maps_are_sampled(self.maps(policy)) for policy in self.groups)
+
     def privileged(self, policy: str) -> bool:
         """Return whether the policy is given the true map."""
         return bool(self.results.policies[policy].get("privileged", False))
@@ -63,9 +49,8 @@ class Comparison:
         """Return the mean of a metric with its interval; a NaN mean where nothing was measured."""
         if (policy, metric) not in self._estimates:
             values = self.results.values(self.scenario, policy, metric)
-            values = values[~np.isnan(values)]
-            missing = Estimate(float("nan"), None, None)
-            self._estimates[policy, metric] = bootstrap_mean(values) if len(values) else missing
+            held = ~np.isnan(values)
+            self._estimates[policy, metric] = bootstrap_mean(values[held], maps=self.maps(policy)[held])
         return self._estimates[policy, metric]
 
     @cached_property
@@ -93,12 +78,29 @@ class Comparison:
         """The ranked policies that do not know the map; all of them when every one does."""
         return [policy for policy in self.ranking if not self.privileged(policy)] or self.ranking
 
-    def paired(self, policy: str, baseline: str, metric: str = "t99") -> Paired:
-        """Return the differences of a metric over the tasks that both flew."""
-        ours, theirs = self._by_task(policy, metric), self._by_task(baseline, metric)
-        common = sorted(ours.keys() & theirs.keys())
-        return Paired(policy, baseline, np.array([ours[task] - theirs[task] for task in common], np.float64))
+    @cached_property
+    def aligned(self) -> bool:
+        """Whether all policies flew the same tasks, so that their episodes can be paired."""
+        tasks = [[record.task for record in records] for records in self.groups.values()]
+        return all(each == tasks[0] for each in tasks)
 
-    def _by_task(self, policy: str, metric: str) -> Mapping[Task, float]:
-        values = self.results.values(self.scenario, policy, metric).tolist()
-        return {record.task: value for record, value in zip(self.groups[policy], values, strict=True)}
+    @cached_property
+    def contrasts(self) -> dict[str, Contrast]:
+        """T99 of every other policy against the best-ranked; empty where they did not fly the same tasks.
+
+        Those that know the map do not compete: they are a family of their own and cost the others nothing.
+        """
+        if not self.groups or not self.aligned:
+            return {}
+        first = self.contestants[0]
+        yardsticks = [policy for policy in self.ranking if policy not in self.contestants]
+        return self._family(self.contestants) | self._family([first, *yardsticks])
+
+    def _family(self, policies: Sequence[str]) -> dict[str, Contrast]:
+        values = {policy: self.results.values(self.scenario, policy, "t99") for policy in policies}
+        return contrasts(values, policies[0], maps=self.maps(policies[0]))
+
+    def differences(self, policy: str) -> NDArray[np.float64]:
+        """Return (E,) T99 of a policy minus that of the best-ranked, task by task; they must be aligned."""
+        ours, theirs = (self.results.values(self.scenario, name, "t99") for name in (policy, self.contestants[0]))
+        return np.asarray(ours - theirs)

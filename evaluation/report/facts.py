@@ -9,7 +9,6 @@ from typing import Any, get_args
 from pydantic import BaseModel
 
 from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.evaluation.metrics import MEASURES, Measure
 from indoor_explorers.evaluation.report.numbers import counted
 
 #: What coverage is a share of, by the scenario's setting.
@@ -98,11 +97,6 @@ def _part(model: type[BaseModel], name: str, settings: Mapping[str, Any]) -> typ
 
 def _is_model(kind: Any) -> bool:
     return isinstance(kind, type) and issubclass(kind, BaseModel)
-
-
-def measures() -> list[Measure]:
-    """Return the definitions of all metrics."""
-    return list(MEASURES.values())
 
 
 def run_rows(runs: Sequence[Mapping[str, Any]]) -> list[tuple[str, list[tuple[str, str]]]]:

@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.charts import coverage_at, focus_step, sampled_steps
+from indoor_explorers.evaluation.report.axes import coverage_at, focus_step, sampled_steps
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.facts import denominator
 from indoor_explorers.evaluation.report.palette import DASHES, MARKERS, Style, styles
@@ -123,7 +123,7 @@ def coverage_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figur
 
 def _curve(axes: Axes, comparison: Comparison, policy: str, steps: np.ndarray, limit: int, look: Style) -> Line2D:
     """Draw one policy's curve, its markers spread over the visible steps and offset from its neighbours'."""
-    mean, low, high = curve_band(coverage_at(comparison.groups[policy], steps))
+    mean, low, high = curve_band(coverage_at(comparison.groups[policy], steps), maps=comparison.maps(policy))
     if not np.isnan(low).any():
         axes.fill_between(steps, low, high, color=look.hex, alpha=0.16, linewidth=0)
     visible = max(1, int((steps <= limit).sum()))

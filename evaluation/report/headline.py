@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.report.comparison import Comparison, Paired
-from indoor_explorers.evaluation.report.numbers import counted, fixed, percent, with_interval
-from indoor_explorers.evaluation.statistics import FEWEST
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.numbers import counted, fixed, p_value, percent, with_interval
+from indoor_explorers.evaluation.statistics import FEWEST, Contrast
 
 NAME = Markup("<b>{}</b>")
 
@@ -35,6 +37,8 @@ def _over(comparison: Comparison, policy: str) -> str:
     records = comparison.groups[policy]
     missed = sum(record.metrics.get("t99") is None for record in records)
     text = f"over {counted(len(records), 'episode')}"
+    if comparison.map_count > 1 and not comparison.over_maps:
+        text += f" on these {comparison.map_count} maps"
     if len(records) < FEWEST:
         text += ", too few for an interval"
     if missed:
@@ -55,23 +59,26 @@ def _winner(comparison: Comparison, first: str) -> Markup:
 
 
 def _lead(comparison: Comparison, first: str) -> Markup:
-    paired = comparison.paired(first, comparison.contestants[1])
-    if not len(paired.differences):
-        return Markup("It has no episode in common with the runner-up {}.").format(NAME.format(paired.baseline))
-    return Markup("{} the runner-up {}, {}.").format(_compared(paired), NAME.format(paired.baseline), _verdict(paired))
+    second = comparison.contestants[1]
+    if second not in comparison.contrasts:
+        text = "Its lead over {} cannot be paired: the two did not fly the same tasks."
+        return Markup(text).format(NAME.format(second))
+    contrast = comparison.contrasts[second]
+    behind = f"{with_interval(contrast.difference)} steps later on the same {counted(contrast.pairs, 'task')}"
+    return Markup("{} got there {}; {}.").format(NAME.format(second), behind, verdict(contrast))
 
 
-def _compared(paired: Paired) -> str:
-    pairs = counted(len(paired.differences), "episode")
-    return f"Paired over the same {pairs}, that is {with_interval(paired.estimate, sign=True)} steps against"
-
-
-def _verdict(paired: Paired) -> str:
-    if paired.estimate.low is None:
-        return "without an interval, so nothing is claimed about the difference"
-    if not paired.shown:
-        return "an interval that contains 0: no difference between the two was shown"
-    return "an interval that leaves out 0"
+def verdict(contrast: Contrast) -> str:
+    """Say what one contrast claims: the adjusted p-value decides."""
+    if contrast.difference.low is None:
+        return "too few episodes to claim a difference"
+    p = p_value(contrast.adjusted_p)
+    if contrast.shown:
+        return f"a difference was shown (Holm-adjusted p {p})"
+    could = f"one of {fixed(contrast.detectable, 1)} steps or more would probably have been seen"
+    if math.isinf(contrast.detectable):
+        could = "there are too few tasks to show any"
+    return f"no difference was shown (Holm-adjusted p {p}; {could})"
 
 
 def _alone(comparison: Comparison, first: str) -> Markup:

@@ -46,6 +46,11 @@ def with_interval(estimate: Estimate, decimals: int = 1, *, sign: bool = False) 
     return f"{fixed(estimate.mean, decimals, sign=sign)} {interval(estimate, decimals, sign=sign)}".strip()
 
 
+def p_value(p: float) -> str:
+    """Format a p-value: ``= 0.031``, or ``< 0.001``."""
+    return "< 0.001" if p < 0.001 else f"= {p:.3f}"
+
+
 def counted(number: int, noun: str) -> str:
     """Return ``1 episode``, ``2 episodes``."""
     plural = noun[:-1] + "ies" if noun.endswith("y") else noun + "s"

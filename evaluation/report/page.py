@@ -13,14 +13,19 @@ from plotly.offline import get_plotlyjs
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.report import facts
+from indoor_explorers.evaluation.report.comparability import judged, on_common_tasks
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.definitions import definitions
+from indoor_explorers.evaluation.report.multiples import scenario_multiples
 from indoor_explorers.evaluation.report.numbers import counted, percent
+from indoor_explorers.evaluation.report.overview import lead, line
 from indoor_explorers.evaluation.report.palette import COLOURS, styles
 from indoor_explorers.evaluation.report.replay import ending
 from indoor_explorers.evaluation.report.sections import section_of
 from indoor_explorers.evaluation.report.strips import swatch
 from indoor_explorers.evaluation.report.tables import COLUMNS, LISTED
 from indoor_explorers.evaluation.results import Results
-from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, RESAMPLES
+from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
 
 def write_report(results: Results, path: Path, *, title: str | None = None, replays: int | None = None) -> None:
@@ -35,8 +40,9 @@ def write_report(results: Results, path: Path, *, title: str | None = None, repl
 
 def render(results: Results, *, title: str | None = None, replays: int | None = None) -> str:
     """Return the page as text; its arguments are those of :func:`write_report`."""
+    common = on_common_tasks(results)
     looks = styles(results.policies)
-    sections = [section_of(results, name, number, looks, replays) for number, name in enumerate(results.scenarios, 1)]
+    comparisons = [(f"s{number}", Comparison(common, name)) for number, name in enumerate(results.scenarios, 1)]
     return (
         _environment()
         .get_template("page.html")
@@ -44,17 +50,21 @@ def render(results: Results, *, title: str | None = None, replays: int | None = 
             title=title or "Exploration policies compared",
             subtitle=_subtitle(results),
             colours=COLOURS,
-            sections=sections,
+            verdict=judged(results),
+            lead=lead([each for _, each in comparisons]),
+            lines=[line(each, section_id) for section_id, each in comparisons],
+            panels=scenario_multiples(comparisons, looks),
+            sections=[section_of(each, section_id, looks, replays) for section_id, each in comparisons],
             columns=COLUMNS,
             listed=LISTED,
             swatches={name: swatch(look) for name, look in looks.items()},
             policies=results.policies,
             privileged=[name for name, about in results.policies.items() if about.get("privileged")],
-            measures=facts.measures(),
+            definitions=definitions(),
             runs=facts.run_rows(results.runs),
             run_count=len(results.runs),
             commands=facts.commands(results.runs),
-            interval={"confidence": percent(CONFIDENCE), "resamples": RESAMPLES, "fewest": FEWEST},
+            interval={"confidence": percent(CONFIDENCE), "fewest": FEWEST},
             plotly=Markup(get_plotlyjs().replace("</script", "<\\/script")),
         )
     )

@@ -8,19 +8,24 @@ from typing import Any
 
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.record import Record
+from indoor_explorers.evaluation.record import AXES, Record
 from indoor_explorers.evaluation.report import facts
-from indoor_explorers.evaluation.report.charts import WHO, chart_data
+from indoor_explorers.evaluation.report.charts import WHO, chart_data, times_data
 from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.report.headline import headline
+from indoor_explorers.evaluation.report.measures_table import MeasureRow, measures_table
+from indoor_explorers.evaluation.report.multiples import Multiples, map_multiples
 from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.replay import replay_data
-from indoor_explorers.evaluation.report.tables import map_table, paired_table, results_table, tally_table, troubles
+from indoor_explorers.evaluation.report.tables import Cell, map_table, results_table, troubles
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
 #: Bytes of the whole page that replays and charts may take, beside the 5 MB of plotly.js.
 REPLAY_BYTES, CHART_BYTES = 3_000_000, 1_200_000
+#: What the buttons of a chart call its axes.
+AXIS_NAMES = {"steps": "Steps", "distance": "Distance", "seconds": "Thinking time", "bytes": "Bytes sent"}
 
 
 @dataclass(frozen=True)
@@ -35,31 +40,36 @@ class Section:
     headline: Markup
     episodes: int
     few: bool
+    fixed_maps: int
+    """How many maps the intervals speak about alone; 0 where they speak about maps like these."""
     who: tuple[str, ...]
-    table: list[Any]
+    axes: list[tuple[str, str]]
+    """Key and title of each axis that coverage is drawn against."""
+    table: list[tuple[str, list[Cell]]]
+    more: list[MeasureRow]
     baseline: str
-    paired: list[Any]
+    contrasts: list[ContrastRow]
     policies: list[str]
-    maps: list[Any]
-    tallies: list[str]
-    tally_rows: list[Any]
+    maps: list[tuple[str, list[Cell]]]
+    multiples: Multiples | None
     troubles: list[Record]
     setting_rows: list[tuple[str, str, str]]
     chart: dict[str, Any] | None
+    times: dict[str, Any] | None
     replay: dict[str, Any] | None
 
 
 def section_of(
-    results: Results, name: str, number: int, looks: Mapping[str, Style], replays: int | None = None
+    comparison: Comparison, section_id: str, looks: Mapping[str, Style], replays: int | None = None
 ) -> Section:
-    """Gather what the page shows of the scenario ``name``, the ``number``-th from 1."""
-    comparison = Comparison(results, name)
+    """Gather what the page shows of a scenario, with so many ``replays`` or as many as fit."""
+    results, name = comparison.results, comparison.scenario
     settings = results.scenarios[name]
     records = [record for group in comparison.groups.values() for record in group]
     flown = bool(records)
-    baseline, paired = paired_table(comparison, looks) if flown else ("", [])
+    chart = chart_data(comparison, looks, _points(results)) if flown else None
     return Section(
-        id=f"s{number}",
+        id=section_id,
         name=name,
         settings=settings,
         phrases=facts.summary_line(
@@ -69,23 +79,26 @@ def section_of(
         headline=headline(comparison),
         episodes=max((len(group) for group in comparison.groups.values()), default=0),
         few=any(len(group) < FEWEST for group in comparison.groups.values()),
+        fixed_maps=0 if comparison.over_maps else comparison.map_count,
         who=WHO if settings["team"] > 1 else WHO[:1],
+        axes=[(axis["key"], AXIS_NAMES[axis["key"]]) for axis in chart["axes"]] if chart else [],
         table=results_table(comparison, looks) if flown else [],
-        baseline=baseline,
-        paired=paired,
+        more=measures_table(comparison),
+        baseline=comparison.contestants[0] if flown else "",
+        contrasts=contrast_table(comparison, looks),
         policies=list(comparison.groups),
         maps=map_table(comparison),
-        tallies=comparison.tallies,
-        tally_rows=tally_table(comparison),
+        multiples=map_multiples(comparison, looks),
         troubles=troubles(comparison),
         setting_rows=facts.setting_rows(settings),
-        chart=chart_data(comparison, looks, _points(results)) if flown else None,
+        chart=chart,
+        times=times_data(comparison, looks) if flown else None,
         replay=replay_data(comparison, looks, REPLAY_BYTES // len(results.scenarios), replays) if flown else None,
     )
 
 
 def _points(results: Results) -> int:
     """Return how many steps a chart may have for all charts to stay within their share of the page."""
-    numbers = 9 if any(settings["team"] > 1 for settings in results.scenarios.values()) else 3
-    curves = max(1, len(results.groups)) * numbers
-    return int(min(480, max(60, CHART_BYTES / (curves * 2.7))))
+    who = len(WHO) if any(settings["team"] > 1 for settings in results.scenarios.values()) else 1
+    curves = max(1, len(results.groups)) * who * 3 * (1 + (len(AXES) - 1) / 2)
+    return int(min(400, max(60, CHART_BYTES / (curves * 2.7))))

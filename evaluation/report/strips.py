@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.report.comparison import Paired
 from indoor_explorers.evaluation.report.numbers import with_interval
 from indoor_explorers.evaluation.report.palette import DASHES, MARKER_PATHS, Style
 from indoor_explorers.evaluation.statistics import Estimate
@@ -73,24 +73,21 @@ def episode_strip(values: NDArray[np.float64], estimate: Estimate, scale: Scale,
     return _drawing(scale, body, f"{listed}; mean {with_interval(estimate)}")
 
 
-def difference_strip(paired: Paired, scale: Scale, style: Style) -> Markup:
-    """Draw a paired difference against the line of no difference; without an interval, each episode's."""
+def difference_strip(values: NDArray[np.float64], estimate: Estimate, scale: Scale, style: Style) -> Markup:
+    """Draw a difference against the line of none; without an interval, each of the (E,) episodes'."""
     zero = Markup('<path class="zero" d="M{} 0V20"/>').format(scale(0.0))
-    dots = Markup("") if paired.estimate.low is not None else _dots(paired.differences, scale, 10)
+    dots = Markup("") if estimate.low is not None else _dots(values, scale, 10)
     beyond = Markup("")
-    if paired.estimate.mean > scale.high:
+    if estimate.mean > scale.high:
         beyond = Markup('<path class="beyond" d="M{x} 4l7 6-7 6z"/>').format(x=scale.width - 8)
-    mark = beyond or _mean_and_interval(paired.estimate, scale, 10)
+    mark = beyond or _mean_and_interval(estimate, scale, 10)
     body = zero + Markup('<g style="color:{}">{}{}</g>').format(style.variable, dots, mark)
-    return _drawing(scale, body, f"difference {with_interval(paired.estimate, sign=True)} steps")
+    return _drawing(scale, body, f"difference {with_interval(estimate, sign=True)} steps")
 
 
-def difference_scale(rows: list[Paired], width: int = 260) -> Scale:
-    """Return a scale for paired differences that a single very slow policy does not squeeze."""
-    ends = [
-        max(abs(end) for end in (each.estimate.low, each.estimate.high, each.estimate.mean) if end is not None)
-        for each in rows
-    ]
+def difference_scale(estimates: Sequence[Estimate], width: int = 200) -> Scale:
+    """Return a scale for differences that a single very slow policy does not squeeze."""
+    ends = [max(abs(end) for end in (each.low, each.high, each.mean) if end is not None) for each in estimates]
     reach = max(1.0, min(max(ends, default=1.0), 4 * float(np.median(ends)) if ends else 1.0))
-    lows = [low for each in rows if (low := each.estimate.low if each.estimate.low is not None else each.estimate.mean)]
+    lows = [each.mean if each.low is None else each.low for each in estimates]
     return Scale(-min(reach, max(0.12 * reach, -1.1 * min(lows, default=0.0))), reach * 1.05, width)

@@ -1,4 +1,4 @@
-"""The tables of a scenario: results by policy, paired differences, results by map, failures."""
+"""The tables of a scenario: results by policy, results by map, failures."""
 
 from __future__ import annotations
 
@@ -11,14 +11,18 @@ import numpy as np
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.record import Outcome, Record
-from indoor_explorers.evaluation.report.comparison import Comparison, Paired
-from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, interval, percent, with_interval
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, interval, percent
 from indoor_explorers.evaluation.report.palette import Style
-from indoor_explorers.evaluation.report.strips import Scale, difference_scale, difference_strip, episode_strip
+from indoor_explorers.evaluation.report.strips import Scale, episode_strip
 from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean
 
 #: The most failures that are listed, and the most maps.
 LISTED = 60
+
+
+#: Definitions of columns that are not named as their term is.
+TERMS = {"t90_reached": "reached", "t99_reached": "reached", "t99_strip": "t99"}
 
 
 @dataclass(frozen=True)
@@ -31,6 +35,11 @@ class Column:
     lower_is_better: bool = True
     ranked: bool = True
     """Whether the best value is emphasised."""
+
+    @property
+    def term(self) -> str:
+        """The definition that explains the column."""
+        return TERMS.get(self.key, self.key)
 
 
 @dataclass(frozen=True)
@@ -82,7 +91,7 @@ def _column(comparison: Comparison, column: Column, looks: Mapping[str, Style]) 
     }
     make = special.get(column.key, partial(_measured, metric=column.key))
     cells = make(comparison)
-    return _emphasised(comparison, column, cells) if column.ranked else cells
+    return emphasised(comparison, column, cells) if column.ranked else cells
 
 
 def _measured(comparison: Comparison, metric: str) -> dict[str, Cell]:
@@ -129,7 +138,7 @@ def _failures(comparison: Comparison) -> dict[str, Cell]:
     return {policy: Cell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
 
 
-def _emphasised(comparison: Comparison, column: Column, cells: dict[str, Cell]) -> dict[str, Cell]:
+def emphasised(comparison: Comparison, column: Column, cells: dict[str, Cell]) -> dict[str, Cell]:
     """Mark the best cells among the policies that do not know the map; none when all are the same."""
     rated = {policy: value for policy in comparison.contestants if (value := cells[policy].value) is not None}
     if len(rated) < 2:
@@ -140,50 +149,6 @@ def _emphasised(comparison: Comparison, column: Column, cells: dict[str, Cell]) 
     if len(winners) == len(rated):
         return cells
     return {policy: replace(cell, best=policy in winners) for policy, cell in cells.items()}
-
-
-@dataclass(frozen=True)
-class PairedRow:
-    """One row of the table of paired differences."""
-
-    policy: str
-    difference: str
-    value: float
-    pairs: int
-    tally: tuple[int, int, int]
-    verdict: str
-    strip: Markup
-
-
-def paired_table(comparison: Comparison, looks: Mapping[str, Style]) -> tuple[str, list[PairedRow]]:
-    """Return the baseline, which is the best-ranked policy, and the others' T99 differences to it."""
-    baseline, *others = comparison.contestants
-    others += [policy for policy in comparison.ranking if policy not in comparison.contestants]
-    rows = [paired for policy in others if len((paired := comparison.paired(policy, baseline)).differences)]
-    scale = difference_scale(rows)
-    return baseline, [_paired_row(each, scale, looks[each.policy]) for each in rows]
-
-
-def _paired_row(paired: Paired, scale: Scale, style: Style) -> PairedRow:
-    slower = "slower" if paired.estimate.mean > 0 else "faster"
-    verdict = (
-        slower if paired.shown else "no difference shown" if paired.estimate.low is not None else "too few episodes"
-    )
-    strip = difference_strip(paired, scale, style)
-    difference = with_interval(paired.estimate, sign=True)
-    return PairedRow(
-        paired.policy, difference, paired.estimate.mean, len(paired.differences), paired.tally, verdict, strip
-    )
-
-
-def tally_table(comparison: Comparison) -> list[tuple[str, list[Cell]]]:
-    """Return the mean of each figure that pilots tallied, a row for each policy that has any."""
-    rows = []
-    for policy in comparison.groups:
-        means = [comparison.estimate(policy, name).mean for name in comparison.tallies]
-        if not all(math.isnan(mean) for mean in means):
-            rows.append((policy, [Cell(fixed(mean, 3), None if math.isnan(mean) else mean) for mean in means]))
-    return rows
 
 
 def map_table(comparison: Comparison) -> list[tuple[str, list[Cell]]]:

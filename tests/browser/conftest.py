@@ -12,7 +12,6 @@ from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.runner import fly
-
 from tests.evaluation.plugins import Raises, Wander
 
 #: What a browser may be called; the Makefile looks for the same.

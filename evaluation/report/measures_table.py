@@ -1,0 +1,56 @@
+"""All measures that the results table has no room for: a row for each, a column for each policy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from indoor_explorers.evaluation.metrics import MEASURES
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, interval
+from indoor_explorers.evaluation.report.tables import COLUMNS, Cell, Column, emphasised
+
+#: Decimals of measures that are shares or areas.
+DECIMALS = {"auc_worst": 3, "auc_mean": 3, "balance": 3, "t99_to_bound": 2, "t99_to_reference": 2}
+
+
+@dataclass(frozen=True)
+class MeasureRow:
+    """One measure of all policies."""
+
+    key: str
+    title: str
+    unit: str
+    cells: list[Cell]
+    tallied: bool
+    """Whether the policies' pilots kept it, so that it has no definition here."""
+
+
+def measures_table(comparison: Comparison) -> list[MeasureRow]:
+    """Return the measures with a value that the results table leaves out, then what the pilots tallied."""
+    return [row for row in _rows(comparison) if any(cell.value is not None for cell in row.cells)]
+
+
+def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
+    shown = {column.key for column in COLUMNS}
+    for key, measure in MEASURES.items():
+        if key not in shown:
+            column = Column(key, measure.title, measure.unit, measure.lower_is_better)
+            yield MeasureRow(key, measure.title, measure.unit, _cells(comparison, column), False)
+    for key in comparison.tallies:
+        column = Column(key, key.removeprefix("pilot_").replace("_", " "), ranked=False)
+        yield MeasureRow(key, column.title, "", _cells(comparison, column), True)
+
+
+def _cells(comparison: Comparison, column: Column) -> list[Cell]:
+    estimates = {policy: comparison.estimate(policy, column.key) for policy in comparison.groups}
+    means = [each.mean for each in estimates.values() if not math.isnan(each.mean)]
+    decimals = DECIMALS.get(column.key, 3 if not column.ranked else decimals_for(max(means, default=0.0), most=2))
+    cells = {
+        policy: Cell(fixed(None, 0))
+        if math.isnan(each.mean)
+        else Cell(fixed(each.mean, decimals), each.mean, interval(each, decimals))
+        for policy, each in estimates.items()
+    }
+    return list((emphasised(comparison, column, cells) if column.ranked else cells).values())

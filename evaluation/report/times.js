@@ -1,0 +1,58 @@
+/* How many episodes got to a coverage level by each step, and in a band of its own how many never did. */
+"use strict";
+class TimesChart extends Chart {
+  constructor(id) {
+    super("times", id);
+    this.level = this.data.levels[0].key;
+    this.span = "focus";
+    this.draw();
+  }
+
+  get title() { return this.data.levels.find((level) => level.key === this.level).title; }
+
+  reached(policy) {
+    const { steps, share } = policy.times[this.level], look = this.look(policy);
+    return {
+      x: steps, y: share, visible: this.visibility.shows(policy.name), name: this.name(policy), mode: "lines+markers",
+      line: { ...look.line, shape: "hv" }, marker: { ...look.marker, maxdisplayed: 9 },
+      hovertemplate: share.map((value) => `${percent(value)} there (${Math.round(value * policy.episodes)}/${policy.episodes})`),
+    };
+  }
+
+  never(policy, place) {
+    const share = policy.times[this.level].share, look = this.look(policy);
+    const missed = 1 - share[share.length - 1];
+    return {
+      x: [place, place], y: [0, missed], xaxis: "x2", visible: this.visibility.shows(policy.name), name: this.name(policy),
+      mode: "lines+markers", line: { color: look.color, width: 3 }, marker: { ...look.marker, size: [0, 9], opacity: 1 },
+      hovertemplate: ["", `${percent(missed)} never (${Math.round(missed * policy.episodes)}/${policy.episodes})`],
+    };
+  }
+
+  draw() {
+    const { focus, budget, policies } = this.data;
+    this.offerSpan(focus < budget);
+    const cut = this.narrow ? 0.76 : 0.84;
+    const ticks = [0, 0.25, 0.5, 0.75, 1];
+    const layout = this.layout({
+      xaxis: this.axis("step", {
+        domain: [0, cut], range: [0, this.span === "focus" ? focus : budget], ticks: "outside", ticklen: 4, showline: true,
+        unifiedhovertitle: { text: `${this.title} within %{x} steps` }, ...spikes(),
+      }),
+      xaxis2: this.axis("never", {
+        domain: [cut + 0.02, 1], range: [-0.7, policies.length - 0.3], showticklabels: false, showgrid: false, showline: true,
+        unifiedhovertitle: { text: "within the budget" },
+      }),
+      yaxis: this.axis(this.narrow ? "" : "share of episodes", {
+        range: [-0.02, 1.04], tickvals: ticks, ticktext: ticks.map((share) => `${Math.round(100 * share)} %`),
+      }),
+      shapes: [{
+        type: "rect", xref: "paper", yref: "paper", x0: cut + 0.02, x1: 1, y0: 0, y1: 1, layer: "below",
+        fillcolor: Theme.colour("--panel"), line: { width: 0 },
+      }],
+    });
+    this.plot([...policies.map((policy) => this.reached(policy)), ...policies.map((policy, k) => this.never(policy, k))], layout, "times");
+  }
+}
+
+for (const box of document.querySelectorAll(".chart[id^='times-']")) new TimesChart(box.id.slice("times-".length));

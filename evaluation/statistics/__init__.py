@@ -1,0 +1,51 @@
+"""Statistics of paired episodes: estimates with intervals, bands, times that are censored, and comparisons.
+
+Every policy flies the same tasks; arrays (E,) are episodes in the order of tasks, and ``maps`` (E,) labels the
+map each was flown on. Resampling is seeded anew for each call: equal sample sizes give equal resamples for all
+policies. What each number claims is in ``evaluation/STATISTICS.md``.
+"""
+
+from indoor_explorers.evaluation.statistics.bands import curve_band
+from indoor_explorers.evaluation.statistics.censoring import ecdf_of_times, restricted_mean
+from indoor_explorers.evaluation.statistics.contrasts import Contrast, contrasts
+from indoor_explorers.evaluation.statistics.effects import effect_size, smallest_detectable_difference
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST, RESAMPLES, Estimate
+from indoor_explorers.evaluation.statistics.means import (
+    bootstrap_iqm,
+    bootstrap_mean,
+    bootstrap_means,
+    interquartile_mean,
+    paired_difference,
+)
+from indoor_explorers.evaluation.statistics.profiles import performance_profile, performance_ratios
+from indoor_explorers.evaluation.statistics.resampling import maps_are_sampled, resampled_weights
+from indoor_explorers.evaluation.statistics.significance import holm, sign_flip_test
+from indoor_explorers.evaluation.statistics.wins import WinTieLoss, probability_of_improvement, win_tie_loss
+
+__all__ = [
+    "CONFIDENCE",
+    "FEWEST",
+    "RESAMPLES",
+    "Contrast",
+    "Estimate",
+    "WinTieLoss",
+    "bootstrap_iqm",
+    "bootstrap_mean",
+    "bootstrap_means",
+    "contrasts",
+    "curve_band",
+    "ecdf_of_times",
+    "effect_size",
+    "holm",
+    "interquartile_mean",
+    "maps_are_sampled",
+    "paired_difference",
+    "performance_profile",
+    "performance_ratios",
+    "probability_of_improvement",
+    "resampled_weights",
+    "restricted_mean",
+    "sign_flip_test",
+    "smallest_detectable_difference",
+    "win_tie_loss",
+]

@@ -1,0 +1,104 @@
+"""Everything that is said about one policy against a baseline, and about all of them as one family."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from indoor_explorers.env import InputError
+from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.evaluation.statistics.effects import effect_size, smallest_detectable_difference
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, Estimate, paired_values
+from indoor_explorers.evaluation.statistics.means import bootstrap_means
+from indoor_explorers.evaluation.statistics.resampling import Layout
+from indoor_explorers.evaluation.statistics.significance import holm, sign_flip_test
+from indoor_explorers.evaluation.statistics.wins import WinTieLoss, win_scores, win_tie_loss
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contrast:
+    """One policy against a baseline over the tasks that both flew.
+
+    Interval and p-value come from different resampling and can, rarely, disagree near the limit; the interval is
+    for this comparison alone, and the adjusted p-value for all comparisons with the baseline. The adjusted
+    p-value decides the words "difference shown"; the interval says how large the difference may be.
+    """
+
+    difference: Estimate
+    """Mean of policy minus baseline, with its interval."""
+    improvement: Estimate
+    """Probability that the policy does better on a task, ties one half, with its interval."""
+    tally: WinTieLoss
+    """Tasks on which the policy was better, level and worse."""
+    p_value: float
+    """Two-sided, of the sign-flip test, for this comparison alone."""
+    adjusted_p: float
+    """The same, adjusted by Holm's method over all comparisons with the baseline."""
+    effect_size: float
+    """Mean difference in standard deviations of the episodes' differences; NaN where they have no spread."""
+    detectable: float
+    """Smallest true difference found with 80 % power at the level of Holm's first step, 0.05 / comparisons."""
+    pairs: int
+    """Tasks that both flew."""
+    maps: int
+    """Distinct maps among them; as many as pairs where maps were not given."""
+    over_maps: bool
+    """True: about maps like these. False: about these maps alone, because there are too few."""
+
+    @property
+    def shown(self) -> bool:
+        """True when a difference was shown, the number of comparisons accounted for."""
+        return self.adjusted_p <= 1 - CONFIDENCE
+
+
+def contrasts(
+    values: Mapping[str, ArrayLike], baseline: str, *, maps: ArrayLike | None = None, lower_is_better: bool = True
+) -> dict[str, Contrast]:
+    """Compare every policy with the baseline, as one family.
+
+    Args:
+        values: (E,) by policy, on the same tasks in the same order.
+        baseline: which of them the others are compared with.
+        maps: (E,) label of the map each task was flown on.
+        lower_is_better: whether a smaller value is an improvement.
+
+    Returns:
+        A contrast for every policy but the baseline, in the order given.
+
+    Raises:
+        InputError: the baseline is unknown, there is no task, or values are not pairs of finite numbers.
+
+    """
+    if baseline not in values:
+        raise InputError(f"expected a baseline among the policies, got {baseline!r}{did_you_mean(baseline, values)}")
+    others = [name for name in values if name != baseline]
+    if not others:
+        return {}
+    pairs = [paired_values(values[name], values[baseline]) for name in others]
+    differences = np.stack([ours - theirs for ours, theirs in pairs])
+    scores = np.stack([win_scores(*pair, lower_is_better=lower_is_better) for pair in pairs])
+    estimates = bootstrap_means(np.concatenate((differences, scores)).T, maps=maps)
+    p_values = [sign_flip_test(row, maps) for row in differences]
+    layout = Layout.of(maps, differences.shape[1])
+    return {
+        name: Contrast(
+            difference=estimates[k],
+            improvement=estimates[len(others) + k],
+            tally=win_tie_loss(*pairs[k], lower_is_better),
+            p_value=p_values[k],
+            adjusted_p=adjusted,
+            effect_size=effect_size(differences[k]),
+            detectable=_detectable(differences[k], len(others), maps),
+            pairs=len(layout.label),
+            maps=len(layout.size),
+            over_maps=layout.sampled,
+        )
+        for k, (name, adjusted) in enumerate(zip(others, holm(p_values).tolist(), strict=True))
+    }
+
+
+def _detectable(differences: NDArray[np.float64], comparisons: int, maps: ArrayLike | None) -> float:
+    return smallest_detectable_difference(differences, level=(1 - CONFIDENCE) / comparisons, maps=maps)

@@ -1,0 +1,105 @@
+"""Means, interquartile means and paired differences, with percentile bootstrap intervals.
+
+Whole episodes are drawn as :mod:`~indoor_explorers.evaluation.statistics.resampling` says, with the same
+resamples for all policies. The interval lies between the 2.5 % and 97.5 % quantiles of the resampled
+statistic (Efron & Tibshirani 1993, An Introduction to the Bootstrap, section 13.3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import stats
+
+from indoor_explorers.evaluation.statistics.estimate import (
+    FEWEST,
+    RESAMPLES,
+    Estimate,
+    episode_values,
+    paired_values,
+)
+from indoor_explorers.evaluation.statistics.resampling import resampled_weights
+from indoor_explorers.evaluation.statistics.small_samples import SmallSample
+
+#: Share of the episodes that an interquartile mean leaves out at each end.
+TRIMMED = 0.25
+
+
+def bootstrap_mean(values: ArrayLike, *, resamples: int = RESAMPLES, maps: ArrayLike | None = None) -> Estimate:
+    """Return the mean of (E,) episode values with its 95 % percentile bootstrap interval.
+
+    Args:
+        values: (E,), in the same order of tasks for every policy.
+        resamples: how many.
+        maps: (E,) label of the map each episode was flown on.
+
+    Raises:
+        InputError: ``values`` or ``maps`` are not one finite number or label an episode.
+
+    """
+    return bootstrap_means(episode_values(values)[:, None], resamples=resamples, maps=maps)[0]
+
+
+def bootstrap_means(
+    columns: NDArray[np.float64], *, resamples: int = RESAMPLES, maps: ArrayLike | None = None
+) -> list[Estimate]:
+    """Return :func:`bootstrap_mean` of each column of (E, K) values, from one set of resamples."""
+    if not len(columns):
+        return [Estimate(float("nan"), None, None)] * columns.shape[1]
+    means = columns.mean(axis=0)
+    apart = columns - means  # values that are all alike then have an interval without width
+    return _estimates(means, lambda weights: means + weights @ apart, len(columns), resamples, maps)
+
+
+def bootstrap_iqm(values: ArrayLike, *, resamples: int = RESAMPLES, maps: ArrayLike | None = None) -> Estimate:
+    """Return the interquartile mean of (E,) values with its interval; see :func:`bootstrap_mean`.
+
+    A resample is trimmed by weight: as large a share at each end as :func:`interquartile_mean` leaves out.
+    """
+    sample = episode_values(values)
+    if not len(sample):
+        return Estimate(float("nan"), None, None)
+    order = np.argsort(sample, kind="stable")
+    trimmed = int(TRIMMED * len(sample)) / len(sample)
+
+    def statistic(weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        reach = np.cumsum(weights[:, order], axis=1).clip(trimmed, 1 - trimmed)
+        kept = np.diff(reach, axis=1, prepend=trimmed) / (1 - 2 * trimmed)
+        return np.asarray(kept @ sample[order, None])
+
+    return _estimates(np.array([interquartile_mean(sample)]), statistic, len(sample), resamples, maps)[0]
+
+
+def interquartile_mean(values: ArrayLike) -> float:
+    """Return the mean of the middle half of (E,) values (Agarwal et al. 2021, arXiv:2108.13264, section 4.3)."""
+    return float(stats.trim_mean(np.asarray(values, np.float64), TRIMMED))
+
+
+def paired_difference(
+    values: ArrayLike, baseline: ArrayLike, *, resamples: int = RESAMPLES, maps: ArrayLike | None = None
+) -> Estimate:
+    """Return the mean of ``values - baseline``, both (E,) over the same tasks, with its interval.
+
+    Raises:
+        InputError: the values are not pairs of finite numbers.
+
+    """
+    ours, theirs = paired_values(values, baseline)
+    return bootstrap_mean(ours - theirs, resamples=resamples, maps=maps)
+
+
+def _estimates(
+    points: NDArray[np.float64],
+    statistic: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    count: int,
+    resamples: int,
+    maps: ArrayLike | None,
+) -> list[Estimate]:
+    """Return the (K,) ``points`` with intervals of ``statistic``, which maps weights (r, E) to (r, K)."""
+    if count < FEWEST:
+        return [Estimate(point, None, None) for point in points.tolist()]
+    drawn = np.concatenate([statistic(weights) for weights in resampled_weights(count, resamples, maps)])
+    lows, highs = np.quantile(drawn, SmallSample.of(count, maps).tails, axis=0)
+    return [Estimate(*three) for three in zip(points.tolist(), lows.tolist(), highs.tolist(), strict=True)]

@@ -1,0 +1,138 @@
+"""What is drawn anew: whole episodes, and where maps are known, maps before episodes.
+
+Episodes flown on one map resemble each other, so that 10 maps with 30 seeds each say less about other maps
+than 300 maps would. Three cases:
+
+- no maps given, all episodes on one map, or each on its own: episodes are drawn with replacement;
+- at least :data:`~indoor_explorers.evaluation.statistics.estimate.FEWEST` maps: the maps are a sample. Maps are
+  drawn with replacement, and then episodes with replacement within each drawn map (the two-stage bootstrap of
+  Davison & Hinkley 1997, Bootstrap Methods and their Application, section 3.8, doi:10.1017/CBO9780511802843);
+- fewer maps: the maps are fixed, and episodes are drawn with replacement within each (a stratified bootstrap).
+
+A resample is a row of weights that sum to 1: the resampled mean of (E,) values is ``weights @ values``. The
+generators are seeded anew for each call, so that all policies get the same resamples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from indoor_explorers.env import InputError
+from indoor_explorers.evaluation.statistics.estimate import FEWEST
+
+#: Weights held at a time.
+CHUNK = 2**18
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Which episodes lie on which map; maps are numbered by first appearance, whatever their labels."""
+
+    label: NDArray[np.int64]
+    """(E,) map of each episode."""
+    size: NDArray[np.int64]
+    """(M,) episodes of each map."""
+    order: NDArray[np.int64]
+    """(E,) episodes, those of the first map first."""
+    first: NDArray[np.int64]
+    """(M,) place in ``order`` of each map's first episode."""
+    sampled: bool
+    """True: the maps stand for maps like them. False: they are too few for that."""
+
+    @classmethod
+    def of(cls, maps: ArrayLike | None, count: int) -> Layout:
+        """Sort ``count`` episodes by their (E,) ``maps``; without maps, each has its own.
+
+        Raises:
+            InputError: there is not one label an episode.
+
+        """
+        labels = np.arange(count) if maps is None else np.asarray(maps)
+        if labels.shape != (count,):
+            raise InputError(
+                f"expected the maps of {count} episodes, got labels of shape {labels.shape}; pass one an episode"
+            )
+        _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
+        label = np.argsort(np.argsort(first))[inverse]
+        size = np.bincount(label)
+        sampled = maps is None or len(size) >= FEWEST
+        return cls(label, size, np.argsort(label, kind="stable"), np.cumsum(size) - size, sampled)
+
+    def within(self, draws: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
+        """Draw ``draws[r, m]`` episodes of map m with replacement; return how often each came, (R, E)."""
+        rows, maps = draws.shape
+        slots = np.repeat(np.arange(rows * maps), draws.ravel())
+        row, drawn = np.divmod(slots, maps)
+        place = self.first[drawn] + (rng.random(len(slots)) * self.size[drawn]).astype(np.int64)
+        return _counted(row, self.order[place], (rows, len(self.label)))
+
+
+def maps_are_sampled(maps: ArrayLike | None) -> bool:
+    """Return whether intervals speak "over maps like these"; False: "on these maps", which are too few.
+
+    Without maps, every episode counts as a map of its own.
+    """
+    return maps is None or Layout.of(maps, np.size(maps)).sampled
+
+
+def resampled_weights(count: int, resamples: int, maps: ArrayLike | None = None) -> Iterator[NDArray[np.float64]]:
+    """Yield bootstrap weights of ``count`` episodes in chunks (r, E), ``resamples`` rows in all.
+
+    Args:
+        count: episodes E.
+        resamples: rows in all.
+        maps: (E,) label of the map each episode was flown on.
+
+    Raises:
+        InputError: there is not one label an episode.
+
+    """
+    layout = Layout.of(maps, count)
+    if len(layout.size) == 1:
+        layout = Layout.of(None, count)
+    draw = _Sampled(layout) if layout.sampled else _Fixed(layout)
+    rows = max(1, CHUNK // max(1, count))
+    for start in range(0, resamples, rows):
+        yield draw(min(rows, resamples - start))
+
+
+def independent_units(differences: NDArray[np.float64], maps: ArrayLike | None) -> NDArray[np.float64]:
+    """Return what varies independently: the mean of each map where maps are a sample, else the episodes."""
+    layout = Layout.of(maps, len(differences))
+    return np.asarray(np.bincount(layout.label, differences) / layout.size) if layout.sampled else differences
+
+
+class _Sampled:
+    """Draw maps, then episodes within them; episodes alone where each has its own map."""
+
+    def __init__(self, layout: Layout) -> None:
+        self.layout = layout
+        self.maps, self.episodes = np.random.default_rng(0), np.random.default_rng((0, 1))
+
+    def __call__(self, rows: int) -> NDArray[np.float64]:
+        layout, maps = self.layout, len(self.layout.size)
+        times = _counted(np.arange(rows)[:, None], self.maps.integers(0, maps, (rows, maps)), (rows, maps))
+        if maps == len(layout.label):
+            return times / maps
+        counts = layout.within(times * layout.size, self.episodes)
+        return np.asarray(counts / counts.sum(axis=1, keepdims=True))
+
+
+class _Fixed:
+    """Draw episodes within each map, as many as it has."""
+
+    def __init__(self, layout: Layout) -> None:
+        self.layout = layout
+        self.episodes = np.random.default_rng(0)
+
+    def __call__(self, rows: int) -> NDArray[np.float64]:
+        return self.layout.within(np.tile(self.layout.size, (rows, 1)), self.episodes) / len(self.layout.label)
+
+
+def _counted(row: NDArray[np.int64], column: NDArray[np.int64], shape: tuple[int, int]) -> NDArray[np.int64]:
+    """Return how often each (row, column) occurs."""
+    return np.bincount((row * shape[1] + column).ravel(), minlength=shape[0] * shape[1]).reshape(shape)
