@@ -80,19 +80,20 @@ class Replay {
   frameOf(step) { return step >= this.lastStep ? this.last : Math.round(step / this.episode.stride); }
   mapOf(flight) { return this.map < flight.maps.length ? this.map : 0; }
 
-  /* Choose the columns that show the cells largest without filling more than a screen; scales are whole numbers. */
+  /* Choose the columns that show the cells largest without filling more than a screen; scales are whole numbers.
+     A map that is wider than the page even at one pixel a cell is scrolled in its panel. */
   arrange() {
     const ratio = window.devicePixelRatio || 1, { width, height } = this.episode, panels = this.panels.length;
     const room = this.room = this.controls.grid.clientWidth, gap = 18, screen = Math.max(560, 0.9 * window.innerHeight);
     const options = Array.from({ length: panels }, (_, k) => panels - k).map((columns) => {
       const rows = Math.ceil(panels / columns), tallest = screen / rows - 90;
       const wide = (room - gap * (columns - 1)) / columns - 2;
-      const scale = Math.floor(Math.min(wide / width, Math.max(tallest, 120) / height) * ratio);
-      return { columns, scale: Math.max(1, scale), wide };
+      const widest = Math.floor(wide / width * ratio), highest = Math.floor(Math.max(tallest, 120) / height * ratio);
+      return { columns, scale: Math.min(widest, Math.max(1, highest)), wide };
     });
     const best = options.reduce((one, other) => (other.scale > one.scale ? other : one));
-    this.scale = best.scale;
-    const taken = Math.min(best.wide, Math.max(210, best.scale * width / ratio + 2));
+    this.scale = Math.max(1, best.scale);
+    const taken = Math.min(best.wide, Math.max(210, this.scale * width / ratio + 2));
     this.controls.grid.style.gridTemplateColumns = `repeat(${best.columns}, minmax(0, ${taken}px))`;
     this.draw();
   }
