@@ -29,6 +29,8 @@ from indoor_explorers.env.validation import read_toml, validated
 
 #: Steps that an episode without a budget has at least.
 LEAST_BUDGET = 200
+#: What comparisons set: on to full team coverage or the budget, nobody ended as stuck.
+COMPARED: Mapping[str, Any] = {"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"}
 
 
 class _Part(BaseModel):
@@ -148,7 +150,7 @@ class Scenario(_Part):
 
     def for_evaluation(self) -> Scenario:
         """Return the task as comparisons run it: on to full team coverage or the budget, nobody ended as stuck."""
-        return self.with_settings({"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"})
+        return self.with_settings(COMPARED)
 
     def with_settings(self, settings: Mapping[str, Any]) -> Scenario:
         """Return a copy with dotted keys replaced, such as ``{"lidar.range": 5, "team": 2}``.
@@ -181,22 +183,43 @@ class Scenario(_Part):
         Paths of map files in it are relative to the file.
         """
         path = Path(path)
-        data = read_toml(path)
+        return cls.from_table({"name": path.stem} | read_toml(path), str(path), path.parent)
+
+    @classmethod
+    def for_comparison(cls, table: Mapping[str, Any], where: str, folder: Path) -> Scenario:
+        """Return a scenario as a table of an experiment says it is flown.
+
+        What the table states holds; of :data:`COMPARED`, what it leaves out is set as comparisons do.
+        """
+        stated = _flattened(table)
+        task = cls.from_table(table, where, folder).for_evaluation()
+        return task.with_settings({key: stated[key] for key in COMPARED if key in stated})
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any], where: str, folder: Path) -> Scenario:
+        """Build a scenario from a TOML table, which may name a ``preset`` to start from.
+
+        Args:
+            table: the settings; what is left out is the preset's, or the default.
+            where: what errors call the table.
+            folder: what paths of map files are relative to.
+
+        """
+        data = dict(table)
         maps = data.get("map")
         if isinstance(maps, dict) and isinstance(maps.get("paths"), list):
-            maps["paths"] = [str(path.parent / str(one)) for one in maps["paths"]]
+            data["map"] = maps | {"paths": [str(folder / str(one)) for one in maps["paths"]]}
         from indoor_explorers.env.presets import scenario
 
         base = data.pop("preset", None)
-        data.setdefault("name", path.stem)
         if base is None:
-            return validated(cls, data, str(path))
+            return validated(cls, data, where)
         if not isinstance(base, str):
-            raise InputError(f"{path}: expected preset to be the name of a scenario, got {base!r}")
+            raise InputError(f"{where}: expected preset to be the name of a scenario, got {base!r}")
         try:
             return scenario(base).with_settings(_flattened(data))
         except InputError as error:
-            raise InputError(f"{path}: {error}") from error
+            raise InputError(f"{where}: {error}") from error
 
     def to_toml(self) -> str:
         """Print the scenario as TOML that :meth:`load` reads back."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import csv
+import io
 import os
 import shlex
 import sys
@@ -38,7 +40,9 @@ def _setting(text: str) -> tuple[str, Any]:
 
 
 def _names(text: str) -> list[str]:
-    names = [name.strip() for name in text.split(",") if name.strip()]
+    """Read names separated by commas; one in double quotes may hold commas, as in CSV."""
+    rows = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
+    names = [name.strip() for row in rows for name in row if name.strip()]
     if not names:
         raise argparse.ArgumentTypeError("expected names separated by commas, got none")
     return names
@@ -85,8 +89,15 @@ def build_parser() -> argparse.ArgumentParser:
 
 def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--experiment", metavar="FILE.toml", help="policies, scenarios, episodes, seed and settings")
-    parser.add_argument("--policies", type=_names, metavar="a,b,...", help="names, or module:Class")
-    parser.add_argument("--scenario", type=_names, metavar="PRESET|FILE.toml", help="one, or several with commas")
+    parser.add_argument(
+        "--policies", type=_names, metavar="a,b,...",
+        help="""names of entries of the experiment, of policies, or module:Class; a name with a comma in it stands in
+        double quotes, which the shell is not to see: '"dddqn, no guard",pso'""",
+    )  # fmt: skip
+    parser.add_argument(
+        "--scenario", type=_names, metavar="PRESET|FILE.toml",
+        help="one, or several with commas: names of entries of the experiment, presets, or files",
+    )  # fmt: skip
     parser.add_argument("--maps", nargs="+", default=[], metavar="PATH", help="map files to explore instead")
     parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample maps to")
     parser.add_argument("--team", type=_count, metavar="N", help="UAVs")
@@ -140,6 +151,7 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
         "--replays", type=_natural, metavar="N",
         help="replay N episodes of each scenario (default: as many as keep the page under 10 MB)",
     )  # fmt: skip
+    parser.add_argument("--exports", type=Path, metavar="DIR", help="also write summary, tables, figures and databases")
     parser.set_defaults(run=commands.run_report)
 
 

@@ -17,7 +17,9 @@ from indoor_explorers.env.presets import named_scenario
 from indoor_explorers.env.registry import policy_entry_points
 from indoor_explorers.env.starts import draw_floorplan
 from indoor_explorers.evaluation import bench
+from indoor_explorers.evaluation.combining import combined
 from indoor_explorers.evaluation.compare import plan, run
+from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.map_text import facts, picture
 from indoor_explorers.evaluation.progress import ProgressBar
 from indoor_explorers.evaluation.record import Outcome
@@ -52,7 +54,7 @@ def run_compare(arguments: argparse.Namespace) -> int:
     )
     with ProgressBar(console) as bar:
         results = run(experiment, arguments.out, workers=arguments.workers, watcher=bar, command=arguments.words)
-    console.print(headline_table(results))
+    console.print(headline_table(results, console.width))
     console.print(f"Report: {arguments.out / 'report.html'}", highlight=False, soft_wrap=True)
     return _status(results, console)
 
@@ -89,12 +91,14 @@ def run_watch(arguments: argparse.Namespace) -> int:
 
 def run_report(arguments: argparse.Namespace) -> int:
     """Rebuild a report from one folder, or combine several."""
-    results = Results.combined([Results.load(folder) for folder in arguments.folders])
+    results = combined([Results.load(folder) for folder in arguments.folders])
     try:
-        arguments.out.parent.mkdir(parents=True, exist_ok=True)
         write_report(results, arguments.out, replays=arguments.replays)
+        if arguments.exports is not None:
+            write_exports(results, arguments.exports)
     except OSError as error:
-        raise InputError(f"{arguments.out}: cannot be written: {error.strerror}; choose another --out") from error
+        where = error.filename or arguments.out
+        raise InputError(f"{where}: cannot be written: {error.strerror}; choose another --out or --exports") from error
     _console().print(f"Report: {arguments.out}", highlight=False, soft_wrap=True)
     return 0
 

@@ -13,20 +13,18 @@ from typing import Any, Protocol
 import pandas as pd
 
 from indoor_explorers.env import InputError, Policy, Scenario
-from indoor_explorers.env.presets import named_scenario, on_files
+from indoor_explorers.env.presets import on_files
 from indoor_explorers.env.starts import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.experiment import Experiment, Task, build_experiment, read_experiment
+from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.local import Job, fly_jobs
 from indoor_explorers.evaluation.provenance import run_facts
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report import write_report
-from indoor_explorers.evaluation.report.figures import write_figures
-from indoor_explorers.evaluation.results import Results, write_summary
+from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.selection import chosen_policies, chosen_scenarios
 from indoor_explorers.evaluation.store import Store
 
-#: Compared when nothing else is asked for: chance and the four families.
-DEFAULT_POLICIES = ("random", "frontier-nearest", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
-DEFAULT_SCENARIO = "thesis-obstacles"
 #: The most episodes of a job, and its most cells x steps x UAVs: what a worker loses at most when a run is killed.
 JOB_EPISODES, JOB_WORK = 10, 40_000_000
 
@@ -59,8 +57,9 @@ def compare(
 ) -> pd.DataFrame:
     """Compare policies and return the summary as a table with the columns of ``summary.csv``.
 
-    Takes the arguments of ``indoor-explorers compare``. Writes ``out/results.db``, ``report.html``,
-    ``summary.csv`` and ``figures/``; episodes that ``out/results.db`` holds already are not flown again.
+    Takes the arguments of ``indoor-explorers compare``. Writes ``out/results.db``, ``report.html``, and what
+    :func:`~indoor_explorers.evaluation.exports.write_exports` does; episodes that ``out/results.db`` holds already
+    are not flown again.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
@@ -93,14 +92,16 @@ def plan(
     seed: int | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> Experiment:
-    """Put an experiment together from a file and what overrides it; see :func:`compare`."""
+    """Put an experiment together from a file and what overrides it; see :func:`compare`.
+
+    Of the policies and scenarios asked for, those named like an entry of the file are that entry.
+    """
     base = read_experiment(Path(experiment)) if experiment is not None else {}
-    here = Path(experiment).parent if experiment is not None else Path()
-    asked = scenario if scenario is not None else base.get("scenarios")
-    chosen = _scenarios(asked, here, tuple(str(path) for path in maps), resolution)
+    listed = base.get("scenarios")
+    chosen = _scenarios(scenario, listed, _folder(experiment), tuple(str(path) for path in maps), resolution)
     overrides = dict(base.get("set", {})) | dict(settings or {}) | ({"team": team} if team is not None else {})
     return build_experiment(
-        policies if policies is not None else base.get("policies", DEFAULT_POLICIES),
+        chosen_policies(policies, base.get("policies")),
         chosen,
         episodes=episodes if episodes is not None else base.get("episodes", 30),
         seed=seed if seed is not None else base.get("seed", 0),
@@ -108,19 +109,23 @@ def plan(
     )
 
 
-def _scenarios(asked: Any, here: Path, maps: tuple[str, ...], resolution: float | None) -> list[Scenario]:
+def _folder(experiment: str | Path | None) -> Path:
+    return Path(experiment).parent if experiment is not None else Path()
+
+
+def _scenarios(
+    asked: Any, listed: Sequence[Any] | None, folder: Path, maps: tuple[str, ...], resolution: float | None
+) -> list[Scenario]:
     if resolution is not None and not maps:
         raise InputError("expected --maps with --resolution, got none; name the map files to resample")
-    if asked is None:
-        return [on_files(maps, resolution)] if maps else [named_scenario(DEFAULT_SCENARIO)]
-    names = [asked] if isinstance(asked, (str, Scenario)) else list(asked)
-    chosen = [name if isinstance(name, Scenario) else named_scenario(str(name), here) for name in names]
     if not maps:
-        return chosen
-    files = on_files(maps, resolution)
+        return chosen_scenarios(asked, listed, folder)
+    files = on_files(maps, resolution).for_evaluation()
+    if asked is None and listed is None:
+        return [files]
     return [
         each.model_copy(update={"name": f"{each.name} on {files.name}", "map": files.map, "budget": None})
-        for each in chosen
+        for each in chosen_scenarios(asked, listed, folder)
     ]
 
 
@@ -195,9 +200,8 @@ def _make_folder(out: Path) -> None:
 
 
 def write_outputs(out: Path) -> Results:
-    """Write summary.csv, figures and report from ``out/results.db``."""
+    """Write the exports and the report from ``out/results.db``."""
     results = Results.load(out)
-    write_summary(results, out / "summary.csv")
-    write_figures(results, out / "figures")
+    write_exports(results, out)
     write_report(results, out / "report.html")
     return results

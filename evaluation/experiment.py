@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from indoor_explorers.env import InputError, Policy, Scenario, make_policy
@@ -88,13 +90,24 @@ class Experiment(BaseModel):
 
         Paths of map files are written as absolute ones.
         """
-        import tomli_w
-
         data = self.model_dump(mode="json", exclude_none=True)
         for scenario in data["scenarios"]:
             if "paths" in scenario["map"]:
                 scenario["map"]["paths"] = [str(Path(path).resolve()) for path in scenario["map"]["paths"]]
         return tomli_w.dumps(data)
+
+
+def merged_experiments(texts: Sequence[str]) -> str:
+    """Return as TOML what the runs of one store flew together, given the experiment of each in TOML, oldest first.
+
+    Policies and episodes are those of any run; the rest is that of the latest. Empty where there was no run.
+    """
+    if not texts:
+        return ""
+    runs = [tomllib.loads(text) for text in texts]
+    policies = {policy["name"]: policy for run in runs for policy in run["policies"]}
+    whole = {"policies": list(policies.values()), "episodes": max(run["episodes"] for run in runs)}
+    return tomli_w.dumps(runs[-1] | whole)
 
 
 #: Keys of an experiment file.
@@ -123,7 +136,7 @@ def build_experiment(
     seed: int,
     settings: Mapping[str, Any],
 ) -> Experiment:
-    """Put an experiment together: scenarios in the form comparisons run, then ``settings`` on each of them."""
-    flown = [scenario.for_evaluation().with_settings(settings) for scenario in scenarios]
+    """Put an experiment together from scenarios as they are flown, and ``settings`` on each of them."""
+    flown = [scenario.with_settings(settings) for scenario in scenarios]
     data = {"policies": tuple(policies), "scenarios": tuple(flown), "episodes": episodes, "seed": seed}
     return validated(Experiment, data, "experiment")

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import World
-from indoor_explorers.env.state import End
 
 #: Steps for which room is made at first; the room doubles whenever it is full.
 ROOM = 256
@@ -60,10 +59,10 @@ class Log:
         self._covered[:, t, 0] = state.team_covered
         self._covered[:, t, 1:] = state.covered
         self._cells[:, t] = state.cell
-        self._sent[:, t] = state.sent_bytes.sum(axis=1)
         if self._team > 1:
-            self._ages[self.running] += (t - np.maximum(state.heard_step, 0)).sum(axis=(1, 2))[self.running]
-        self.running &= (state.end == End.FLYING).any(axis=1)
+            self._sent[:, t] = state.sent_bytes.sum(axis=1)
+            self._ages += (t - np.maximum(state.heard_step, 0)).sum(axis=(1, 2)) * self.running
+        self.running &= self._world.flying.any(axis=1)
 
     def _grow(self) -> None:
         for name in ("_covered", "_cells", "_actions", "_seconds", "_sent"):

@@ -74,6 +74,12 @@ class Record:
         moved = np.abs(np.diff(self.cells.astype(np.int64), axis=0)).sum(axis=(1, 2))
         return np.concatenate(([0], np.cumsum(moved)))
 
+    def flew_like(self, other: Record) -> bool:
+        """Return whether both are the same flight, step for step; the time that decisions took does not count."""
+        names = ("covered", "cells", "actions", "sent")
+        same_end = (self.outcome, self.steps) == (other.outcome, other.steps)
+        return same_end and all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
+
     def spent(self, axis: str) -> NDArray[np.float64]:
         """Return (S + 1,) how much of one of :data:`AXES` was spent up to each step; never falls."""
         spent = {"steps": np.arange(self.steps + 1), "distance": self.distance, "seconds": self.seconds}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,6 +22,9 @@ from indoor_explorers.evaluation.store import Store
 
 SUMMARY_COLUMNS = ("policy", "scenario", "team", "metric", "episodes", "mean", "iqm", "low", "high", "success")
 
+#: Facts of a run that say which machine it was flown on.
+MACHINE = ("system", "processor", "cores")
+
 
 @dataclass(frozen=True, eq=False)
 class Results:
@@ -34,6 +37,8 @@ class Results:
     runs: list[dict[str, Any]]
     """Facts of each run, oldest first."""
     records: list[Record]
+    experiments: tuple[str, ...] = ()
+    """The experiment of each store in TOML, with every policy that any of its runs flew."""
 
     @classmethod
     def load(cls, folder: Path) -> Results:
@@ -42,20 +47,9 @@ class Results:
         if not path.is_file():
             raise InputError(f"{folder}: expected a folder with a results.db in it, got none; fly compare --out first")
         with Store(path) as store:
-            return cls(store.policies(), store.scenarios(), store.runs(), list(store.records()))
-
-    @classmethod
-    def combined(cls, parts: Sequence[Results]) -> Results:
-        """Put several results together, when they are about the same tasks.
-
-        Raises:
-            InputError: tasks differ; the message names the fields.
-
-        """
-        whole = parts[0]
-        for part in parts[1:]:
-            whole = _joined(whole, part)
-        return whole
+            text = store.experiment()
+            experiments = (text,) if text else ()
+            return cls(store.policies(), store.scenarios(), store.runs(), list(store.records()), experiments)
 
     @cached_property
     def groups(self) -> dict[tuple[str, str], list[Record]]:
@@ -66,6 +60,17 @@ class Results:
         for record in self.records:
             groups[record.task.scenario, record.policy].append(record)
         return {key: records for key, records in groups.items() if records}
+
+    @property
+    def warnings(self) -> list[str]:
+        """What differs between the runs and could make figures differ, a line each: commits, versions, machines."""
+        lines = []
+        for key in dict.fromkeys(key for run in self.runs for key in run if _can_matter(key)):
+            values = dict.fromkeys(str(run.get(key, "not recorded")) for run in self.runs)
+            if len(values) > 1:
+                effect = "; latencies do not compare" if key in MACHINE else ""
+                lines.append(f"runs differ in {key}: {', '.join(values)}{effect}")
+        return lines
 
     def tasks(self, scenario: str) -> set[Task]:
         """Return the tasks of a scenario that any policy has flown."""
@@ -89,7 +94,7 @@ class Results:
         return np.array([_value(record, metric) for record in records], np.float64)
 
     def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
-        """Return (E,) which map each episode was flown on; equal maps have equal labels."""
+        """Return (E,) which map each episode was flown on; equal maps have equal labels, whatever their files."""
         return np.array([record.floorplan.digest for record in self.groups[scenario, policy]])
 
     @cached_property
@@ -117,14 +122,12 @@ class Results:
     def _summary_rows(self) -> Iterator[tuple[Any, ...]]:
         for (scenario, policy), records in self.groups.items():
             extra = sorted({name for record in records for name in record.metrics} - set(MEASURES))
-            maps = self.maps(scenario, policy)
             for metric in (*MEASURES, *extra):
                 values = self.values(scenario, policy, metric)
-                held = ~np.isnan(values)
-                values = values[held]
+                values = values[~np.isnan(values)]
                 if not len(values):
                     continue
-                mean, low, high = bootstrap_mean(values, maps=maps[held])
+                mean, low, high = bootstrap_mean(values)
                 yield (
                     *(policy, scenario, records[0].team, metric, len(values), mean, interquartile_mean(values)),
                     *(low, high, self.success(scenario, policy, metric)),
@@ -133,48 +136,33 @@ class Results:
     def episodes(self) -> pd.DataFrame:
         """Return one row per episode: its task, outcome, steps and metrics."""
         return pd.DataFrame(
-            {
-                "policy": record.policy,
-                "scenario": record.task.scenario,
-                "map": record.floorplan.name,
-                "map_index": record.task.map_index,
-                "seed": record.task.seed,
-                "team": record.team,
-                "budget": record.budget,
-                "outcome": str(record.outcome),
-                "reason": record.reason,
-                "steps": record.steps,
-                **record.metrics,
-            }
-            for record in self.records
+            self._episode_row(record, ratio)
+            for scenario, policy in self.groups
+            for record, ratio in zip(
+                self.groups[scenario, policy], self.values(scenario, policy, "t99_to_reference"), strict=True
+            )
         )
 
-
-def _joined(one: Results, other: Results) -> Results:
-    for name in set(one.scenarios) & set(other.scenarios):
-        if one.scenarios[name]["fingerprint"] != other.scenarios[name]["fingerprint"]:
-            fields = _differing(one.scenarios[name], other.scenarios[name]) - {"fingerprint"}
-            what = ", ".join(sorted(fields)) or "the cells of its maps"
-            raise InputError(f"scenario {name!r} is not the same task in both results; what differs: {what}")
-        if one.tasks(name) != other.tasks(name):
-            raise InputError(
-                f"scenario {name!r} was not flown on the same seeds in both results ({len(one.tasks(name))} and "
-                f"{len(other.tasks(name))} tasks); finish both, with the same --seed and --episodes"
-            )
-    for name in set(one.policies) & set(other.policies):
-        if one.policies[name] != other.policies[name]:
-            raise InputError(f"policy {name!r} has other parameters in the other results; rename it in one of them")
-    held = {(record.policy, record.task) for record in one.records}
-    return Results(
-        one.policies | other.policies,
-        one.scenarios | other.scenarios,
-        one.runs + other.runs,
-        one.records + [record for record in other.records if (record.policy, record.task) not in held],
-    )
+    def _episode_row(self, record: Record, ratio: float) -> dict[str, Any]:
+        return {
+            "policy": record.policy,
+            "scenario": record.task.scenario,
+            "map": record.floorplan.name,
+            "map_index": record.task.map_index,
+            "seed": record.task.seed,
+            "team": record.team,
+            "budget": record.budget,
+            "reachable": record.reachable,
+            "outcome": str(record.outcome),
+            "reason": record.reason,
+            "steps": record.steps,
+            **record.metrics,
+            **({"t99_to_reference": ratio} if self.references else {}),
+        }
 
 
-def _differing(one: dict[str, Any], other: dict[str, Any]) -> set[str]:
-    return {key for key in {*one, *other} if one.get(key) != other.get(key)}
+def _can_matter(key: str) -> bool:
+    return key in (*MACHINE, "commit", "python") or key.endswith(" version")
 
 
 def _coverage(record: Record, who: str) -> NDArray[np.float64]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.evaluation.experiment import Experiment, Task
+from indoor_explorers.evaluation.experiment import Experiment, Task, merged_experiments
 from indoor_explorers.evaluation.record import Outcome, Record
 
 FORMAT = 3
@@ -208,9 +208,8 @@ class Store:
         return [json.loads(facts) for (facts,) in self._db.execute("SELECT facts FROM run ORDER BY id")]
 
     def experiment(self) -> str:
-        """Return the experiment of the latest run as TOML, empty when there was none."""
-        found = self._db.execute("SELECT experiment FROM run ORDER BY id DESC LIMIT 1").fetchone()
-        return str(found[0]) if found else ""
+        """Return what all runs together flew as an experiment in TOML, empty when there was none."""
+        return merged_experiments([text for (text,) in self._db.execute("SELECT experiment FROM run ORDER BY id")])
 
     def records(self) -> Iterable[Record]:
         """Yield all episodes, ordered by policy, scenario, map and seed."""

@@ -11,10 +11,11 @@ import numpy as np
 from indoor_explorers.env import make_policy
 from indoor_explorers.env.presets import scenario
 from indoor_explorers.env.scenario import Radio
-from indoor_explorers.evaluation.bench.figure import REPEATS, seconds_of
+from indoor_explorers.evaluation.bench.figure import REPEATS, median_of, seconds_of
 from indoor_explorers.evaluation.bench.worlds import square
-from indoor_explorers.evaluation.compare import plan, run
+from indoor_explorers.evaluation.compare import JOB_EPISODES, plan, run
 from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.runner import fly
 from indoor_explorers.evaluation.training import find_learner
 
@@ -32,6 +33,23 @@ def decision_time(policy: str, side: int, lidar_range: float) -> float:
         (record,) = fly(pilot, policy, task, [Task(task.name, 0, seed)])
         medians.append(record.metrics["latency_p50_us"] or np.nan)
     return float(np.median(medians[1:]))
+
+
+def overhead(policy: str) -> float:
+    """Return what flying costs beside a policy's own decisions, as a percentage of their time, on ``thesis-obstacles``.
+
+    Views, checks, the step of the world with its scan, and the log, in batches as comparisons fly them.
+    """
+    task, pilot = scenario("thesis-obstacles").for_evaluation(), make_policy(policy)
+
+    def share() -> float:
+        records: list[Record] = []
+        batch = [Task(task.name, 0, seed) for seed in range(JOB_EPISODES)]
+        seconds = seconds_of(lambda: records.extend(fly(pilot, policy, task, batch)))
+        own = sum(record.metrics["latency_total_s"] or 0.0 for record in records)
+        return 100.0 * (seconds - own) / own
+
+    return median_of(share)
 
 
 def comparison_time(episodes: int) -> float:

@@ -94,6 +94,8 @@ def _decisions() -> Iterator[Measure]:
 
 
 def _harness(everything: bool) -> Iterator[Measure]:
+    for policy in policy_entry_points():
+        yield Measure("Harness", f"harness-overhead-{policy}", "%", partial(decisions.overhead, policy))
     for episodes in (1000, 10_000) if everything else (1000,):
         take = partial(decisions.comparison_time, episodes)
         yield Measure("Harness", f"harness-{episodes}-episodes", "s", take)

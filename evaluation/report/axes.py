@@ -51,8 +51,8 @@ def _spending(comparison: Comparison, key: str, points: int) -> Axis:
     most = max(float(record.spent(key)[-1]) for record in records)
     if key == "seconds":
         least = min(float(spent[spent > 0][0]) for record in records if (spent := record.spent(key))[-1] > 0)
-        amounts = np.array([float(f"{amount:.4g}") for amount in np.geomspace(least, most, points)])
-        return Axis(key, TITLES[key], AXES[key], True, np.unique(amounts), most)
+        rounded = [float(f"{amount:.4g}") for amount in np.geomspace(least, most, points)[:-1].tolist()]
+        return Axis(key, TITLES[key], AXES[key], True, np.unique([*rounded, most]), most)
     focus = min(most, MARGIN * _focus(comparison, key, np.linspace(0, most, 1000)))
     amounts = np.concatenate((np.linspace(0, focus, points * 2 // 3), np.linspace(focus, most, points // 3)))
     return Axis(key, TITLES[key], AXES[key], False, np.unique(amounts.round()), round(focus))

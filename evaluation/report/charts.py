@@ -19,6 +19,8 @@ from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_t
 WHO = ("team", "worst", "mean")
 #: Levels whose times are drawn, the one shown first at the front.
 TIMES = ("t99", "t95", "t90")
+#: Share of episodes that have to get to 99 % for a policy to say up to which step times are shown first.
+MOSTLY = 0.9
 #: The most corners of a distribution of times.
 CORNERS = 400
 
@@ -75,10 +77,12 @@ def times_data(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, 
 
 
 def _last_time(comparison: Comparison, budget: int) -> int:
-    """Return when the last episode got to 99 %, of policies that usually get there; the budget where none does."""
+    """Return when the last episode got to 99 %, of policies that mostly get there; the budget where none does."""
     groups = comparison.groups.items()
-    usual = [group for policy, group in groups if comparison.results.success(comparison.scenario, policy, "t99") > 0.5]
-    times = [late for group in usual for record in group if (late := record.metrics.get("t99")) is not None]
+    mostly = [
+        group for policy, group in groups if comparison.results.success(comparison.scenario, policy, "t99") >= MOSTLY
+    ]
+    times = [late for group in mostly for record in group if (late := record.metrics.get("t99")) is not None]
     return min(budget, int(max(times, default=budget) * 1.05) + 1)
 
 

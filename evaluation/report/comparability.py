@@ -15,9 +15,6 @@ from indoor_explorers.evaluation.report.numbers import counted, percent
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
-#: Facts of a run that say which machine it was flown on.
-MACHINE = ("system", "processor", "cores", "workers")
-
 
 @dataclass(frozen=True)
 class Verdict:
@@ -140,17 +137,10 @@ def _few(results: Results) -> Iterator[str]:
 
 
 def _runs(results: Results) -> Iterator[str]:
-    """Name what differs between the runs, and sources that were changed after their commit."""
+    """Name sources that were changed after their commit, and what differs between the runs."""
     if any("uncommitted" in str(run.get("commit", "")) for run in results.runs):
         yield "The source had uncommitted changes: the commit alone does not tell what was flown."
-    keys = dict.fromkeys(key for run in results.runs for key in run)
-    differing = [key for key in keys if len({str(run.get(key)) for run in results.runs}) > 1]
-    program = [key for key in differing if key in ("commit", "python") or key.endswith(" version")]
-    if program:
-        yield f"Runs differ in {', '.join(program)}: figures may differ for that reason alone; see the provenance."
-    machine = [key for key in differing if key in MACHINE]
-    if machine:
-        yield f"Runs differ in {', '.join(machine)}: their latencies do not compare."
+    yield from (f"{text[0].upper()}{text[1:]}." for text in results.warnings)
 
 
 def _few_maps(results: Results) -> Iterator[str]:

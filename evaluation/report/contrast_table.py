@@ -70,5 +70,6 @@ def reading(contrast: Contrast) -> str:
     if contrast.shown:
         return "slower" if contrast.difference.mean > 0 else "faster"
     if math.isinf(contrast.detectable):
-        return "no difference shown (too few episodes to show any)"
+        units = "maps" if contrast.over_maps and contrast.maps < contrast.pairs else "episodes"
+        return f"no difference shown (too few {units} to show any)"
     return f"no difference shown (could have seen {fixed(contrast.detectable, 1)} steps)"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
 from pydantic import BaseModel
 
 from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.evaluation.combining import flat
 from indoor_explorers.evaluation.report.numbers import counted
 
 #: What coverage is a share of, by the scenario's setting.
@@ -49,15 +50,7 @@ def _span(entries: Sequence[str], unit: str) -> str:
 
 def setting_rows(settings: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     """Return (key, value, meaning) of every setting of a scenario; meanings come from the scenario's fields."""
-    return [(key, shown(value), _meaning(key, settings)) for key, value in _flat(settings) if key != "name"]
-
-
-def _flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in settings.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{key}.")
-        else:
-            yield prefix + key, value
+    return [(key, shown(value), _meaning(key, settings)) for key, value in flat(settings) if key != "name"]
 
 
 def shown(value: Any) -> str:

@@ -64,13 +64,14 @@ def write_figures(results: Results, folder: Path) -> list[Path]:
         for number, scenario in enumerate(results.scenarios, 1):
             comparison = Comparison(results, scenario)
             if comparison.groups:
-                stem = f"{number:02d}-{_slug(scenario)}"
+                stem = f"{number:02d}-{slug(scenario)}"
                 paths += _save(coverage_figure(comparison, looks), folder, f"{stem}-coverage")
                 paths += _save(times_figure(comparison, looks), folder, f"{stem}-t90-t99")
     return paths
 
 
-def _slug(name: str) -> str:
+def slug(name: str) -> str:
+    """Return a name as part of a file name: small letters, digits and hyphens."""
     return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:60] or "scenario"
 
 

@@ -77,7 +77,7 @@ def verdict(contrast: Contrast) -> str:
         return f"a difference was shown (Holm-adjusted p {p})"
     could = f"one of {fixed(contrast.detectable, 1)} steps or more would probably have been seen"
     if math.isinf(contrast.detectable):
-        could = "there are too few tasks to show any"
+        could = "there are too few maps or episodes to show any"
     return f"no difference was shown (Holm-adjusted p {p}; {could})"
 
 

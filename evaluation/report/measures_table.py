@@ -10,9 +10,12 @@ from indoor_explorers.evaluation.metrics import MEASURES
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, interval
 from indoor_explorers.evaluation.report.tables import COLUMNS, Cell, Column, emphasised
+from indoor_explorers.evaluation.statistics import Estimate
 
-#: Decimals of measures that are shares or areas.
-DECIMALS = {"auc_worst": 3, "auc_mean": 3, "balance": 3, "t99_to_bound": 2, "t99_to_reference": 2}
+#: Decimals of ratios.
+DECIMALS = {"t99_to_bound": 2, "t99_to_reference": 2}
+#: Measures that say nothing about a UAV alone.
+OF_TEAMS = {"auc_worst", "auc_mean", "path_max", "balance", "blocked"}
 
 
 @dataclass(frozen=True)
@@ -33,9 +36,10 @@ def measures_table(comparison: Comparison) -> list[MeasureRow]:
 
 
 def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
-    shown = {column.key for column in COLUMNS}
+    alone = all(record.team == 1 for records in comparison.groups.values() for record in records)
+    left_out = {column.key for column in COLUMNS} | (OF_TEAMS if alone else set())
     for key, measure in MEASURES.items():
-        if key not in shown:
+        if key not in left_out:
             column = Column(key, measure.title, measure.unit, measure.lower_is_better)
             yield MeasureRow(key, measure.title, measure.unit, _cells(comparison, column), False)
     for key in comparison.tallies:
@@ -45,12 +49,14 @@ def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
 
 def _cells(comparison: Comparison, column: Column) -> list[Cell]:
     estimates = {policy: comparison.estimate(policy, column.key) for policy in comparison.groups}
-    means = [each.mean for each in estimates.values() if not math.isnan(each.mean)]
-    decimals = DECIMALS.get(column.key, 3 if not column.ranked else decimals_for(max(means, default=0.0), most=2))
-    cells = {
-        policy: Cell(fixed(None, 0))
-        if math.isnan(each.mean)
-        else Cell(fixed(each.mean, decimals), each.mean, interval(each, decimals))
-        for policy, each in estimates.items()
-    }
+    largest = max((abs(each.mean) for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
+    usual = 3 if largest < 1 or not column.ranked else decimals_for(largest, most=2)
+    decimals = DECIMALS.get(column.key, usual) if largest else 0
+    cells = {policy: _cell(each, decimals) for policy, each in estimates.items()}
     return list((emphasised(comparison, column, cells) if column.ranked else cells).values())
+
+
+def _cell(estimate: Estimate, decimals: int) -> Cell:
+    if math.isnan(estimate.mean):
+        return Cell(fixed(None, 0))
+    return Cell(fixed(estimate.mean, decimals), estimate.mean, interval(estimate, decimals) if decimals else "")

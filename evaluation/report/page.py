@@ -21,6 +21,7 @@ from indoor_explorers.evaluation.report.numbers import counted, percent
 from indoor_explorers.evaluation.report.overview import lead, line
 from indoor_explorers.evaluation.report.palette import COLOURS, styles
 from indoor_explorers.evaluation.report.replay import ending
+from indoor_explorers.evaluation.report.reproduce import experiment_files, row_command
 from indoor_explorers.evaluation.report.sections import section_of
 from indoor_explorers.evaluation.report.strips import swatch
 from indoor_explorers.evaluation.report.tables import COLUMNS, LISTED
@@ -64,10 +65,18 @@ def render(results: Results, *, title: str | None = None, replays: int | None = 
             runs=facts.run_rows(results.runs),
             run_count=len(results.runs),
             commands=facts.commands(results.runs),
+            row_commands=_row_commands(results),
+            experiments=experiment_files(results),
             interval={"confidence": percent(CONFIDENCE), "fewest": FEWEST},
             plotly=Markup(get_plotlyjs().replace("</script", "<\\/script")),
         )
     )
+
+
+def _row_commands(results: Results) -> list[tuple[str, str, str]]:
+    """Return (scenario, policy, command) of each row of the results tables that can be made again by itself."""
+    rows = [(scenario, policy, row_command(results, scenario, policy)) for scenario, policy in results.groups]
+    return [row for row in rows if row[2]]
 
 
 @lru_cache(maxsize=1)

@@ -13,20 +13,26 @@ from indoor_explorers.evaluation.report.numbers import fixed, percent, with_inte
 from indoor_explorers.evaluation.report.tables import failed
 from indoor_explorers.evaluation.results import Results
 
-HEADINGS = ("T90 [steps]", "T99 [steps]", "99 % reached", "AUC", "failed", "decision p50")
+HEADINGS = ("T90 [steps]", "T99 [steps]", "99 % reached", "failed", "AUC", "decision p50")
+#: Characters of a line from which on all columns fit beside a name.
+WIDE = 110
 
 
-def headline_table(results: Results) -> Table:
-    """Return one row per scenario and policy: T90 and T99 with interval, success, AUC, failures, latency."""
+def headline_table(results: Results, width: int = WIDE) -> Table:
+    """Return one row per scenario and policy: T90 and T99 with interval, success; failures, AUC and latency.
+
+    The last three are left out where lines have less than :data:`WIDE` characters.
+    """
+    shown = HEADINGS if width >= WIDE else HEADINGS[:3]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("policy", overflow="fold")
-    for heading in HEADINGS:
+    table.add_column("policy", overflow="fold", min_width=14)
+    for heading in shown:
         table.add_column(heading, justify="right", no_wrap=True)
     for scenario in results.scenarios:
         if len(results.scenarios) > 1:
             table.add_row(Text(scenario, "bold"))
         for row in _rows(Comparison(results, scenario)):
-            table.add_row(*row)
+            table.add_row(*row[: 1 + len(shown)])
         table.add_section()
     return table
 
@@ -44,8 +50,8 @@ def _row(comparison: Comparison, policy: str) -> list[Text]:
         Text(with_interval(comparison.estimate(policy, "t90"))),
         Text(with_interval(comparison.estimate(policy, "t99")), "bold" if best else ""),
         Text(percent(comparison.results.success(comparison.scenario, policy, "t99"))),
-        Text(fixed(comparison.estimate(policy, "auc").mean, 3)),
         Text(str(failures), "bold red" if failures else ""),
+        Text(fixed(comparison.estimate(policy, "auc").mean, 3)),
         Text(latency(comparison.estimate(policy, "latency_p50_us").mean)),
     ]
 

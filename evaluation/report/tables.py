@@ -56,9 +56,9 @@ class Cell:
 
 COLUMNS = (
     Column("t90", "T90", "steps"),
-    Column("t90_reached", "reached 90 %", "", False),
+    Column("t90_reached", "reached 90\u202f%", "", False),
     Column("t99", "T99", "steps"),
-    Column("t99_reached", "reached 99 %", "", False),
+    Column("t99_reached", "reached 99\u202f%", "", False),
     Column("t99_strip", "T99 by episode", "steps", ranked=False),
     Column("auc", "AUC", "", False),
     Column("path_length", "path length", "cells"),

@@ -10,10 +10,23 @@ class TimesChart extends Chart {
 
   get title() { return this.data.levels.find((level) => level.key === this.level).title; }
 
-  reached(policy) {
-    const { steps, share } = policy.times[this.level], look = this.look(policy);
+  /* Steps at which every policy has a point, so that the pointer finds one: all corners, and some between them. */
+  grid() {
+    const { focus, budget, policies } = this.data, steps = new Set();
+    for (let k = 0; k <= 150; k++) steps.add(Math.round(focus * k / 150)).add(Math.round(focus + (budget - focus) * k / 150));
+    for (const policy of policies) policy.times[this.level].steps.forEach((step) => steps.add(step));
+    return [...steps].sort((one, other) => one - other);
+  }
+
+  reached(policy, grid) {
+    const times = policy.times[this.level], look = this.look(policy);
+    let corner = 0;
+    const share = grid.map((step) => {
+      while (corner + 1 < times.steps.length && times.steps[corner + 1] <= step) corner++;
+      return times.share[corner];
+    });
     return {
-      x: steps, y: share, visible: this.visibility.shows(policy.name), name: this.name(policy), mode: "lines+markers",
+      x: grid, y: share, visible: this.visibility.shows(policy.name), name: this.name(policy), mode: "lines+markers",
       line: { ...look.line, shape: "hv" }, marker: { ...look.marker, maxdisplayed: 9 },
       hovertemplate: share.map((value) => `${percent(value)} there (${Math.round(value * policy.episodes)}/${policy.episodes})`),
     };
@@ -33,7 +46,7 @@ class TimesChart extends Chart {
     const { focus, budget, policies } = this.data;
     this.offerSpan(focus < budget);
     const cut = this.narrow ? 0.76 : 0.84;
-    const ticks = [0, 0.25, 0.5, 0.75, 1];
+    const ticks = [0, 0.25, 0.5, 0.75, 1], grid = this.grid();
     const layout = this.layout({
       xaxis: this.axis("step", {
         domain: [0, cut], range: [0, this.span === "focus" ? focus : budget], ticks: "outside", ticklen: 4, showline: true,
@@ -51,7 +64,8 @@ class TimesChart extends Chart {
         fillcolor: Theme.colour("--panel"), line: { width: 0 },
       }],
     });
-    this.plot([...policies.map((policy) => this.reached(policy)), ...policies.map((policy, k) => this.never(policy, k))], layout, "times");
+    const traces = [...policies.map((policy) => this.reached(policy, grid)), ...policies.map((policy, k) => this.never(policy, k))];
+    this.plot(traces, layout, "times");
   }
 }
 

@@ -33,6 +33,7 @@ UNITS = {
     "first-compile": "s",
     "first-step": "s",
     "harness-1000-episodes": "s",
+    **{f"harness-overhead-{policy}": "%" for policy in policy_names()},
     **{f"decide-{policy}-{size}": "us" for policy in policy_names() for size in ("16x16", "250x250")},
 }
 

@@ -204,6 +204,8 @@ def test_a_report_is_rebuilt_and_combined(capsys, tmp_path):
     run(capsys, "compare", "--policies", "frontier-nearest", *common, "--out", tmp_path / "b")
     assert run(capsys, "report", tmp_path / "a", "--out", tmp_path / "again.html")[0] == 0
     assert (tmp_path / "again.html").read_bytes() == (tmp_path / "a" / "report.html").read_bytes()
+    assert run(capsys, "report", tmp_path / "a", "--replays", "5", "--out", tmp_path / "all.html")[0] == 0
+    assert all(f'"task":[0,{seed}]' in (tmp_path / "all.html").read_text() for seed in range(5))
     status, _, _ = run(capsys, "report", tmp_path / "a", tmp_path / "b", "--out", tmp_path / "both.html")
     assert status == 0
     both = (tmp_path / "both.html").read_text()
@@ -212,7 +214,7 @@ def test_a_report_is_rebuilt_and_combined(capsys, tmp_path):
     run(capsys, "compare", "--policies", "random", *common, "--set", "lidar.range=4", "--out", tmp_path / "c")
     status, _, errors = run(capsys, "report", tmp_path / "a", tmp_path / "c", "--out", tmp_path / "no.html")
     assert status == 2
-    assert "what differs: lidar" in errors
+    assert "what differs: lidar.range (3.0 and 4.0)" in errors
     assert not (tmp_path / "no.html").exists()
 
 

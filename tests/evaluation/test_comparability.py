@@ -68,9 +68,9 @@ def test_tasks_that_only_look_alike_are_found_out(sound: Results) -> None:
     ("facts", "words"),
     [
         ({"commit": "abc with uncommitted changes"}, "uncommitted changes"),
-        ({"commit": "def"}, "differ in commit: figures may differ"),
-        ({"numpy version": "1.0"}, "differ in numpy version: figures may differ"),
-        ({"processor": "another"}, "differ in processor: their latencies do not compare"),
+        ({"commit": "def"}, "Runs differ in commit: abc, def."),
+        ({"numpy version": "1.0"}, "Runs differ in numpy version: 2.0, 1.0."),
+        ({"processor": "another"}, "Runs differ in processor: one, another; latencies do not compare."),
     ],
 )
 def test_unlike_runs_are_named(sound: Results, facts: dict[str, str], words: str) -> None:

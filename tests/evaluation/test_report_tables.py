@@ -112,3 +112,18 @@ def test_every_measure_is_somewhere_on_the_page(results: Results, page: Page) ->
     assert [cell.value for cell in rows["auc_worst"].cells] == pytest.approx(worst)
     shown = {about.get("data-measure") for tag, about in page.tags if tag == "tr"}
     assert rows.keys() <= shown
+
+
+def test_few_maps_cannot_show_a_difference_and_the_table_says_so(results: Results) -> None:
+    plans = [r.floorplan for r in results.groups["rooms", "straight"]]
+    records = [
+        replace(r, task=r.task._replace(map_index=m, seed=r.task.seed), floorplan=plans[m])
+        for r in _with_t99(results, "broken", [9, 10, 11, 9, 10, 11]).records
+        if r.task.scenario == "rooms"
+        for m in range(5)
+    ]
+    comparison = Comparison(Results(results.policies, results.scenarios, [], records), "rooms")
+    assert comparison.over_maps
+    assert comparison.contrasts["broken"].maps == 5
+    rows = {row.policy: row for row in contrast_table(comparison, styles(results.policies))}
+    assert rows["broken"].verdict == "no difference shown (too few maps to show any)"

@@ -8,8 +8,8 @@ import pytest
 
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.evaluation.compare import plan
 from indoor_explorers.evaluation.experiment import Task, build_experiment
-from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.runner import fly
 from indoor_explorers.evaluation.store import Store
 
@@ -21,6 +21,7 @@ POLICY = "tests.evaluation.plugins:Wander"
 def experiment(**changes):
     settings = {"policies": [{"use": POLICY, "name": "w"}], "scenarios": [PRESETS["thesis-team-2"]]}
     settings |= {"episodes": 3, "seed": 5, "settings": {}} | changes
+    settings["scenarios"] = [scenario.for_evaluation() for scenario in settings["scenarios"]]
     return build_experiment(**settings)
 
 
@@ -107,12 +108,13 @@ def test_a_file_that_is_no_store_is_refused(tmp_path):
         Store(tmp_path / "other.db")
 
 
-def test_results_of_unlike_tasks_are_not_combined(tmp_path):
+def test_what_all_runs_flew_is_one_experiment(tmp_path):
     filled(tmp_path / "results.db")
-    one = Results.load(tmp_path)
-    assert len(Results.combined([one, one]).records) == 3
-    unlike = {"thesis-team-2": one.scenarios["thesis-team-2"] | {"fingerprint": "0", "budget": 9}}
-    with pytest.raises(InputError, match="not the same task in both results; what differs: budget"):
-        Results.combined([one, Results(one.policies, unlike, [], one.records)])
-    with pytest.raises(InputError, match=r"same seeds .* \(3 and 2 tasks\)"):
-        Results.combined([one, Results(one.policies, one.scenarios, [], one.records[:2])])
+    other = experiment(episodes=2, policies=[{"use": POLICY, "name": "v, w", "parameters": {"speed": 3}}])
+    with Store(tmp_path / "results.db") as store:
+        store.begin_run(other, about(other), {})
+        (tmp_path / "all.toml").write_text(store.experiment())
+    planned = plan(experiment=tmp_path / "all.toml")
+    assert [choice.name for choice in planned.policies] == ["w", "v, w"]
+    assert planned.policies[1] == other.policies[0]
+    assert (planned.scenarios, planned.episodes, planned.seed) == (other.scenarios, 3, 5)

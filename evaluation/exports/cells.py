@@ -1,0 +1,111 @@
+"""What the tables for papers and notes show: the terminal's figures, each with its interval."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.facts import denominator
+from indoor_explorers.evaluation.report.numbers import counted, fixed, interval, percent
+from indoor_explorers.evaluation.report.table import latency
+from indoor_explorers.evaluation.report.tables import failed
+from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, contrasts
+
+HEADINGS = ("T90 [steps]", "T99 [steps]", "99 % reached", "failed", "AUC", "decision p50")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One figure."""
+
+    text: str
+    interval: str = ""
+    """``[low, high]``; empty where there is none."""
+    best: bool = False
+    """Shown to be better than that of every other policy."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """The figures of one policy, in the order of :data:`HEADINGS`."""
+
+    policy: str
+    privileged: bool
+    cells: tuple[Cell, ...]
+
+
+def table_rows(comparison: Comparison) -> list[Row]:
+    """Return a row for each policy, in the experiment's order."""
+    best = {metric: shown_best(comparison, metric) for metric in ("t90", "t99", "auc")}
+    return [
+        Row(policy, comparison.privileged(policy), _cells(comparison, policy, best)) for policy in comparison.groups
+    ]
+
+
+def _cells(comparison: Comparison, policy: str, best: dict[str, str | None]) -> tuple[Cell, ...]:
+    t90, t99, auc = (
+        replace(_measured(comparison, policy, metric, decimals), best=best[metric] == policy)
+        for metric, decimals in (("t90", 1), ("t99", 1), ("auc", 3))
+    )
+    reached = Cell(percent(comparison.results.success(comparison.scenario, policy, "t99")))
+    failures = Cell(str(len(failed(comparison.groups[policy]))))
+    return t90, t99, reached, failures, auc, Cell(latency(comparison.estimate(policy, "latency_p50_us").mean))
+
+
+def _measured(comparison: Comparison, policy: str, metric: str, decimals: int) -> Cell:
+    estimate = comparison.estimate(policy, metric)
+    return Cell(fixed(estimate.mean, decimals), interval(estimate, decimals))
+
+
+def shown_best(comparison: Comparison, metric: str) -> str | None:
+    """Return the policy whose metric was shown to be better than every other's on the tasks that all flew.
+
+    A difference is shown where the sign-flip test's p-value, adjusted by Holm's method for the number of
+    policies, is at most 0.05. Policies that know the map do not compete.
+    """
+    values, maps = _common_values(comparison, metric)
+    if len(values) < 2 or not len(maps):
+        return None
+    best = (max if metric == "auc" else min)(values, key=lambda policy: float(values[policy].mean()))
+    against = contrasts(values, best, maps=maps, lower_is_better=metric != "auc")
+    return best if all(contrast.shown for contrast in against.values()) else None
+
+
+def _common_values(comparison: Comparison, metric: str) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.str_]]:
+    """Return the (E,) values of each contestant on the tasks that all of them flew, and the map of each task."""
+    flown = {policy: [record.task for record in comparison.groups[policy]] for policy in comparison.contestants}
+    common = set.intersection(*map(set, flown.values()))
+    kept = {policy: np.array([task in common for task in tasks], bool) for policy, tasks in flown.items()}
+    values = {
+        policy: comparison.results.values(comparison.scenario, policy, metric)[mask] for policy, mask in kept.items()
+    }
+    first = comparison.contestants[0]
+    return values, comparison.maps(first)[kept[first]]
+
+
+def caption(comparison: Comparison) -> list[str]:
+    """Return the sentences that say what a table's figures are."""
+    counts = [len(records) for records in comparison.groups.values()]
+    span = counted(counts[0], "episode") if len(set(counts)) == 1 else f"{min(counts)} to {max(counts)} episodes"
+    budgets = sorted({record.budget for records in comparison.groups.values() for record in records})
+    limit = f"{budgets[0]}" if len(budgets) == 1 else f"{budgets[0]} to {budgets[-1]}"
+    settings = comparison.results.scenarios[comparison.scenario]
+    return [
+        f"{span} a policy on {counted(comparison.map_count, 'map')}.",
+        _interval_kind(comparison, min(counts)),
+        f"Coverage is the {denominator(settings)}.",
+        f"T90 and T99 are the first steps with 90 % and 99 % coverage; an episode that never gets there counts as its "
+        f"budget of {limit} steps.",
+        "Bold: better than every other policy (sign-flip test, p of at most 0.05 after Holm's adjustment).",
+        *(["Policies that know the map do not compete."] if any(map(comparison.privileged, comparison.groups)) else []),
+    ]
+
+
+def _interval_kind(comparison: Comparison, fewest: int) -> str:
+    if fewest < FEWEST:
+        return f"Means; fewer than {FEWEST} episodes get no interval."
+    scope = "maps like these" if comparison.over_maps else "these maps alone"
+    return f"Means with their {percent(CONFIDENCE)} bootstrap intervals over {scope}."

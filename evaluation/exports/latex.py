@@ -1,0 +1,107 @@
+r"""The results as LaTeX tables, one a scenario; they need the booktabs package and nothing else.
+
+The file is plain ASCII and compiles with any engine: letters with accents become commands, and characters that
+not every font has, such as emoji, become their code point, ``[U+1F681]``.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+from indoor_explorers.evaluation.exports.cells import HEADINGS, Cell, Row, caption, table_rows
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.figures import slug
+from indoor_explorers.evaluation.report.numbers import EN_DASH, MINUS, THIN_SPACE
+from indoor_explorers.evaluation.results import Results
+
+#: Characters that stand for something else in LaTeX, or that not every engine knows.
+COMMANDS = {
+    **{character: f"\\{character}" for character in "&%$#_{}"},
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "|": r"\textbar{}",
+    '"': "''",
+    "`": "`{}",
+    MINUS: "$-$",
+    THIN_SPACE: r"\,",
+    EN_DASH: r"\textendash{}",
+    "\u00b5": r"$\mu$",
+    "\u00df": r"\ss{}",
+}
+#: Accents by their combining characters.
+ACCENTS = {
+    "\u0300": "`",
+    "\u0301": "'",
+    "\u0302": "^",
+    "\u0303": "~",
+    "\u0308": '"',
+    "\u030a": "r",
+    "\u030c": "v",
+    "\u0327": "c",
+}
+PREAMBLE = "% One table a scenario. Needs \\usepackage{booktabs} in the preamble; include with \\input{results}.\n"
+
+
+def latex_tables(results: Results) -> str:
+    """Return a floating table for each scenario that was flown."""
+    comparisons = {f"{k:02d}": Comparison(results, name) for k, name in enumerate(results.scenarios, 1)}
+    return PREAMBLE + "".join(_table(each, number) for number, each in comparisons.items() if each.groups)
+
+
+def _table(comparison: Comparison, number: str) -> str:
+    name = escaped(comparison.scenario)
+    lines = [
+        "",
+        r"\begin{table}[htbp]",
+        r"  \centering\footnotesize\setlength{\tabcolsep}{4pt}",
+        rf"  \caption{{Scenario {name}. {escaped(' '.join(caption(comparison)))}}}",
+        rf"  \label{{tab:{number}-{slug(comparison.scenario)}}}",
+        rf"  \begin{{tabular}}{{l{'r' * len(HEADINGS)}}}",
+        r"    \toprule",
+        "    " + " & ".join(map(escaped, ("policy", *HEADINGS))) + r" \\",
+        r"    \midrule",
+        *(line for row in table_rows(comparison) for line in _row(row)),
+        r"    \bottomrule",
+        r"  \end{tabular}",
+        r"\end{table}",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _row(row: Row) -> list[str]:
+    """Return a line of figures and, where there are any, one of their intervals; a group guards a leading bracket."""
+    name = f"{{{escaped(row.policy)}}}" + (" (knows the map)" if row.privileged else "")
+    lines = ["    " + " & ".join((name, *map(_figure, row.cells))) + r" \\"]
+    if any(cell.interval for cell in row.cells):
+        lines.append("    " + "".join(f" & {_interval(cell)}".rstrip() for cell in row.cells).strip() + r" \\")
+    return lines
+
+
+def _figure(cell: Cell) -> str:
+    return rf"\textbf{{{escaped(cell.text)}}}" if cell.best else escaped(cell.text)
+
+
+def _interval(cell: Cell) -> str:
+    return rf"{{\scriptsize {escaped(cell.interval)}}}" if cell.interval else ""
+
+
+def escaped(text: str) -> str:
+    """Return ASCII that LaTeX sets as ``text``, on one line."""
+    line = unicodedata.normalize("NFC", re.sub(r"\s+", " ", text, flags=re.ASCII).strip())
+    return re.sub("-(?=-)", "-{}", "".join(map(_character, line)))
+
+
+def _character(character: str) -> str:
+    if character in COMMANDS:
+        return COMMANDS[character]
+    if re.fullmatch(r"[ -~]", character):
+        return character
+    parts = unicodedata.normalize("NFD", character)
+    if len(parts) == 2 and parts[1] in ACCENTS and re.fullmatch("[A-Za-z]", parts[0]):
+        return rf"\{ACCENTS[parts[1]]}{{{parts[0]}}}"
+    return f"[U+{ord(character):04X}]"

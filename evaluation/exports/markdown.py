@@ -1,0 +1,50 @@
+"""The results as Markdown tables, one a scenario."""
+
+from __future__ import annotations
+
+import re
+
+from indoor_explorers.evaluation.exports.cells import HEADINGS, Cell, Row, caption, table_rows
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.results import Results
+
+#: What Markdown, GitHub's tables and mathematics, or HTML would read as more than text.
+SPECIAL = re.compile(r"([\\`*_\[\]<>&|~$#])")
+
+
+def markdown_tables(results: Results) -> str:
+    """Return a heading, a table and its caption for each scenario that was flown."""
+    comparisons = [Comparison(results, scenario) for scenario in results.scenarios]
+    return "\n".join(_section(comparison) for comparison in comparisons if comparison.groups)
+
+
+def _section(comparison: Comparison) -> str:
+    lines = [
+        f"## {escaped(comparison.scenario)}",
+        "",
+        _line(["policy", *HEADINGS]),
+        _line(["---", *["---:"] * len(HEADINGS)]),
+        *(_line([_name(row), *map(_figure, row.cells)]) for row in table_rows(comparison)),
+        "",
+        escaped(" ".join(caption(comparison))),
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _line(cells: list[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _name(row: Row) -> str:
+    return escaped(row.policy) + (" (knows the map)" if row.privileged else "")
+
+
+def _figure(cell: Cell) -> str:
+    text = f"**{cell.text}**" if cell.best else cell.text
+    return f"{text} {cell.interval}".strip()
+
+
+def escaped(text: str) -> str:
+    """Return text that Markdown shows as it is, on one line."""
+    return SPECIAL.sub(r"\\\1", " ".join(text.split()))

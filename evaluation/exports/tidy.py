@@ -1,0 +1,43 @@
+"""Tables for other programs: one row an episode, and one row a step of each mean curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pandas as pd
+
+from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.report.axes import coverage_at, sampled_steps
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.statistics import curve_band
+
+CURVE_COLUMNS = ("scenario", "policy", "step", "mean", "low", "high")
+#: About how many steps of a curve are written; all of them where there are fewer.
+POINTS = 600
+
+
+def write_episodes(results: Results, path: Path) -> None:
+    """Write results.csv: one row an episode with every metric; empty where there is none, as T_q never reached."""
+    _write(results.episodes(), path)
+
+
+def write_curves(results: Results, path: Path) -> None:
+    """Write curves.csv: mean team coverage by step with its band; no band where there are too few episodes."""
+    _write(pd.DataFrame(_curve_rows(results), columns=list(CURVE_COLUMNS)).round(6), path)
+
+
+def _curve_rows(results: Results) -> Iterator[tuple[str, str, int, float, float, float]]:
+    for scenario in results.scenarios:
+        comparison = Comparison(results, scenario)
+        for policy, records in comparison.groups.items():
+            steps = sampled_steps(comparison, POINTS)
+            band = curve_band(coverage_at(records, steps), maps=comparison.maps(policy))
+            for step, *point in zip(steps, *band, strict=True):
+                yield scenario, policy, int(step), *point
+
+
+def _write(table: pd.DataFrame, path: Path) -> None:
+    with written_whole(path) as partial:
+        table.to_csv(partial, index=False, lineterminator="\n")
