@@ -1,18 +1,21 @@
 # make compare   set everything up, compare the four families and chance, print the table and the report's place
 # make test      set everything up, run the linters and the test suite
 # make stress    kill a comparison fifty times and see that nothing is lost: some ten minutes
+# make browser   have a Chromium for the tests of the report page, where Debian's can be installed
 
 PYTHON ?= python3
 VENV ?= .venv
 OUT ?= results/compare
 RUN = $(VENV)/bin
+BROWSERS = chromium chromium-browser google-chrome
+APT = DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=0 -o Acquire::http::Timeout=20
 
-.PHONY: compare test stress clean
+.PHONY: compare test stress browser clean
 
 compare: $(VENV)/.installed-compare
 	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/families.toml --out $(OUT)
 
-test: $(VENV)/.installed-test
+test: $(VENV)/.installed-test browser
 	$(RUN)/ruff check .
 	$(RUN)/ruff format --check .
 	$(RUN)/mypy
@@ -20,6 +23,15 @@ test: $(VENV)/.installed-test
 
 stress: $(VENV)/.installed-test
 	$(RUN)/python -P tests/stress_resume.py --kills 50
+
+browser:
+	@for name in $(BROWSERS); do command -v $$name >/dev/null && exit 0; done; \
+	if command -v apt-get >/dev/null && [ "$$(id -u)" = 0 ]; then \
+		echo "installing Chromium for the tests of the report page"; \
+		$(APT) update >/dev/null && $(APT) install --yes --no-install-recommends \
+			chromium fonts-dejavu-core fonts-noto-color-emoji >/dev/null && exit 0; \
+	fi; \
+	echo "no Chromium ($(BROWSERS)) to be had: the tests of the report page in a browser will be skipped"
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

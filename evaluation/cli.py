@@ -174,11 +174,13 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.html", help="the page to write")
     parser.add_argument("--against", type=Path, metavar="OLD", help="say what changed since the results of this folder")
     parser.add_argument(
-        "--exports",
-        type=Path,
-        metavar="DIR",
+        "--replays", type=_natural, metavar="N",
+        help="replay N episodes of each scenario (default: as many as keep the page under 10 MB)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--exports", type=Path, metavar="DIR",
         help="also write summary, tables, figures, experiments and planner-arena.db",
-    )
+    )  # fmt: skip
     parser.set_defaults(run=commands.run_report)
 
 

@@ -109,7 +109,7 @@ def run_report(arguments: argparse.Namespace) -> int:
     results = combined([Results.load(folder) for folder in arguments.folders])
     against = compare_with(results, Results.load(arguments.against)) if arguments.against is not None else None
     try:
-        write_report(results, arguments.out, against=against)
+        write_report(results, arguments.out, against=against, replays=arguments.replays)
         if arguments.exports is not None:
             write_exports(results, arguments.exports)
     except OSError as error:

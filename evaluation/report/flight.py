@@ -1,64 +1,119 @@
-"""One flown episode packed for the replay: who was where, and which cells became known at each frame.
+"""One recorded episode flown again and packed for the replay.
 
-What the team knew is not stored with results; it is recomputed from the UAVs' cells and the true map,
-with the lidar that the world itself uses.
+A replay needs little more than moves and radio contacts. Linked UAVs merge their maps, so that what each of them knows
+follows from what its group saw first and from who was linked when; the page repeats that merging.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
-from indoor_explorers.env.lidar import new_scan, optics, visible_cells
+from indoor_explorers.env import Scenario
 from indoor_explorers.evaluation.record import Record
-from indoor_explorers.evaluation.report.packing import folded, packed, runs
+from indoor_explorers.evaluation.refly import refly
+from indoor_explorers.evaluation.report.packing import Keyed, folded, packed, runs
+
+#: The step at which a cell becomes known that never does.
+NEVER = np.iinfo(np.int32).max
 
 
-def known_from(record: Record, lidar_range: float) -> NDArray[np.int64]:
-    """Return (H * W,) the step from which the team's lidars together knew each cell, -1 for never."""
-    truth, lens = record.floorplan.truth, optics(lidar_range)
-    width = truth.shape[1]
-    known = np.full(truth.size, -1, np.int64)
-    scan = new_scan(lens)
-    scanned: set[int] = set()
-    for step, team in enumerate(record.cells.tolist()):
-        for row, column in team:
-            if row * width + column in scanned:
-                continue
-            scanned.add(row * width + column)
-            cells = scan.cells[: visible_cells(truth, row, column, lens, scan)]
-            known[cells[known[cells] < 0]] = step
-    return known
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """Who knew what when, over the S steps of one episode by N UAVs on H x W cells."""
+
+    record: Record
+    counted: NDArray[np.bool_]
+    """(H * W,) the cells that coverage counts."""
+    known: NDArray[np.int32]
+    """(N, H * W) the step from which each UAV's own map held each cell, ``NEVER`` for those it never held."""
+    linked: NDArray[np.bool_]
+    """(S + 1, N, N) which UAVs were in direct radio contact after each step."""
+    faithful: bool
+    """Whether it ended as recorded; it need not when another version of the world flew it first."""
+
+
+def flown_again(record: Record, scenario: Scenario) -> Flight:
+    """Fly a record's episode again and note what became known when."""
+    known = np.full((record.team, record.floorplan.truth.size), NEVER, np.int32)
+    linked = np.zeros((record.steps + 1, record.team, record.team), np.bool_)
+    read = [0] * record.team
+    for step, world in enumerate(refly(record, scenario)):
+        state = world.state
+        linked[step] = state.linked[0]
+        for agent, length in enumerate(state.known[0].tolist()):
+            known[agent, state.journal[0, agent, read[agent] : length]] = step
+            read[agent] = length
+    faithful = np.array_equal(state.cell[0], record.cells[-1]) and state.team_covered[0] == record.covered[-1, 0]
+    return Flight(record, state.counts[0].ravel().copy(), known, linked, bool(faithful))
 
 
 def frame_steps(steps: int, stride: int) -> list[int]:
     """Return the steps that are shown: every ``stride``-th and the last."""
-    shown = list(range(0, steps, stride))
-    return [*shown, steps]
+    return [*range(0, steps, stride), steps]
 
 
-def pack_flight(record: Record, known: NDArray[np.int64], stride: int) -> bytes:
-    """Pack an episode, frame by frame; see :func:`_frame` for what a frame holds."""
-    shown = frame_steps(record.steps, stride)
-    order = np.argsort(known, kind="stable")
-    bounds = np.searchsorted(known[order], [0, *(step + 1 for step in shown)])
-    numbers: list[int] = []
-    cells = record.cells.astype(np.int64)
-    before, covered = np.zeros_like(cells[0]), 0
-    for frame, step in enumerate(shown):
-        fresh = np.sort(order[bounds[frame] : bounds[frame + 1]])
-        now = int(record.covered[step, 0])
-        numbers += _frame(cells[step] - before, now - covered, fresh)
-        before, covered = cells[step], now
-    return packed(numbers)
+def pack_flight(flight: Flight, stride: int, *, own: bool = True) -> bytes:
+    """Pack an episode frame by frame, with each UAV's ``own`` map or with the team's alone.
+
+    A frame is a list of whole numbers: the moves of each UAV (row, column; folded), the cells flown and the bytes sent
+    since the frame before, the radio contacts that began or ended, and for each group of linked UAVs, ordered by its
+    first UAV, the cells that none of it knew before. Without ``own`` the whole team is one group.
+    """
+    shown = np.array(frame_steps(flight.record.steps, stride))
+    linked = flight.linked[shown]
+    known = flight.known if own else flight.known.min(axis=0, keepdims=True)
+    firsts = first_of_group(linked) if own else np.zeros((len(shown), 1), np.int64)
+    parts = _contacts(linked), _discoveries(np.searchsorted(shown, known), firsts)
+    return packed(_spent(flight.record, shown).then(*parts).numbers)
 
 
-def _frame(moved: NDArray[np.int64], gained: int, fresh: NDArray[np.int64]) -> Iterator[int]:
-    """Yield the moves of each UAV (row, column), the gain in covered cells, and the runs of newly known cells."""
-    yield from (folded(change) for change in moved.ravel().tolist())
-    yield gained
-    lengths = runs(fresh)
-    yield len(lengths) // 2
-    yield from lengths
+def _spent(record: Record, shown: NDArray[np.int64]) -> Keyed:
+    """Return by frame the moves, the cells flown and the bytes sent since the frame before."""
+    cells = record.cells.astype(np.int64)[shown].reshape(len(shown), -1)
+    moves = folded(np.diff(cells, axis=0, prepend=0))
+    spent = np.diff(np.column_stack((record.distance, record.sent))[shown], axis=0, prepend=0)
+    numbers = np.column_stack((moves, spent))
+    return Keyed(np.repeat(np.arange(len(shown)), numbers.shape[1]), numbers.ravel())
+
+
+def _contacts(linked: NDArray[np.bool_]) -> Keyed:
+    """Return by frame the pairs whose contact began or ended, as runs over the upper triangle."""
+    rows, columns = np.triu_indices(linked.shape[1], 1)
+    changed = np.diff(linked[:, rows, columns], axis=0, prepend=False)
+    frames, pairs = np.nonzero(changed)
+    return runs(frames, pairs, np.arange(len(linked)))
+
+
+def _discoveries(frames: NDArray[np.int64], firsts: NDArray[np.int64]) -> Keyed:
+    """Return by frame, for each group, the cells that none of it knew before, as runs.
+
+    Args:
+        frames: (N, H * W) the frame from which each UAV knows each cell; beyond the last for never.
+        firsts: (F, N) the first UAV of each one's group.
+
+    """
+    count, team = firsts.shape
+    speakers = firsts == np.arange(team)
+    keys, places = [], []
+    for uav in range(team):
+        cells = np.flatnonzero(frames[uav] < count)
+        when = frames[uav, cells]
+        news = (firsts[when] != uav) | (when[:, None] <= frames[:, cells].T)
+        told = speakers[when, uav] & news.all(axis=1)
+        keys.append(when[told] * team + uav)
+        places.append(cells[told])
+    found = runs(np.concatenate(keys), np.concatenate(places), np.flatnonzero(speakers))
+    return Keyed(found.keys // team, found.numbers)
+
+
+def first_of_group(linked: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return (F, N) for each UAV the first one of the group that radio contacts (F, N, N) put it into."""
+    patterns, places = np.unique(linked.reshape(len(linked), -1), axis=0, return_inverse=True)
+    team = linked.shape[1]
+    labels = (connected_components(pattern.reshape(team, team), directed=False)[1] for pattern in patterns)
+    firsts = [np.unique(each, return_index=True)[1][each] for each in labels]
+    return np.asarray(firsts, np.int64)[places]

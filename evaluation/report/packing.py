@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 
-def packed(numbers: Iterable[int]) -> bytes:
+def packed(numbers: ArrayLike) -> bytes:
     """Pack whole numbers >= 0, seven bits a byte, lowest first, the top bit set where more follow."""
-    out = bytearray()
-    for number in numbers:
-        while number > 0x7F:
-            out.append(number & 0x7F | 0x80)
-            number >>= 7
-        out.append(number)
-    return bytes(out)
+    values = np.asarray(numbers, np.uint64)
+    lengths = np.ones(len(values), np.int64)
+    for shift in range(7, 64, 7):
+        lengths += values >> np.uint64(shift) > 0
+    starts = np.cumsum(lengths) - lengths
+    out = np.zeros(lengths.sum(), np.uint8)
+    for place in range(lengths.max(initial=0)):
+        there = lengths > place
+        septets = (values[there] >> np.uint64(7 * place)) & np.uint64(0x7F)
+        out[starts[there] + place] = septets | np.where(lengths[there] > place + 1, 0x80, 0).astype(np.uint64)
+    return out.tobytes()
 
 
 def unpacked(data: bytes) -> Iterator[int]:
@@ -31,25 +36,47 @@ def unpacked(data: bytes) -> Iterator[int]:
             number = shift = 0
 
 
-def folded(number: int) -> int:
+def folded(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
     """Map 0, -1, 1, -2, 2, ... to 0, 1, 2, 3, 4, ..."""
-    return 2 * number if number >= 0 else -2 * number - 1
+    return np.where(numbers >= 0, 2 * numbers, -2 * numbers - 1)
 
 
 def unfolded(number: int) -> int:
-    """Undo :func:`folded`."""
+    """Undo :func:`folded` for one number."""
     return -(number + 1) // 2 if number % 2 else number // 2
 
 
-def runs(places: NDArray[np.int64]) -> list[int]:
-    """Return gap and length - 1 of each run of consecutive numbers in sorted ``places``, one after the other."""
-    if not len(places):
-        return []
-    cuts = np.flatnonzero(np.diff(places) != 1)
-    starts = places[np.concatenate(([0], cuts + 1))]
-    ends = places[np.concatenate((cuts, [len(places) - 1]))]
-    gaps = starts - np.concatenate(([0], ends[:-1] + 1))
-    return np.column_stack((gaps, ends - starts)).ravel().tolist()
+class Keyed(NamedTuple):
+    """Numbers that belong to rising keys, each key's in their own order."""
+
+    keys: NDArray[np.int64]
+    numbers: NDArray[np.int64]
+
+    def then(self, *others: Keyed) -> Keyed:
+        """Return the numbers of all, key by key; within a key in the order of the arguments."""
+        keys = np.concatenate([self.keys, *(other.keys for other in others)])
+        numbers = np.concatenate([self.numbers, *(other.numbers for other in others)])
+        order = np.argsort(keys, kind="stable")
+        return Keyed(keys[order], numbers[order])
+
+
+def runs(keys: NDArray[np.int64], places: NDArray[np.int64], listed: NDArray[np.int64]) -> Keyed:
+    """Return for each of the ``listed`` keys how many runs of consecutive places it has, and the runs.
+
+    A run is its gap to the run before it, or to 0, and its length - 1.
+    """
+    order = np.lexsort((places, keys))
+    keys, places = keys[order], places[order]
+    opens = np.ones(len(keys), np.bool_)
+    opens[1:] = (np.diff(keys) != 0) | (np.diff(places) != 1)
+    starts = np.flatnonzero(opens)
+    lengths = np.diff(starts, append=len(keys))
+    owners, firsts = keys[starts], places[starts]
+    ends = np.concatenate(([0], (firsts + lengths)[:-1])) if len(starts) else firsts
+    ends[np.diff(owners, prepend=-1) != 0] = 0
+    pairs = np.column_stack((firsts - ends, lengths - 1)).ravel()
+    counts = np.searchsorted(owners, listed, side="right") - np.searchsorted(owners, listed, side="left")
+    return Keyed(listed, counts).then(Keyed(np.repeat(owners, 2), pairs))
 
 
 def text(data: bytes) -> str:

@@ -31,15 +31,29 @@ from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
 
-def write_report(results: Results, path: Path, *, title: str | None = None, against: Against | None = None) -> None:
-    """Write one HTML file that shows ``results`` and needs nothing else, not even a network."""
+def write_report(
+    results: Results,
+    path: Path,
+    *,
+    title: str | None = None,
+    against: Against | None = None,
+    replays: int | None = None,
+) -> None:
+    """Write one HTML file that shows ``results`` and needs nothing else, not even a network.
+
+    ``against`` adds what changed since other results. With ``replays`` it holds that many episodes of each scenario;
+    else as many as keep it under 10 MB.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as partial:
-        partial.write_text(render(results, title=title, against=against), encoding="utf-8", newline="\n")
+        text = render(results, title=title, against=against, replays=replays)
+        partial.write_text(text, encoding="utf-8", newline="\n")
 
 
-def render(results: Results, *, title: str | None = None, against: Against | None = None) -> str:
-    """Return the page as text."""
+def render(
+    results: Results, *, title: str | None = None, against: Against | None = None, replays: int | None = None
+) -> str:
+    """Return the page as text; its arguments are those of :func:`write_report`."""
     common = on_common_tasks(results)
     looks = styles(results.policies)
     comparisons = [(f"s{number}", Comparison(common, name)) for number, name in enumerate(results.scenarios, 1)]
@@ -55,7 +69,7 @@ def render(results: Results, *, title: str | None = None, against: Against | Non
             lead=lead([each for _, each in comparisons]),
             lines=[line(each, section_id) for section_id, each in comparisons],
             panels=scenario_multiples(comparisons, looks),
-            sections=[section_of(each, section_id, looks) for section_id, each in comparisons],
+            sections=[section_of(each, section_id, looks, replays) for section_id, each in comparisons],
             sweeps=sweep_sections(common, looks),
             columns=COLUMNS,
             listed=LISTED,

@@ -60,8 +60,10 @@ class Section:
     replay: dict[str, Any] | None
 
 
-def section_of(comparison: Comparison, section_id: str, looks: Mapping[str, Style]) -> Section:
-    """Gather what the page shows of a scenario."""
+def section_of(
+    comparison: Comparison, section_id: str, looks: Mapping[str, Style], replays: int | None = None
+) -> Section:
+    """Gather what the page shows of a scenario, with so many ``replays`` or as many as fit."""
     results, name = comparison.results, comparison.scenario
     settings = results.scenarios[name]
     records = [record for group in comparison.groups.values() for record in group]
@@ -92,7 +94,7 @@ def section_of(comparison: Comparison, section_id: str, looks: Mapping[str, Styl
         setting_rows=facts.setting_rows(settings),
         chart=chart,
         times=times_data(comparison, looks) if flown else None,
-        replay=replay_data(comparison, looks, REPLAY_BYTES // len(results.scenarios)) if flown else None,
+        replay=replay_data(comparison, looks, REPLAY_BYTES // len(results.scenarios), replays) if flown else None,
     )
 
 

@@ -4,8 +4,8 @@ const Theme = {
   listeners: [],
   system: window.matchMedia("(prefers-color-scheme: dark)"),
   stored() {
-    const asked = location.hash.slice(1);
-    if (asked === "dark" || asked === "light") return asked;
+    const asked = location.hash.slice(1).split(";").find((part) => part === "dark" || part === "light");
+    if (asked) return asked;
     try { return localStorage.getItem("theme"); } catch { return null; }
   },
   get current() { return document.documentElement.dataset.theme; },

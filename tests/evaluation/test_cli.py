@@ -246,6 +246,8 @@ def test_a_report_is_rebuilt_and_combined(capsys, tmp_path):
     run(capsys, "compare", "--policies", "frontier-nearest", *common, "--out", tmp_path / "b")
     assert run(capsys, "report", tmp_path / "a", "--out", tmp_path / "again.html")[0] == 0
     assert (tmp_path / "again.html").read_bytes() == (tmp_path / "a" / "report.html").read_bytes()
+    assert run(capsys, "report", tmp_path / "a", "--replays", "5", "--out", tmp_path / "all.html")[0] == 0
+    assert all(f'"task":[0,{seed}]' in (tmp_path / "all.html").read_text() for seed in range(5))
     status, _, _ = run(capsys, "report", tmp_path / "a", tmp_path / "b", "--out", tmp_path / "both.html")
     assert status == 0
     both = (tmp_path / "both.html").read_text()

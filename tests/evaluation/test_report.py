@@ -1,22 +1,14 @@
 from __future__ import annotations
 
-import base64
 import re
 from pathlib import Path
 
-import numpy as np
-import pytest
 from rich.console import Console
 
 from indoor_explorers.env import Scenario
-from indoor_explorers.env.grid import OCCUPIED, UNREACHABLE, distance_field
 from indoor_explorers.env.maps.sources import ThesisMaps
 from indoor_explorers.env.scenario import Lidar, Radio
-from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report import headline_table, write_figures, write_report
-from indoor_explorers.evaluation.report.flight import known_from, pack_flight
-from indoor_explorers.evaluation.report.packing import packed, runs, unfolded, unpacked
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.results import Results
 
@@ -80,56 +72,6 @@ def test_results_without_episodes_still_make_a_page(results: Results, tmp_path: 
     assert "no scenario" in render(Results({}, {}, [], []))
 
 
-def _replayed(record: Record, stream: bytes, frames: int) -> tuple[np.ndarray, list[int], np.ndarray]:
-    """Unpack a flight as the page does: the known cells, covered counts and last cells."""
-    numbers = unpacked(stream)
-    known = np.zeros(record.floorplan.truth.size, bool)
-    covered, cells = [0], np.zeros(2 * record.team, int)
-    for _ in range(frames):
-        cells += [unfolded(next(numbers)) for _ in range(len(cells))]
-        covered.append(covered[-1] + next(numbers))
-        place = 0
-        for _ in range(next(numbers)):
-            place += next(numbers)
-            length = next(numbers) + 1
-            known[place : place + length] = True
-            place += length
-    assert next(numbers, None) is None
-    return known, covered[1:], cells.reshape(-1, 2)
-
-
-@pytest.mark.parametrize("stride", [1, 7])
-def test_replays_cover_what_the_records_say(results: Results, stride: int) -> None:
-    for record in results.records:
-        known = known_from(record, 3.0)
-        shown = [*range(0, record.steps, stride), record.steps]
-        spawn = (int(record.cells[0, 0, 0]), int(record.cells[0, 0, 1]))
-        counted = (distance_field(record.floorplan.truth, spawn) < UNREACHABLE).ravel()
-        assert [int((counted & (known >= 0) & (known <= s)).sum()) for s in shown] == record.covered[shown, 0].tolist()
-        final, covered, cells = _replayed(record, pack_flight(record, known, stride), len(shown))
-        assert (final == (known >= 0)).all()
-        assert covered == record.covered[shown, 0].tolist()
-        assert (cells == record.cells[-1]).all()
-
-
-def test_embedded_walls_are_those_of_the_map(results: Results, page: Page) -> None:
-    replay = page.data("replay-data")[0]
-    assert replay["range"] == 3.0
-    for episode in replay["episodes"]:
-        walls = np.unpackbits(np.frombuffer(base64.b64decode(episode["walls"]), np.uint8))[:256].reshape(16, 16)
-        truth = next(r for r in results.records if r.task == Task("rooms", 0, episode["seed"])).floorplan.truth
-        assert (walls == (truth == OCCUPIED)).all()
-    assert replay["episodes"][0]["label"] == "median"
-    assert len(replay["episodes"][0]["flights"]) == 3
-
-
-def test_packing() -> None:
-    numbers = [0, 1, 127, 128, 300, 2**31]
-    assert list(unpacked(packed(numbers))) == numbers
-    assert runs(np.array([0, 1, 5, 6, 7, 20])) == [0, 1, 3, 2, 12, 0]
-    assert runs(np.array([], np.int64)) == []
-
-
 def test_a_big_map_makes_no_big_page(tmp_path: Path) -> None:
     hall = Scenario(
         name="hall",
@@ -144,7 +86,7 @@ def test_a_big_map_makes_no_big_page(tmp_path: Path) -> None:
     write_report(found, tmp_path / "report.html")
     assert (tmp_path / "report.html").stat().st_size < 10_000_000
     episode = Page((tmp_path / "report.html").read_text(encoding="utf-8")).data("replay-data")[0]["episodes"][0]
-    assert episode["stride"] > 1
+    assert len(episode["flights"]) == 2
     assert episode["height"] == 300
 
 

@@ -1,0 +1,90 @@
+/* Ways to a moment of a replay: the address, openReplay() and elements that carry data-replay. */
+const Address = {
+  /* Read ``replay=s1;task=0,7;step=57;panels=pso,dddqn;map=2;layers=truth,trails``; unknown parts are left out. */
+  read(hash) {
+    const found = {};
+    for (const part of hash.replace(/^#/, "").split(";")) {
+      const [key, ...rest] = part.split("=");
+      found[key] = rest.join("=").split(",").map(this.decoded);
+    }
+    const whole = (text) => (/^\d+$/.test(text) ? Number(text) : null);
+    if (!found.replay) return null;
+    return {
+      section: found.replay[0],
+      task: found.task?.length === 2 && found.task.every((text) => whole(text) !== null) ? found.task.map(whole) : null,
+      step: found.step ? whole(found.step[0]) : null,
+      panels: found.panels || null,
+      map: found.map ? whole(found.map[0]) || 0 : null,
+      layers: found.layers || null,
+    };
+  },
+
+  decoded(text) {
+    try { return decodeURIComponent(text); } catch { return text; }
+  },
+
+  of(replay) {
+    const names = replay.panels.map((panel) => encodeURIComponent(panel.policy.name));
+    const parts = {
+      replay: replay.section, task: replay.episode.task.join(","), step: replay.step, panels: names.join(","),
+      map: replay.map || "team", layers: replay.shownLayers.join(","),
+    };
+    const theme = location.hash.slice(1).split(";").filter((part) => part === "dark" || part === "light");
+    return `#${[...Object.entries(parts).map((part) => part.join("=")), ...theme].join(";")}`;
+  },
+
+  /* Browsers allow some hundred changes a minute; the last one counts. */
+  write(replay) {
+    this.waiting = replay;
+    this.timer ??= setTimeout(() => this.flush(), 300);
+  },
+
+  flush() {
+    clearTimeout(this.timer);
+    this.timer = null;
+    try { history.replaceState(history.state, "", this.of(this.waiting)); } catch { /* a sandbox may forbid it */ }
+  },
+
+  async copy(replay) {
+    this.waiting = replay;
+    this.flush();
+    try {
+      await navigator.clipboard.writeText(location.href);
+      replay.say("Link copied.");
+    } catch {
+      replay.say("The address of this page is now the link: copy it from there.");
+    }
+  },
+
+  follow() {
+    const asked = this.read(location.hash), replay = asked && viewers.get(asked.section);
+    if (replay) replay.restore(asked);
+  },
+};
+
+window.openReplay = (section, { policy = null, task = null, step = null } = {}) => {
+  const replay = viewers.get(section);
+  if (replay) replay.reveal(policy, task, step);
+};
+
+function openFrom(source) {
+  let asked;
+  try { asked = JSON.parse(source.dataset.replay); } catch { return; }
+  window.openReplay(asked.section || source.closest("section")?.id, asked);
+}
+document.addEventListener("click", (event) => {
+  const source = event.target.closest("[data-replay]");
+  if (source) openFrom(source);
+});
+document.addEventListener("keydown", (event) => {
+  const source = event.target.closest("[data-replay]");
+  if (event.key === "Enter" && source && !["BUTTON", "A"].includes(event.target.tagName)) openFrom(source);
+});
+window.addEventListener("hashchange", () => Address.follow());
+
+const viewers = new Map();
+for (const box of document.querySelectorAll(".replay")) {
+  const replay = new Replay(box);
+  viewers.set(replay.section, replay);
+}
+Address.follow();

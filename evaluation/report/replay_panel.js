@@ -1,0 +1,90 @@
+/* One panel of the replay: a policy's flight on the map, and where it stands. */
+function element(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name in made) made[name] = value; else made.setAttribute(name, value);
+  }
+  made.append(...children);
+  return made;
+}
+function share(part, whole) { return `${(100 * part / whole).toFixed(1)} %`; }
+function grouped(number) { return String(number).replace(/\B(?=(\d{3})+$)/g, "\u202f"); }
+function byteCount(bytes) {
+  if (bytes < 1000) return `${bytes} B`;
+  const [size, unit] = bytes < 1e6 ? [bytes / 1e3, "kB"] : [bytes / 1e6, "MB"];
+  return `${size.toFixed(size < 100 ? 1 : 0)} ${unit}`;
+}
+
+class Panel {
+  constructor(replay, place) {
+    this.replay = replay;
+    this.choice = element("select", { ariaLabel: `Policy of panel ${place + 1}` });
+    this.choice.addEventListener("change", () => replay.putPolicy(place, Number(this.choice.value)));
+    this.chip = element("canvas", { className: "chip", width: 52, height: 20, ariaHidden: "true" });
+    this.canvas = element("canvas", { className: "map", role: "img" });
+    this.sheet = element("canvas");
+    this.covered = element("b");
+    this.spent = element("span", { className: "spent" });
+    this.end = element("span", { className: "end" });
+    this.box = element("div", { className: "panel" },
+      element("div", { className: "head" }, this.chip, this.choice),
+      element("div", { className: "window" }, this.canvas),
+      element("div", { className: "readout" }, this.covered, this.end, this.spent));
+  }
+
+  get policy() { return this.replay.data.policies[this.flight.policy]; }
+
+  show(flight, flights) {
+    this.flight = flight;
+    this.choice.replaceChildren(...flights.map((each) =>
+      element("option", { value: each.policy, textContent: this.replay.data.policies[each.policy].name })));
+    this.choice.value = String(flight.policy);
+    this.box.dataset.policy = this.policy.name;
+  }
+
+  /* Coverage of the shown map at a frame, in cells. */
+  coveredAt(frame) { return this.flight.covered[this.replay.mapOf(this.flight)][Math.min(frame, this.flight.last)]; }
+
+  draw(frame, scale, ratio) {
+    const { episode, inks, layers, data } = this.replay, now = Math.min(frame, this.flight.last);
+    const map = this.replay.mapOf(this.flight), pen = this.canvas.getContext("2d");
+    this.canvas.width = scale * episode.width;
+    this.canvas.height = scale * episode.height;
+    this.canvas.style.width = `${this.canvas.width / ratio}px`;
+    paintCells(this.sheet, episode, this.flight.maps[map], now, layers, inks);
+    pen.imageSmoothingEnabled = false;
+    pen.drawImage(this.sheet, 0, 0, this.canvas.width, this.canvas.height);
+    const marks = new Marks(pen, this.flight, now, scale, ratio, inks);
+    if (layers.has("lidar")) marks.lidar(data.range);
+    if (layers.has("trails")) marks.trails();
+    if (layers.has("links")) marks.links();
+    marks.team(map ? map - 1 : null);
+    this.drawChip();
+    this.read(now);
+  }
+
+  read(now) {
+    const { flight } = this, over = now === flight.last;
+    this.covered.textContent = share(this.coveredAt(now), this.replay.episode.total);
+    const spent = [`step ${flight.steps[now]}`, `${grouped(flight.distance[now])} cells flown`];
+    if (flight.bytes[flight.last]) spent.push(`${byteCount(flight.bytes[now])} sent`);
+    this.spent.textContent = spent.join(" · ");
+    this.end.textContent = over ? flight.end : "flying";
+    this.end.title = over ? flight.end : "";
+    this.canvas.setAttribute("aria-label", `Map at step ${flight.steps[now]} of ${this.policy.name}`);
+  }
+
+  get summary() { return `${this.policy.name}: ${this.covered.textContent}, ${this.end.textContent}`; }
+
+  drawChip() {
+    const pen = this.chip.getContext("2d");
+    pen.clearRect(0, 0, this.chip.width, this.chip.height);
+    pen.strokeStyle = this.replay.inks.policy(this.policy);
+    pen.lineWidth = 4;
+    pen.setLineDash(this.policy.dashes.map((length) => 2 * length));
+    pen.beginPath();
+    pen.moveTo(0, 10);
+    pen.lineTo(this.chip.width, 10);
+    pen.stroke();
+  }
+}

@@ -1,0 +1,112 @@
+"""A report with awkward names, and a real browser that shows it."""
+
+import shutil
+from contextlib import contextmanager
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from indoor_explorers.env import PRESETS
+from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.report import write_report
+from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.runner import fly
+from tests.evaluation.plugins import Raises, Wander
+
+#: What a browser may be called; the Makefile looks for the same.
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+#: Nothing is fetched in the background; a container's root may run it.
+SWITCHES = [
+    *("--disable-gpu", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync"),
+]
+PLAIN = "wander"
+HOSTILE = 'a, b; "quoted" it\'s 50% </script><script>window.broken = 1</script> 🚁 $x_1$ & <b>'
+NAMES = {PLAIN: Wander(), HOSTILE: Wander(speed=2), "raises": Raises()}
+MAP = "</script><img src=x onerror='window.broken = 2'> 🏢"
+LOSSY = {"radio.model": "disc", "radio.range": 5.0, "radio.loss": 0.4, "budget": 120}
+
+
+@pytest.fixture(scope="session")
+def results():
+    """Three policies on a team task with flaky radio, 6 seeds, and on a single UAV's task with hostile names."""
+    team = PRESETS["thesis-team-4"].for_evaluation().with_settings(LOSSY)
+    alone = PRESETS["thesis-open"].for_evaluation().with_settings({"budget": 60, "name": "alone </script> 🏠"})
+    records = []
+    for scenario, seeds in ((team, 6), (alone, 2)):
+        tasks = [Task(scenario.name, 0, seed) for seed in range(seeds)]
+        for name, policy in NAMES.items():
+            flown = fly(policy, name, scenario, tasks)
+            records += [replace(each, floorplan=replace(each.floorplan, name=MAP)) for each in flown]
+    settings = {each.name: {"fingerprint": each.fingerprint, **each.model_dump(mode="json")} for each in (team, alone)}
+    about = {"use": "wander", "class": "tests:Wander", "privileged": False, "parameters": {}}
+    return Results({name: dict(about) for name in NAMES}, settings, [], records)
+
+
+@pytest.fixture(scope="session")
+def address(results, tmp_path_factory):
+    """Where the report is."""
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    write_report(results, path)
+    return path.as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A headless browser with a profile of its own."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser and is not installed")
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if found is None:
+        pytest.skip(f"expected a Chromium on the PATH ({', '.join(BROWSERS)}), found none; make browser installs one")
+    with playwright.sync_playwright() as driver:
+        running = driver.chromium.launch(executable_path=found, args=SWITCHES, chromium_sandbox=False)
+        yield running
+        running.close()
+
+
+@pytest.fixture(scope="module")
+def visit(browser, address):
+    """Open the report at a hash and watch what it complains about and asks for."""
+
+    @contextmanager
+    def opened(hash_="", **looks):
+        options = {"viewport": {"width": 1280, "height": 900}, "color_scheme": "light", **looks}
+        page = browser.new_context(**options).new_page()
+        page.set_default_timeout(20_000)
+        complaints, asked = [], []
+        page.on("console", lambda message: complaints.append(message.text) if message.type != "log" else None)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto(address + hash_)
+        yield SimpleNamespace(page=page, complaints=complaints, asked=asked)
+        page.context.close()
+
+    return opened
+
+
+@pytest.fixture(scope="module")
+def shared(visit):
+    """One open page that most tests use, each leaving it usable."""
+    with visit() as opened:
+        yield opened
+
+
+@pytest.fixture
+def page(shared, address):
+    """The shared page; after the test it must have nothing to complain of, and have asked for no other file."""
+    yield shared.page
+    assert shared.complaints == []
+    assert {url.partition("#")[0] for url in shared.asked if not url.startswith(("data:", "blob:"))} == {address}
+    assert shared.page.evaluate("window.broken") is None
+
+
+@pytest.fixture(scope="session")
+def record_of(results):
+    """Find a record by scenario number from 1, policy and seed."""
+
+    def find(section, policy, seed):
+        name = list(results.scenarios)[section - 1]
+        return next(r for r in results.groups[name, policy] if r.task.seed == seed)
+
+    return find

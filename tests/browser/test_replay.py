@@ -1,0 +1,195 @@
+"""The replay viewer in a real browser: it shows what was recorded, and can be led to any moment."""
+
+import json
+from urllib.parse import quote, unquote
+
+import pytest
+
+from .conftest import HOSTILE, PLAIN
+
+REPLAY = "#replay-s1"
+
+
+def open_replay(page, **asked):
+    page.evaluate("asked => openReplay('s1', asked)", asked)
+
+
+def shown(page):
+    """Return what the panels read, by policy."""
+    return {
+        panel.get_attribute("data-policy"): panel.locator(".readout").inner_text()
+        for panel in page.locator(f"{REPLAY} .panel").all()
+    }
+
+
+def step(page):
+    return int(page.locator(f"{REPLAY} [role=slider]").get_attribute("aria-valuenow"))
+
+
+def last_step(page):
+    return int(page.locator(f"{REPLAY} [role=slider]").get_attribute("aria-valuemax"))
+
+
+def data(page):
+    return json.loads(page.locator("#replay-data-s1").text_content())
+
+
+def pictures(page):
+    return page.evaluate(f"[...document.querySelectorAll('{REPLAY} canvas.map')].map((map) => map.toDataURL())")
+
+
+def settled(page, part):
+    """Wait for the address to hold something: it follows a moment after the replay."""
+    page.wait_for_function("part => location.hash.includes(part)", arg=part)
+    return page.evaluate("location.hash")
+
+
+@pytest.mark.parametrize("chosen", [0, 1, 4])
+def test_readouts_are_those_of_the_record_at_every_step(page, record_of, chosen):
+    episode = data(page)["episodes"][0]
+    seed = episode["task"][1]
+    records = {name: record_of(1, name, seed) for name in (PLAIN, HOSTILE, "raises")}
+    open_replay(page, task=[0, seed])
+    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option(str(chosen))
+    for now in (0, 1, 2, 5, 17, 44, last_step(page)):
+        open_replay(page, task=[0, seed], step=now)
+        assert step(page) == now
+        texts = shown(page)
+        for name, record in records.items():
+            there = min(now, record.steps)
+            covered = record.covered[there, chosen] / record.reachable
+            assert f"{100 * covered:.1f} %" in texts[name]
+            assert f"step {there} " in texts[name]
+            assert f"{record.distance[there]} cells flown" in texts[name]
+            assert ("flying" in texts[name]) == (there < record.steps)
+    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("0")
+    assert "policy failed" in shown(page)["raises"]
+
+
+def test_dragging_the_timeline_scrubs(page):
+    open_replay(page, step=0)
+    slider = page.locator(f"{REPLAY} [role=slider]")
+    slider.scroll_into_view_if_needed()
+    box = slider.bounding_box()
+    page.mouse.move(box["x"] + 60, box["y"] + 50)
+    page.mouse.down()
+    early = step(page)
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 50, steps=3)
+    half = step(page)
+    page.mouse.move(box["x"] + 3 * box["width"], box["y"] + 50)
+    page.mouse.up()
+    assert 0 < early < half < step(page) == last_step(page)
+    assert abs(half - last_step(page) / 2) < 4
+
+
+def test_it_plays_and_pauses_and_keys_step(page):
+    open_replay(page, step=3)
+    page.keyboard.press("ArrowRight")
+    assert step(page) == 4
+    page.keyboard.press("Shift+ArrowRight")
+    assert step(page) == 14
+    page.keyboard.press("Home")
+    page.keyboard.press("Space")
+    page.wait_for_function(f"() => document.querySelector('{REPLAY} [role=slider]').getAttribute('aria-valuenow') > 3")
+    page.locator(f"{REPLAY} button.play").click()
+    assert page.locator(f"{REPLAY} button.play").inner_text() == "Play"
+    rests = step(page)
+    page.wait_for_timeout(250)
+    assert step(page) == rests > 3
+    page.locator(f"{REPLAY} select[aria-label=Speed]").focus()
+    page.keyboard.press("Home")
+    assert step(page) == rests
+    page.get_by_label("One step back").first.click()
+    assert step(page) == rests - 1
+
+
+def test_layers_change_the_picture_and_back(page):
+    open_replay(page, step=9)
+    for name in ("truth", "known", "frontier", "lidar", "trails"):
+        before = pictures(page)
+        page.locator(f"{REPLAY} input[name={name}]").uncheck()
+        assert all(one != other for one, other in zip(before, pictures(page), strict=True)), name
+        page.locator(f"{REPLAY} input[name={name}]").check()
+        assert pictures(page) == before
+
+
+def test_a_uav_alone_knows_no_more_than_the_team(page):
+    open_replay(page, step=25)
+    team = pictures(page)
+    choice = page.locator(f"{REPLAY} select[aria-label='Map of']")
+    assert choice.locator("option").all_inner_texts() == ["team", "UAV 1", "UAV 2", "UAV 3", "UAV 4"]
+    choice.select_option("3")
+    assert "map=3" in settled(page, "map=3")
+    assert pictures(page) != team
+    choice.select_option("0")
+    assert pictures(page) == team
+
+
+def test_panels_are_chosen_and_swapped(page):
+    open_replay(page, step=5)
+    page.locator(f"{REPLAY} .choice button", has_text="2").click()
+    names = list(shown(page))
+    assert len(names) == 2
+    page.locator(f"{REPLAY} .panel select").first.select_option(label=names[1])
+    assert list(shown(page)) == names[::-1]
+    (absent,) = {PLAIN, HOSTILE, "raises"} - set(names)
+    open_replay(page, policy=absent)
+    assert absent in shown(page)
+    page.locator(f"{REPLAY} .choice button", has_text="3").click()
+    assert set(shown(page)) == {PLAIN, HOSTILE, "raises"}
+
+
+def test_an_episode_that_is_not_there_is_told_with_the_way_to_have_it(page):
+    said = page.locator(f"{REPLAY} .said")
+    open_replay(page, task=[0, 4711], policy="nobody")
+    assert "seed 4711" in said.inner_text()
+    assert "--replays 6" in said.inner_text()
+    assert "nobody" in said.inner_text()
+    open_replay(page, task=data(page)["episodes"][0]["task"])
+    assert said.inner_text() == ""
+
+
+def test_elements_of_a_section_open_its_replay(page):
+    last = len(data(page)["episodes"]) - 1
+    task = data(page)["episodes"][last]["task"]
+    page.evaluate(
+        """asked => { for (const tag of ["button", "td"]) {
+             const made = document.createElement(tag);
+             made.dataset.replay = asked; made.tabIndex = 0; made.id = "opens-" + tag; made.textContent = "open";
+             document.querySelector("#s1 h2").after(made);
+           } }""",
+        json.dumps({"policy": HOSTILE, "task": task, "step": 2}),
+    )
+    for act in (lambda: page.locator("#opens-button").click(), lambda: page.locator("#opens-td").press("Enter")):
+        open_replay(page, step=11)
+        act()
+        assert step(page) == 2
+        assert page.locator(f"{REPLAY} select[aria-label=Episode]").input_value() == str(
+            len(data(page)["episodes"]) - 1
+        )
+    page.evaluate("for (const made of document.querySelectorAll('[id^=opens-]')) made.remove()")
+
+
+def test_the_address_names_the_moment_and_leads_back_to_it(page, visit):
+    task = data(page)["episodes"][1]["task"]
+    open_replay(page, task=task, step=7, policy=HOSTILE)
+    page.locator(f"{REPLAY} input[name=lidar]").uncheck()
+    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("2")
+    page.get_by_text("Copy link").first.click()
+    hash_ = settled(page, "map=2")
+    page.locator(f"{REPLAY} input[name=lidar]").check()
+    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("0")
+    assert f"task={task[0]},{task[1]};step=7;" in hash_
+    assert HOSTILE in unquote(hash_)
+    with visit(hash_ + ";dark;nonsense;more=%E0%A4%A") as again:
+        assert step(again.page) == 7
+        assert again.page.locator(f"{REPLAY} select[aria-label='Map of']").input_value() == "2"
+        assert not again.page.locator(f"{REPLAY} input[name=lidar]").is_checked()
+        assert again.page.locator("html").get_attribute("data-theme") == "dark"
+        assert 0 <= again.page.locator(REPLAY).bounding_box()["y"] < 200
+        again.page.evaluate(f"location.hash = '#replay=s1;step=1;panels={quote(PLAIN)},unknown;map=9'")
+        again.page.wait_for_function("() => document.querySelectorAll('#replay-s1 .panel').length === 1")
+        assert list(shown(again.page)) == [PLAIN]
+        assert step(again.page) == 1
+        again.page.evaluate("location.hash = '#replay=nowhere;task=,;step=x;panels=%;map=&layers'")
+        assert again.complaints == []
