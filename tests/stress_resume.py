@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import itertools
 import os
 import signal
 import sqlite3
@@ -23,14 +22,14 @@ import numpy as np
 from indoor_explorers.evaluation.store import Store
 
 ROOT = Path(__file__).resolve().parents[1]
-POLICIES = ("random", "frontier-nearest", "frontier-minpos", "tests.evaluation.plugins:Slow")
+POLICIES = ("random", "frontier-nearest", "tests.evaluation.plugins:Slow", "tests.evaluation.plugins:Slower")
 KINDS = ("driver SIGKILL", "worker SIGKILL", "driver SIGINT")
 COMMAND = "import sys; from indoor_explorers.evaluation.cli import main; sys.exit(main())"
 
 
 def start(out: Path, episodes: int) -> subprocess.Popen[str]:
     """Start or resume the comparison as a user does."""
-    words = ["compare", "--policies", ",".join(POLICIES), "--scenario", "thesis-team-2", "--set", "budget=60"]
+    words = ["compare", "--policies", ",".join(POLICIES), "--scenario", "thesis-team-2", "--set", "budget=200"]
     words += ["--episodes", str(episodes), "--workers", "2", "--out", str(out)]
     return subprocess.Popen(
         [sys.executable, "-P", "-c", COMMAND, *words],
@@ -100,39 +99,57 @@ def finish(out: Path, episodes: int) -> str:
     return errors
 
 
+def strike(out: Path, episodes: int, kind: str, rng: np.random.Generator) -> bool:
+    """Start the comparison, and kill what ``kind`` says at a random moment; tells whether there was anything to kill.
+
+    One moment in five is any, the others are while episodes are flown.
+    """
+    running = start(out, episodes)
+    until = time.monotonic() + 30
+    while rng.random() > 0.2 and not workers_of(running.pid) and running.poll() is None and time.monotonic() < until:
+        time.sleep(0.05)
+    time.sleep(float(rng.uniform(0.0, 8.0)))
+    hit = kill(running, kind, rng)
+    if hit and kind.startswith("worker"):
+        time.sleep(float(rng.uniform(0.0, 8.0)))  # let the driver notice, or not
+    if running.poll() is None and not kind.endswith("SIGINT"):
+        running.kill()
+    _, errors = running.communicate(timeout=60)
+    early = kind.endswith("SIGINT") and errors.rstrip().endswith("KeyboardInterrupt")  # while Python itself starts
+    assert early or "Traceback" not in errors, errors
+    return hit
+
+
 def stress(folder: Path, kills: int, episodes: int, seed: int) -> Counter[str]:
     """Kill ``kills`` times; return how often each kind of kill struck."""
     rng = np.random.default_rng(seed)
     finish(folder / "whole", episodes)
     struck: Counter[str] = Counter()
-    for attempt in itertools.count():
-        if struck.total() >= kills:
-            break
-        out = folder / f"killed-{attempt // 12}"  # a new comparison now and then, before the old one is complete
+    out = folder / "killed-0"
+    while struck.total() < kills:
         before = held(out)
-        running = start(out, episodes)
+        if len(before) == len(POLICIES) * episodes:
+            out, before = out.with_name(f"killed-{struck.total()}"), {}
         kind = KINDS[int(rng.integers(len(KINDS)))]
-        time.sleep(float(rng.uniform(0.3, 1.0) if rng.random() < 0.2 else rng.uniform(1.0, 8.0)))
-        hit = kill(running, kind, rng)
-        if hit and kind.startswith("worker"):
-            time.sleep(float(rng.uniform(0.0, 4.0)))
-            running.kill()
-        elif not hit:
-            running.kill()
-        running.communicate(timeout=60)
-        struck[kind] += hit
+        struck[kind] += strike(out, episodes, kind, rng)
         after = held(out)
         changed = [key for key in before if after.get(key) != before[key]]
         assert not changed, f"episodes were lost or flown twice: {changed[:3]}"
         sys.stdout.write(f"{struck.total():3d} {kind:15s} {len(before):4d} -> {len(after):4d} episodes\n")
+        sys.stdout.flush()
     for out in sorted(folder.glob("killed-*")):
-        before = held(out)
-        finish(out, episodes)
-        after = held(out)
-        assert len(after) == len(POLICIES) * episodes
-        assert all(after[key] == before[key] for key in before), "finished episodes were flown again"
-        assert rows(out) == rows(folder / "whole"), f"{out.name}: the summary differs"
+        check_finished(out, folder / "whole", episodes)
     return struck
+
+
+def check_finished(out: Path, whole: Path, episodes: int) -> None:
+    """Run a comparison that was killed to its end, and compare it with the undisturbed one."""
+    before = held(out)
+    finish(out, episodes)
+    after = held(out)
+    assert len(after) == len(POLICIES) * episodes, "episodes are missing"
+    assert all(after[key] == before[key] for key in before), "finished episodes were flown again"
+    assert rows(out) == rows(whole), f"{out.name}: the summary differs"
 
 
 def main() -> None:

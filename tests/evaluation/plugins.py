@@ -50,6 +50,18 @@ class Slow(Wander):
         return super().act(pilots, views)
 
 
+class Slower(Wander):
+    """Take longer still, one UAV after the other."""
+
+    class Mind(Wanderer):
+        def act(self, view):
+            time.sleep(0.0005)
+            return super().act(view)
+
+    def pilot(self, briefing):
+        return self.Mind(briefing)
+
+
 class RaisesOnOddSeeds(Wanderer):
     def act(self, view):
         if view.step == 5 and view.cell[0] % 2:

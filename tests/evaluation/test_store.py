@@ -111,7 +111,7 @@ def test_a_full_disk_is_said_and_what_was_added_stays(tmp_path):
 
     with Store(tmp_path / "results.db") as store:
         store.begin_run(planned, about(planned), {})
-        store._db.execute("PRAGMA max_page_count = 60")
+        store._db.execute("PRAGMA max_page_count = 30")
         with pytest.raises(RunError, match="database or disk is full; the finished episodes are kept: make room"):
             add_all(store)
         kept = store.finished()
