@@ -50,7 +50,8 @@ def _common(results: Results, scenario: str) -> set[Task]:
 
 def judged(results: Results) -> Verdict:
     """Judge all results, before any of them is left out."""
-    warnings = [*_missing(results), *_unlike(results), *_failed(results), *_few(results), *_runs(results)]
+    of_tasks = [*_missing(results), *_unlike(results), *_copies(results)]
+    warnings = [*of_tasks, *_failed(results), *_few(results), *_runs(results)]
     notes = [*_few_maps(results), *_yardsticks(results), *_censored(results)]
     return Verdict(not warnings, _headline(results), warnings, notes)
 
@@ -120,6 +121,18 @@ def _unlike(results: Results) -> Iterator[str]:
 
 def _start(record: Record) -> tuple[object, ...]:
     return record.floorplan.digest, record.cells[0].tobytes(), record.team, record.budget, record.reachable
+
+
+def _copies(results: Results) -> Iterator[str]:
+    """Name the policies whose seeds repeat a flight: the same map, the same starts, and nothing drawn."""
+    for (scenario, policy), records in results.groups.items():
+        flights = {(record.floorplan.digest, record.cells.tobytes()) for record in records}
+        if len(flights) < len(records):
+            yield (
+                f"In {scenario}, the {counted(len(records), 'episode')} of {policy} are only "
+                f"{counted(len(flights), 'different flight')}: more seeds from the same starts repeated them exactly "
+                "and told nothing new, but intervals and tests count them."
+            )
 
 
 def _failed(results: Results) -> Iterator[str]:

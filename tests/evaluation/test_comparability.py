@@ -107,3 +107,16 @@ def test_the_overview_names_the_first_of_every_scenario(results: Results, page: 
     targets = {about.get("id") for _, about in page.tags}
     links = {str(about["href"])[1:] for tag, about in page.tags if tag == "a"}
     assert {"s1", "s2", "overview", "def-t99", "def-holm"} <= links <= targets
+
+
+def test_exact_copies_of_flights_are_found_out(sound: Results) -> None:
+    first = sound.groups["rooms", "straight"][0]
+    copies = [
+        replace(r, floorplan=first.floorplan, cells=first.cells)
+        if (r.task.scenario, r.policy) == ("rooms", "straight")
+        else r
+        for r in sound.records
+    ]
+    told = judged(replace(sound, records=copies)).warnings
+    assert any("the 6 episodes of straight are only 1 different flight:" in text for text in told)
+    assert not any("repeated them exactly" in text for text in judged(sound).warnings)
