@@ -1,5 +1,6 @@
 """The conformance suite finds what is wrong with a policy and says the likely cause."""
 
+import ctypes
 import random
 import sys
 
@@ -130,7 +131,7 @@ class WritesView(Honest):
 
 class WritesUnderView(Honest):
     def act(self, view):
-        view.belief.base[:] = 1
+        ctypes.memset(view.belief.ctypes.data, 1, 1)  # no Python object lets anybody write there
         return 4
 
 
