@@ -50,9 +50,11 @@ def _common(results: Results, scenario: str) -> set[Task]:
 
 def judged(results: Results) -> Verdict:
     """Judge all results, before any of them is left out."""
-    of_tasks = [*_missing(results), *_unlike(results), *_copies(results)]
-    warnings = [*of_tasks, *_failed(results), *_few(results), *_runs(results)]
-    notes = [*_few_maps(results), *_yardsticks(results), *_censored(results)]
+    copies, repeats = _copies(results)
+    warnings = [
+        *_missing(results), *_unlike(results), *copies, *_failed(results), *_few(results), *_runs(results),
+    ]  # fmt: skip
+    notes = [*repeats, *_few_maps(results), *_yardsticks(results), *_censored(results)]
     return Verdict(not warnings, _headline(results), warnings, notes)
 
 
@@ -123,16 +125,22 @@ def _start(record: Record) -> tuple[object, ...]:
     return record.floorplan.digest, record.cells[0].tobytes(), record.team, record.budget, record.reachable
 
 
-def _copies(results: Results) -> Iterator[str]:
-    """Name the policies whose seeds repeat a flight: the same map, the same starts, and nothing drawn."""
+def _copies(results: Results) -> tuple[list[str], list[str]]:
+    """Name the policies whose seeds repeat a flight: the same map, the same starts, and nothing drawn.
+
+    Returns what speaks against a comparison, since most flights are copies, and what is only to be known.
+    """
+    grave, slight = [], []
     for (scenario, policy), records in results.groups.items():
-        flights = {(record.floorplan.digest, record.cells.tobytes()) for record in records}
-        if len(flights) < len(records):
-            yield (
+        flights = len({(record.floorplan.digest, record.cells.tobytes()) for record in records})
+        if flights < len(records):
+            text = (
                 f"In {scenario}, the {counted(len(records), 'episode')} of {policy} are only "
-                f"{counted(len(flights), 'different flight')}: more seeds from the same starts repeated them exactly "
-                "and told nothing new, but intervals and tests count them."
+                f"{counted(flights, 'different flight')}: more seeds from the same starts repeated them exactly and "
+                "told nothing new, but intervals and tests count them."
             )
+            (grave if flights < 0.9 * len(records) else slight).append(text)
+    return grave, slight
 
 
 def _failed(results: Results) -> Iterator[str]:

@@ -84,7 +84,8 @@ class Replay {
      A map that is wider than the page even at one pixel a cell is scrolled in its panel. */
   arrange() {
     const ratio = window.devicePixelRatio || 1, { width, height } = this.episode, panels = this.panels.length;
-    const room = this.room = this.controls.grid.clientWidth, gap = 18, screen = Math.max(560, 0.9 * window.innerHeight);
+    const room = this.room = this.controls.grid.clientWidth, gap = 18;
+    const screen = Math.min(1000, Math.max(560, 0.9 * window.innerHeight));
     const options = Array.from({ length: panels }, (_, k) => panels - k).map((columns) => {
       const rows = Math.ceil(panels / columns), tallest = screen / rows - 90;
       const wide = (room - gap * (columns - 1)) / columns - 2;
