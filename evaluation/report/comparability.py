@@ -130,7 +130,8 @@ def _copies(results: Results) -> tuple[list[str], list[str]]:
 
     Returns what speaks against a comparison, since most flights are copies, and what is only to be known.
     """
-    grave, slight = [], []
+    grave: list[str] = []
+    slight: list[str] = []
     for (scenario, policy), records in results.groups.items():
         flights = len({(record.floorplan.digest, record.cells.tobytes()) for record in records})
         if flights < len(records):
