@@ -76,6 +76,7 @@ def compare(
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
+        RunError: the disk is full, or no worker can be started; what was stored before stays, and is not flown again.
 
     """
     planned = plan(
