@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -27,7 +28,10 @@ if TYPE_CHECKING:
     from indoor_explorers.evaluation.results import Results
 
 #: The most episodes of a job, and its most cells x steps x UAVs: what a worker loses at most when a run is killed.
-JOB_EPISODES, JOB_WORK = 10, 40_000_000
+#: Learned policies decide for a whole job at once; of fifty episodes each costs a sixth less than of ten.
+JOB_EPISODES, JOB_WORK = 50, 40_000_000
+#: The fewest jobs that each worker gets, as long as there are episodes: so that all end at about the same time.
+JOBS_EACH = 4
 
 
 class Watcher(Protocol):
@@ -72,6 +76,7 @@ def compare(
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
+        RunError: the disk is full, or no worker can be started; what was stored before stays, and is not flown again.
 
     """
     planned = plan(
@@ -172,7 +177,7 @@ def run(
     with Store(out / "results.db") as store:
         number = store.begin_run(experiment, about, run_facts(command, engine, workers))
         finished = store.finished(failed=not retry_failed)
-        jobs = list(missing_jobs(experiment, finished))
+        jobs = list(missing_jobs(experiment, finished, workers))
         if watcher is not None:
             missing = sum(len(job.tasks) for job in jobs)
             watcher.begin(len(experiment.policies) * len(experiment.tasks()), missing)
@@ -184,15 +189,19 @@ def run(
     return write_outputs(out)
 
 
-def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]]) -> Iterator[Job]:
-    """Yield the episodes that are not finished, in jobs of one policy and one map source."""
+def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]], workers: int) -> Iterator[Job]:
+    """Yield the episodes that are not finished, in jobs of one policy and one scenario."""
     tasks = experiment.tasks()
+    missing = {
+        choice.name: [task for task in tasks if (choice.name, task) not in finished] for choice in experiment.policies
+    }
+    share = math.ceil(sum(map(len, missing.values())) / (JOBS_EACH * max(1, workers)))
     for scenario in experiment.scenarios:
-        size = episodes_per_job(scenario, experiment.seed)
+        size = max(1, min(share, episodes_per_job(scenario, experiment.seed)))
         for choice in experiment.policies:
-            missing = [t for t in tasks if t.scenario == scenario.name and (choice.name, t) not in finished]
-            for start in range(0, len(missing), size):
-                yield Job(choice, scenario, tuple(missing[start : start + size]))
+            of_both = [task for task in missing[choice.name] if task.scenario == scenario.name]
+            for start in range(0, len(of_both), size):
+                yield Job(choice, scenario, tuple(of_both[start : start + size]))
 
 
 def episodes_per_job(scenario: Scenario, seed: int) -> int:

@@ -191,45 +191,13 @@ class Store:
             RunError: there is no room on the disk; what was added before is kept.
 
         """
-        plan = record.floorplan
         with _transaction(self._db, self.path):
-            self._db.execute(
-                "INSERT OR IGNORE INTO floorplan VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                (
-                    plan.digest,
-                    plan.name,
-                    *plan.shape,
-                    plan.resolution,
-                    plan.kept,
-                    _packed(plan.truth),
-                    *(plan.start or (None, None)),
-                ),
-            )
+            self._db.execute(f"INSERT OR IGNORE INTO floorplan VALUES ({_marks(9)})", _floorplan_row(record.floorplan))
             if replace_failed:
                 key = "policy = ? AND scenario = ? AND map_index = ? AND seed = ?"
                 gone = (record.policy, *record.task, Outcome.FAILED)
                 self._db.execute(f"DELETE FROM episode WHERE {key} AND outcome = ?", gone)
-            self._db.execute(
-                f"INSERT OR IGNORE INTO episode VALUES ({', '.join('?' * 18)})",
-                (
-                    record.policy,
-                    *record.task,
-                    run,
-                    plan.digest,
-                    record.team,
-                    record.budget,
-                    record.reachable,
-                    str(record.outcome),
-                    record.reason,
-                    record.steps,
-                    json.dumps(record.metrics),
-                    _packed(record.covered.astype(np.int32)),
-                    _packed(record.cells.astype(np.int16)),
-                    _packed(record.actions.astype(np.uint8)),
-                    _packed(record.seconds.astype(np.float32)),
-                    _packed(record.sent.astype(np.int64)),
-                ),
-            )
+            self._db.execute(f"INSERT OR IGNORE INTO episode VALUES ({_marks(18)})", _episode_row(record, run))
 
     def policies(self) -> dict[str, dict[str, Any]]:
         """Return the facts of each policy by name, in the order of the experiment."""
@@ -276,6 +244,27 @@ class Store:
                 seconds=_unpacked(seconds, np.float32, steps + 1),
                 sent=_unpacked(sent, np.int64, steps + 1),
             )
+
+
+def _marks(count: int) -> str:
+    return ", ".join("?" * count)
+
+
+def _floorplan_row(plan: Floorplan) -> tuple[Any, ...]:
+    start = plan.start or (None, None)
+    return (plan.digest, plan.name, *plan.shape, plan.resolution, plan.kept, _packed(plan.truth), *start)
+
+
+def _episode_row(record: Record, run: int) -> tuple[Any, ...]:
+    return (
+        *(record.policy, *record.task, run, record.floorplan.digest, record.team, record.budget, record.reachable),
+        *(str(record.outcome), record.reason, record.steps, json.dumps(record.metrics)),
+        _packed(record.covered.astype(np.int32)),
+        _packed(record.cells.astype(np.int16)),
+        _packed(record.actions.astype(np.uint8)),
+        _packed(record.seconds.astype(np.float32)),
+        _packed(record.sent.astype(np.int64)),
+    )
 
 
 def _floorplan(facts: tuple[Any, ...]) -> Floorplan:

@@ -110,10 +110,11 @@ class Supervisor:
         if self._children:
             return self._children[0]
         for _ in range(STARTS):
-            if self._closed.is_set():
-                raise RunError(CLOSED)
             child = Child(self._limits)
             self._children.append(child)
+            if self._closed.is_set():  # asked only now, as whoever closes kills the children that are listed by then
+                self._buried(child, 1)
+                raise RunError(CLOSED)
             if (death := child.hear()) is None:
                 return child
             self._buried(child, 1)

@@ -5,6 +5,7 @@ It does not watch over the policies it flies; its driver does, see :mod:`indoor_
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import threading
@@ -39,14 +40,11 @@ def serve(connection: Connection, spool: Spool, driver: int) -> None:
     signal.signal(signal.SIGUSR1, spool.clock.interrupt)
     os.dup2(2, 1)
     threading.Thread(target=_leave_with, args=(driver,), daemon=True).start()
-    _register("numba:compile", _Compiling(spool.clock))
-    connection.send(None)
-    while True:
-        try:
-            job = connection.recv()
-        except EOFError:
-            return
-        _serve_job(job, connection, spool)
+    _register("numba:compile", Compiling(spool.clock))
+    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver is gone
+        connection.send(None)
+        while True:
+            _serve_job(connection.recv(), connection, spool)
 
 
 def _leave_with(driver: int) -> None:
@@ -63,7 +61,9 @@ def _serve_job(job: Job, connection: Connection, spool: Spool) -> None:
     except InputError as error:
         connection.send(error)
     except Exception as error:
-        connection.send(RunError(f"an episode could not be flown: {told(error)}; {traceback.format_exc()}"))
+        broken = RunError(f"an episode of {job.policy.name} cannot be flown: {told(error)}")
+        broken.add_note(traceback.format_exc())
+        connection.send(broken)
 
 
 def _made(job: Job, clock: Clock) -> Policy:
@@ -87,7 +87,7 @@ class _Unmade(Policy):
         raise self.error
 
 
-class _Compiling(_Listener):  # type: ignore[misc]  # a base class without types
+class Compiling(_Listener):  # type: ignore[misc]  # a base class without types
     """Begin a decision's time anew after each function that numba had to compile for it: machines differ in that."""
 
     def __init__(self, clock: Clock) -> None:

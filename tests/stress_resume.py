@@ -22,7 +22,7 @@ import numpy as np
 from indoor_explorers.evaluation.store import Store
 
 ROOT = Path(__file__).resolve().parents[1]
-POLICIES = ("random", "frontier-nearest", "tests.evaluation.plugins:Slow", "tests.evaluation.plugins:Slower")
+POLICIES = ("tests.evaluation.plugins:Slower", "random", "tests.evaluation.plugins:Slow", "frontier-nearest")
 KINDS = ("driver SIGKILL", "worker SIGKILL", "driver SIGINT")
 COMMAND = "import sys; from indoor_explorers.evaluation.cli import main; sys.exit(main())"
 
@@ -86,6 +86,15 @@ def held(out: Path) -> dict[tuple[object, ...], tuple[object, ...]]:
         }
 
 
+def stored(out: Path) -> int:
+    """Return how many episodes there are now."""
+    try:
+        with contextlib.closing(sqlite3.connect(f"file:{out / 'results.db'}?mode=ro", uri=True)) as db:
+            return int(db.execute("SELECT count(*) FROM episode").fetchone()[0])
+    except sqlite3.OperationalError:  # not there yet
+        return 0
+
+
 def rows(out: Path) -> list[str]:
     """Return summary.csv without what measures the machine."""
     return [line for line in (out / "summary.csv").read_text().splitlines() if ",latency_" not in line]
@@ -102,21 +111,24 @@ def finish(out: Path, episodes: int) -> str:
 def strike(out: Path, episodes: int, kind: str, rng: np.random.Generator) -> bool:
     """Start the comparison, and kill what ``kind`` says at a random moment; tells whether there was anything to kill.
 
-    One moment in five is any, the others are while episodes are flown.
+    One moment in five is any, one is while workers start or fly, the others are after new episodes were stored.
     """
-    running = start(out, episodes)
+    before, running = stored(out), start(out, episodes)
+    moment = rng.choice(["any", "workers", "stored"], p=[0.2, 0.2, 0.6])
     until = time.monotonic() + 30
-    while rng.random() > 0.2 and not workers_of(running.pid) and running.poll() is None and time.monotonic() < until:
-        time.sleep(0.05)
-    time.sleep(float(rng.uniform(0.0, 8.0)))
+    while running.poll() is None and time.monotonic() < until:
+        if moment == "any" or (workers_of(running.pid) if moment == "workers" else stored(out) > before):
+            break
+        time.sleep(0.02)
+    time.sleep(float(rng.uniform(0.0, 1.5 if moment == "stored" else 6.0)))
     hit = kill(running, kind, rng)
     if hit and kind.startswith("worker"):
         time.sleep(float(rng.uniform(0.0, 8.0)))  # let the driver notice, or not
     if running.poll() is None and not kind.endswith("SIGINT"):
         running.kill()
-    _, errors = running.communicate(timeout=60)
-    early = kind.endswith("SIGINT") and errors.rstrip().endswith("KeyboardInterrupt")  # while Python itself starts
-    assert early or "Traceback" not in errors, errors
+    _, errors = running.communicate(timeout=200)
+    of_python = kind.endswith("SIGINT") and errors.rstrip(": \n").endswith("KeyboardInterrupt")
+    assert of_python or "Traceback" not in errors, errors  # Python's own, while it starts or in its callbacks
     return hit
 
 
@@ -129,7 +141,7 @@ def stress(folder: Path, kills: int, episodes: int, seed: int) -> Counter[str]:
     while struck.total() < kills:
         before = held(out)
         if len(before) == len(POLICIES) * episodes:
-            out, before = out.with_name(f"killed-{struck.total()}"), {}
+            out, before = folder / f"killed-{len(list(folder.glob('killed-*')))}", {}
         kind = KINDS[int(rng.integers(len(KINDS)))]
         struck[kind] += strike(out, episodes, kind, rng)
         after = held(out)

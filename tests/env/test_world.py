@@ -1,5 +1,6 @@
 """Laws of the world, on random scenarios, maps and actions."""
 
+import gc
 import hashlib
 import itertools
 import math
@@ -450,10 +451,30 @@ def test_too_many_uavs_for_the_map():
         World(Scenario(map={"source": "thesis", "height": 4, "width": 4, "obstacles": 0}, team=200)).reset([0])
 
 
+def test_a_view_is_live_and_outlives_its_world():
+    world = World(PRESETS["thesis-open"])
+    world.reset([0])
+    belief = world.view(0, 0).belief
+    before = belief.copy()
+    for action in (0, 1, 2, 3) * 3:
+        world.step([[action]])
+    np.testing.assert_array_equal(belief, world.state.belief[0, 0])
+    assert (belief != before).any()
+    last = belief.copy()
+    del world
+    gc.collect()
+    np.testing.assert_array_equal(belief, last)
+
+
 def test_views_are_read_only():
     world = World(PRESETS["thesis-open"])
     world.reset([0])
     view = world.view(0, 0)
+    for array in (view.belief, view.legal, view.visited, world.briefing(0, 0, privileged=True).truth):
+        for part in (array, array[:2], array.view()):
+            with pytest.raises(ValueError, match="cannot set WRITEABLE flag to True"):
+                part.setflags(write=True)
+            assert not isinstance(part.base, np.ndarray) or not part.base.flags.writeable
     with pytest.raises(ValueError, match="read-only"):
         view.belief[0, 0] = OCCUPIED
     with pytest.raises(ValueError, match="read-only"):
