@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 JOB_EPISODES, JOB_WORK = 50, 40_000_000
 #: The fewest jobs that each worker gets, as long as there are episodes: so that all end at about the same time.
 JOBS_EACH = 4
+#: Workers that jobs are cut for where nobody knows how many there will be.
+CLUSTER = 32
 
 
 class Watcher(Protocol):
@@ -177,7 +179,8 @@ def run(
     with Store(out / "results.db") as store:
         number = store.begin_run(experiment, about, run_facts(command, engine, workers))
         finished = store.finished(failed=not retry_failed)
-        jobs = list(missing_jobs(experiment, finished, workers))
+        crew = workers if workers is not None else CLUSTER if engine == "ray" else os.cpu_count() or 1
+        jobs = list(missing_jobs(experiment, finished, crew))
         if watcher is not None:
             missing = sum(len(job.tasks) for job in jobs)
             watcher.begin(len(experiment.policies) * len(experiment.tasks()), missing)

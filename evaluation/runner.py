@@ -29,13 +29,20 @@ class _Undivided(Exception):
 
 
 def fly(
-    policy: Policy, name: str, scenario: Scenario, tasks: Sequence[Task], spool: Spool | None = None
+    policy: Policy,
+    name: str,
+    scenario: Scenario,
+    tasks: Sequence[Task],
+    spool: Spool | None = None,
+    *,
+    cold: bool = False,
 ) -> Iterator[Record]:
     """Fly the tasks of one scenario and yield their records.
 
     Tasks on maps of one shape fly in lock-step, so that a batched policy gets one forward pass for all of
     them. A policy that raises costs only the episode it raised in. A ``spool`` is told of decisions that are going
-    on and, of a task alone, of every step.
+    on and, of a task alone, of every step. The first decisions of a policy that is ``cold`` in this process load and
+    compile: they are left out of the latencies.
     """
     drawn = {task: draw_floorplan(scenario, task.seed, task.map_index) for task in tasks}
 
@@ -48,18 +55,24 @@ def fly(
         for start in range(0, len(alike), batch):
             some = alike[start : start + batch]
             try:
-                yield from _fly_batch(policy, name, scenario, some, spool)
+                yield from _fly_batch(policy, name, scenario, some, spool, cold)
             except _Undivided:  # episodes do not depend on their batch: alone, each shows whether it is to blame
                 for one in some:
-                    yield from _fly_batch(policy, name, scenario, [one], spool)
+                    yield from _fly_batch(policy, name, scenario, [one], spool, cold)
+            cold = False
 
 
 def _fly_batch(
-    policy: Policy, name: str, scenario: Scenario, tasks: Sequence[tuple[Task, Floorplan]], spool: Spool | None
+    policy: Policy,
+    name: str,
+    scenario: Scenario,
+    tasks: Sequence[tuple[Task, Floorplan]],
+    spool: Spool | None,
+    cold: bool,
 ) -> list[Record]:
     world = World(scenario, len(tasks))
     flights = [Flight.begin(world, place, *task) for place, task in enumerate(tasks)]
-    batch = _Batch(policy, world, flights, spool)
+    batch = _Batch(policy, world, flights, spool, cold)
     batch.fly()
     return [
         failed_record(flight, name, scenario, floorplan, Steps(flown.actions, flown.seconds[1:], flown.sent[1:]))
@@ -73,7 +86,9 @@ def _fly_batch(
 class _Batch:
     """Fly a batch of episodes that have begun."""
 
-    def __init__(self, policy: Policy, world: World, flights: Sequence[Flight], spool: Spool | None) -> None:
+    def __init__(
+        self, policy: Policy, world: World, flights: Sequence[Flight], spool: Spool | None, cold: bool
+    ) -> None:
         self.log = Log(world)
         self._policy = policy
         self._world = world
@@ -82,6 +97,7 @@ class _Batch:
         self._spool = spool if world.batch == 1 else None
         self._actions = np.empty(world.state.end.shape, np.int64)
         self._seconds = np.zeros(world.batch)
+        self._cold = cold
 
     def fly(self) -> None:
         """Fly every episode to its end."""
@@ -99,6 +115,7 @@ class _Batch:
             self._tally(flight)
 
     def _step(self) -> None:
+        self._cold = False
         self._world.step(self._actions)
         self.log.add(self._actions, self._seconds)
         if self._spool is not None:
@@ -177,7 +194,8 @@ class _Batch:
 
     def _enter(self, flight: Flight, agent: int, action: object, seconds: float) -> None:
         """Check one decision and put action and message where the world finds them."""
-        flight.latencies.append(seconds)
+        if not self._cold:
+            flight.latencies.append(seconds)
         self._seconds[flight.place] += seconds
         if not is_action(action):
             raise InputError(f"expected an action from 0 to 4, got {action!r}")

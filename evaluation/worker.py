@@ -43,8 +43,11 @@ def serve(connection: Connection, spool: Spool, driver: int) -> None:
     _register("numba:compile", Compiling(spool.clock))
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver is gone
         connection.send(None)
+        warm: set[str] = set()
         while True:
-            _serve_job(connection.recv(), connection, spool)
+            job = connection.recv()
+            _serve_job(job, connection, spool, cold=job.policy.name not in warm)
+            warm.add(job.policy.name)
 
 
 def _leave_with(driver: int) -> None:
@@ -53,9 +56,9 @@ def _leave_with(driver: int) -> None:
     os._exit(1)
 
 
-def _serve_job(job: Job, connection: Connection, spool: Spool) -> None:
+def _serve_job(job: Job, connection: Connection, spool: Spool, *, cold: bool) -> None:
     try:
-        for record in fly(_made(job, spool.clock), job.policy.name, job.scenario, job.tasks, spool):
+        for record in fly(_made(job, spool.clock), job.policy.name, job.scenario, job.tasks, spool, cold=cold):
             connection.send(record)
         connection.send(None)
     except InputError as error:

@@ -123,3 +123,12 @@ def test_a_tally_that_breaks_fails_the_episode():
     (record,) = fly(Miscounts(), "w", TEAM, tasks(1))
     assert record.outcome is Outcome.FAILED
     assert record.covered.shape[0] == record.steps + 1
+
+
+def test_first_decisions_in_a_process_are_left_out_of_the_latencies():
+    at_once = TEAM.with_settings({"budget": 1})
+    (cold,), (warm,) = (fly(Wander(), "w", at_once, tasks(1), cold=cold) for cold in (True, False))
+    assert cold.metrics["latency_p50_us"] is None
+    assert warm.metrics["latency_p50_us"] > 0
+    assert cold.metrics["latency_total_s"] > 0
+    assert facts(cold) == facts(warm)
