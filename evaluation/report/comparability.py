@@ -15,6 +15,9 @@ from indoor_explorers.evaluation.report.numbers import counted, percent
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
+#: How many times the cells of the smallest map the largest may have before a mean in steps is doubtful.
+UNLIKE = 3.0
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -54,7 +57,7 @@ def judged(results: Results) -> Verdict:
     warnings = [
         *_missing(results), *_unlike(results), *copies, *_failed(results), *_few(results), *_runs(results),
     ]  # fmt: skip
-    notes = [*repeats, *_few_maps(results), *_yardsticks(results), *_censored(results)]
+    notes = [*repeats, *_unlike_sizes(results), *_few_maps(results), *_yardsticks(results), *_censored(results)]
     return Verdict(not warnings, _headline(results), warnings, notes)
 
 
@@ -173,6 +176,17 @@ def _few_maps(results: Results) -> Iterator[str]:
             number = comparison.map_count
             which = "its one map" if number == 1 else f"its {number} maps"
             yield f"Intervals of {name} speak about {which} alone, not about others of the kind."
+
+
+def _unlike_sizes(results: Results) -> Iterator[str]:
+    """Name the scenarios whose maps are so unlike in size that means in steps are about the large ones."""
+    for name in results.scenarios:
+        sizes = [record.reachable for record in results.records if record.task.scenario == name]
+        if sizes and max(sizes) > UNLIKE * min(sizes):
+            yield (
+                f"The maps of {name} have from {min(sizes)} to {max(sizes)} cells to cover: means in steps are mostly "
+                "about the large ones; ranks, wins, profiles and AUC weigh all maps alike."
+            )
 
 
 def _yardsticks(results: Results) -> Iterator[str]:

@@ -86,7 +86,8 @@ class Replay {
     const ratio = window.devicePixelRatio || 1, { width, height } = this.episode, panels = this.panels.length;
     const room = this.room = this.controls.grid.clientWidth, gap = 18;
     const screen = Math.min(1000, Math.max(560, 0.9 * window.innerHeight));
-    const options = Array.from({ length: panels }, (_, k) => panels - k).map((columns) => {
+    const even = Array.from({ length: panels }, (_, k) => panels - k).filter((columns) => panels % columns === 0);
+    const options = even.map((columns) => {
       const rows = Math.ceil(panels / columns), tallest = screen / rows - 90;
       const wide = (room - gap * (columns - 1)) / columns - 2;
       const widest = Math.floor(wide / width * ratio), highest = Math.floor(Math.max(tallest, 120) / height * ratio);

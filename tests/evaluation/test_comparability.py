@@ -120,3 +120,9 @@ def test_exact_copies_of_flights_are_found_out(sound: Results) -> None:
     told = judged(replace(sound, records=copies)).warnings
     assert any("the 6 episodes of straight are only 1 different flight:" in text for text in told)
     assert not any("repeated them exactly" in text for text in judged(sound).warnings)
+
+
+def test_maps_of_unlike_sizes_are_named(sound: Results) -> None:
+    large = [replace(r, reachable=4 * r.reachable) if r.task.seed == 0 else r for r in sound.records]
+    assert any("cells to cover: means in steps" in note for note in judged(replace(sound, records=large)).notes)
+    assert not any("cells to cover" in note for note in judged(sound).notes)
