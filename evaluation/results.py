@@ -17,7 +17,7 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.metrics import LEVELS, MEASURES, extended
 from indoor_explorers.evaluation.record import Outcome, Record
-from indoor_explorers.evaluation.statistics import bootstrap_mean, interquartile_mean
+from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean, bootstrap_means, interquartile_mean
 from indoor_explorers.evaluation.store import Store
 
 SUMMARY_COLUMNS = ("policy", "scenario", "team", "metric", "episodes", "mean", "iqm", "low", "high", "success")
@@ -121,17 +121,36 @@ class Results:
 
     def _summary_rows(self) -> Iterator[tuple[Any, ...]]:
         for (scenario, policy), records in self.groups.items():
-            extra = sorted({name for record in records for name in record.metrics} - set(MEASURES))
-            for metric in (*MEASURES, *extra):
+            for metric, (mean, low, high) in self.estimates(scenario, policy).items():
                 values = self.values(scenario, policy, metric)
                 values = values[~np.isnan(values)]
-                if not len(values):
-                    continue
-                mean, low, high = bootstrap_mean(values)
                 yield (
                     *(policy, scenario, records[0].team, metric, len(values), mean, interquartile_mean(values)),
                     *(low, high, self.success(scenario, policy, metric)),
                 )
+
+    def estimates(self, scenario: str, policy: str) -> dict[str, Estimate]:
+        """Return the mean of every metric that was measured, with its interval: maps are drawn, then episodes."""
+        if (scenario, policy) not in self._estimates:
+            self._estimates[scenario, policy] = self._estimated(scenario, policy)
+        return self._estimates[scenario, policy]
+
+    @cached_property
+    def _estimates(self) -> dict[tuple[str, str], dict[str, Estimate]]:
+        return {}
+
+    def _estimated(self, scenario: str, policy: str) -> dict[str, Estimate]:
+        """Estimate the metrics that every episode has from one set of resamples, the others one by one."""
+        extra = sorted({name for record in self.groups[scenario, policy] for name in record.metrics} - set(MEASURES))
+        values = {metric: self.values(scenario, policy, metric) for metric in (*MEASURES, *extra)}
+        maps = self.maps(scenario, policy)
+        held = {metric: ~np.isnan(column) for metric, column in values.items()}
+        whole = [metric for metric in values if held[metric].all()]
+        found = dict(zip(whole, bootstrap_means(np.stack([values[m] for m in whole], axis=1), maps=maps), strict=True))
+        for metric, there in held.items():
+            if there.any() and metric not in found:
+                found[metric] = bootstrap_mean(values[metric][there], maps=maps[there])
+        return {metric: found[metric] for metric in values if metric in found}
 
     def episodes(self) -> pd.DataFrame:
         """Return one row per episode: its task, outcome, steps and metrics."""

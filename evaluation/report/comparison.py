@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.results import Results
-from indoor_explorers.evaluation.statistics import Contrast, Estimate, bootstrap_mean, contrasts, maps_are_sampled
+from indoor_explorers.evaluation.statistics import Contrast, Estimate, contrasts, maps_are_sampled
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,15 +47,8 @@ class Comparison:
 
     def estimate(self, policy: str, metric: str) -> Estimate:
         """Return the mean of a metric with its interval; a NaN mean where nothing was measured."""
-        if (policy, metric) not in self._estimates:
-            values = self.results.values(self.scenario, policy, metric)
-            held = ~np.isnan(values)
-            self._estimates[policy, metric] = bootstrap_mean(values[held], maps=self.maps(policy)[held])
-        return self._estimates[policy, metric]
-
-    @cached_property
-    def _estimates(self) -> dict[tuple[str, str], Estimate]:
-        return {}
+        missing = Estimate(float("nan"), None, None)
+        return self.results.estimates(self.scenario, policy).get(metric, missing)
 
     @property
     def tallies(self) -> list[str]:
