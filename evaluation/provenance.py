@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ def run_facts(command: str, engine: str, workers: int | None) -> dict[str, Any]:
     """Return the facts of a run as a flat mapping of strings and numbers; ``workers`` None are as many as there are."""
     return {
         "command": command,
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "engine": engine,
         "workers": "all" if workers is None else workers,
         "commit": source_commit() or "unknown",
@@ -27,6 +29,7 @@ def run_facts(command: str, engine: str, workers: int | None) -> dict[str, Any]:
         "system": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
         "cores": os.cpu_count() or 0,
+        "threads a worker": 1,
         **{f"{package} version": found for package, found in versions(PACKAGES).items()},
     }
 

@@ -107,5 +107,6 @@ def caption(comparison: Comparison) -> list[str]:
 def _interval_kind(comparison: Comparison, fewest: int) -> str:
     if fewest < FEWEST:
         return f"Means; fewer than {FEWEST} episodes get no interval."
-    scope = "maps like these" if comparison.over_maps else "these maps alone"
+    few = "this map alone" if comparison.map_count == 1 else "these maps alone"
+    scope = "maps like these" if comparison.over_maps else few
     return f"Means with their {percent(CONFIDENCE)} bootstrap intervals over {scope}."

@@ -125,7 +125,7 @@ def _experiment(results: Results, comparison: Comparison) -> tuple[Any, ...]:
         f"indoor-explorers {run.get('indoor-explorers version', '0')}",
         str(run.get("system", "unknown")),
         str(run.get("processor", "unknown")),
-        "not recorded",
+        str(run.get("started", "not recorded")),
         str(min((record.task.seed for record in records), default=0)),
         _setup(comparison),
     )

@@ -19,7 +19,7 @@ from indoor_explorers.evaluation.report.panels.ranks import ranks
 from indoor_explorers.evaluation.report.panels.section import section_panels
 from indoor_explorers.evaluation.report.panels.wins import win_matrix
 from indoor_explorers.evaluation.results import Results
-from tests.evaluation.records import flown, made_up, results_of
+from tests.evaluation.report.records import flown, made_up, results_of
 
 TIMES = {"quick": [10, 20, 30, None], "slow": [12, 20, 25, None]}
 

@@ -18,8 +18,7 @@ from indoor_explorers.evaluation.report.palette import styles
 from indoor_explorers.evaluation.report.replay import chosen, notable_tasks, replay_data
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.runner import fly
-
-from .plugins import Raises, Wander
+from tests.evaluation.plugins import Raises, Wander
 
 LOSSY = (
     PRESETS["thesis-team-4"]

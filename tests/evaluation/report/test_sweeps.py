@@ -10,7 +10,7 @@ from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.report.palette import styles
 from indoor_explorers.evaluation.report.panels.scaling import gains, scaling_plots
 from indoor_explorers.evaluation.report.panels.sweeps import RadioSweep, TeamScaling, radio_sweeps, team_scalings
-from tests.evaluation.records import BUDGET, facts, made_up, results_of, room
+from tests.evaluation.report.records import BUDGET, facts, made_up, results_of, room
 
 
 def radio(name: str, model: str, reach: float = 0.0, **others: Any) -> Scenario:

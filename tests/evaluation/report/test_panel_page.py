@@ -15,7 +15,7 @@ from indoor_explorers.evaluation.report.palette import styles
 from indoor_explorers.evaluation.report.panels.prints import scenario_figures, sweep_figures
 from indoor_explorers.evaluation.report.paper import LOOK, save
 from indoor_explorers.evaluation.results import Results
-from tests.evaluation.records import flown, made_up, results_of, room
+from tests.evaluation.report.records import flown, made_up, results_of, room
 
 HOSTILE = "a\"b', </script><script>alert('x')</script> 🚁 $x_1$"
 
