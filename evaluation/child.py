@@ -53,8 +53,9 @@ class Child:
         theirs.close()
 
     def send(self, job: Any) -> None:
-        """Send a job; a worker that is dead already does not mind."""
+        """Send a job; a worker that is dead already does not mind. The steps of the one before are forgotten."""
         self.fresh = False
+        self._spool.begin()
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):
             self._connection.send(job)
 

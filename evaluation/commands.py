@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import nullcontext
 from pathlib import Path
@@ -28,6 +29,7 @@ from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.report.against import compare_with
 from indoor_explorers.evaluation.report.against_table import against_lines
+from indoor_explorers.evaluation.report.panels.causes import alike
 from indoor_explorers.evaluation.report.table import headline_table
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.training import run_training
@@ -76,15 +78,16 @@ def run_compare(arguments: argparse.Namespace) -> int:
 
 def _status(results: Results, console: Console) -> int:
     failed = [record for record in results.records if record.outcome is Outcome.FAILED]
-    for record in failed[:3]:
+    flown = Counter(record.policy for record in results.records)
+    for records in alike(failed):
+        first = records[0]
         console.print(
-            f"failed: {record.policy} on {record.task.scenario}, seed {record.task.seed}: {record.reason}",
+            f"failed: {first.policy} in {len(records)} of {flown[first.policy]} episodes, first on "
+            f"{first.task.scenario}, seed {first.task.seed}, step {first.steps}: {first.reason}",
             style="red",
             markup=False,
             soft_wrap=True,
         )
-    if len(failed) > 3:
-        console.print(f"... and {len(failed) - 3} more failed episodes; the report lists them")
     return 1 if failed else 0
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from indoor_explorers.env import PRESETS
 from indoor_explorers.env.errors import RunError
+from indoor_explorers.evaluation.child import Child
 from indoor_explorers.evaluation.experiment import Job, PolicyChoice, Task
 from indoor_explorers.evaluation.limits import Limits
 from indoor_explorers.evaluation.metrics import OF_THE_MACHINE
@@ -159,3 +160,18 @@ def test_closing_ends_a_flight_at_once():
     thread.join(10.0)
     assert not thread.is_alive()
     assert raised == ["the supervisor of these workers was closed"]
+
+
+@pytest.mark.usefixtures("plugins_found")
+def test_the_steps_of_a_flight_are_forgotten_with_the_next_job():
+    child = Child(Limits(None, LIMITS.memory))
+    try:
+        assert child.hear() is None
+        child.send(job("Wander", [2]))
+        (record,) = iter(child.hear, None)
+        assert len(child.steps(2).actions) == record.steps
+        child.send(job("Wander", [2, 3]))
+        assert len(list(iter(child.hear, None))) == 2
+        assert len(child.steps(2).actions) == 0
+    finally:
+        child.close()

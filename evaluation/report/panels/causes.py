@@ -33,11 +33,15 @@ class Cause(NamedTuple):
 
 def causes(troubles: Sequence[Record], flown: dict[str, int]) -> list[Cause]:
     """Gather records that failed or ended early, of policies with that many episodes ``flown``; most frequent first."""
+    return [_cause(records, flown[records[0].policy]) for records in alike(troubles)]
+
+
+def alike(troubles: Sequence[Record]) -> list[list[Record]]:
+    """Return the records of each policy that ended for one cause together, most frequent first."""
     groups: dict[tuple[str, str], list[Record]] = {}
     for record in troubles:
         groups.setdefault((record.policy, _kind(record)), []).append(record)
-    rows = [_cause(policy, records, flown[policy]) for (policy, _), records in groups.items()]
-    return sorted(rows, key=lambda row: -row.episodes)
+    return sorted(groups.values(), key=lambda records: -len(records))
 
 
 def _kind(record: Record) -> str:
@@ -52,8 +56,8 @@ def _ends(record: Record) -> list[str]:
     return sorted({part.partition(": ")[2] for part in record.reason.split(", ")})
 
 
-def _cause(policy: str, records: list[Record], flown: int) -> Cause:
-    first = records[0]
+def _cause(records: list[Record], flown: int) -> Cause:
+    first, policy = records[0], records[0].policy
     ended = first.outcome is Outcome.ENDED
     cause = f"all UAVs ended {EN_DASH} {', '.join(_ends(first))}" if ended else ending(first)
     covered = sorted(float(record.curve[-1]) for record in records)
