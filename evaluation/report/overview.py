@@ -62,7 +62,7 @@ def lead(comparisons: Sequence[Comparison]) -> Markup:
     ]
     shown = sum(_beats_runner_up(each) for each in flown)
     return Markup("Lowest mean T99: {}. The lead over the runner-up was shown in {} of them.").format(
-        Markup(", ").join(wins), shown
+        Markup(", ").join(wins), "all" if shown == len(flown) else shown or "none"
     )
 
 
