@@ -13,6 +13,7 @@ that it calls, from other files. So the kept code is found again only while no f
 from __future__ import annotations
 
 import hashlib
+import os
 import sys
 from collections.abc import Callable
 from functools import lru_cache
@@ -23,6 +24,8 @@ from numba import njit
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
+#: Set in the environment, this keeps a process from saying so.
+QUIET = "INDOOR_EXPLORERS_QUIET"
 NOTICE = "indoor-explorers: compiling for this machine, once; this may take half a minute\n"
 
 
@@ -88,5 +91,6 @@ def _stamp(folder: Path) -> str:
 
 @lru_cache(maxsize=1)
 def _announce() -> None:
-    """Say, once, why nothing seems to happen."""
-    sys.stderr.write(NOTICE)
+    """Say, once, why nothing seems to happen; worker processes leave it to the one that started them."""
+    if not os.environ.get(QUIET):
+        sys.stderr.write(NOTICE)

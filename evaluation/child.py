@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from loky.backend.process import LokyProcess
 
+from indoor_explorers.env.compiled import QUIET
 from indoor_explorers.evaluation.limits import Limits
 from indoor_explorers.evaluation.spool import Spool, Steps, overdue
 from indoor_explorers.evaluation.worker import serve
@@ -48,7 +49,9 @@ class Child:
         self._asked, self._waited, self._looked = 0.0, 0.0, time.monotonic()
         self._condemned = False
         self._connection, theirs = Pipe()
-        self._process = LokyProcess(target=serve, args=(theirs, self._spool, os.getpid()), env=ONE_THREAD)
+        self._process = LokyProcess(
+            target=serve, args=(theirs, self._spool, os.getpid()), env=ONE_THREAD | {QUIET: "1"}
+        )
         self._process.start()
         theirs.close()
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import indoor_explorers.env
-from indoor_explorers.env.compiled import NOTICE, _stamp, _top
+from indoor_explorers.env.compiled import NOTICE, QUIET, _stamp, _top
 
 CODE = """
 import numpy as np
@@ -17,8 +17,8 @@ print(largest_part(np.ones((2, 3), bool)).sum())
 
 
 def test_compiling_is_announced_once_and_not_at_all_when_the_code_was_kept(tmp_path):
-    def run():
-        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    def run(**more):
+        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / more.get(QUIET, "0"))} | more
         done = subprocess.run(
             [sys.executable, "-P", "-c", CODE], env=environment, capture_output=True, text=True, check=True
         )
@@ -27,6 +27,7 @@ def test_compiling_is_announced_once_and_not_at_all_when_the_code_was_kept(tmp_p
 
     assert run() == NOTICE
     assert run() == ""
+    assert run(**{QUIET: "1"}) == ""
 
 
 def test_a_change_in_any_file_of_the_package_makes_kept_code_stale(tmp_path):
