@@ -9,11 +9,14 @@ from rich.table import Table
 from rich.text import Text
 
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.numbers import fixed, percent, with_interval
+from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, percent, with_interval
 from indoor_explorers.evaluation.report.tables import failed
 from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.statistics import Estimate
 
 HEADINGS = ("T90 [steps]", "T99 [steps]", "99 % reached", "failed", "AUC", "decision p50")
+#: The first of them, shorter.
+NARROW = ("T90", "T99", "99 %")
 #: Characters of a line from which on all columns fit beside a name.
 WIDE = 110
 
@@ -23,9 +26,9 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
 
     The last three are left out where lines have less than :data:`WIDE` characters.
     """
-    shown = HEADINGS if width >= WIDE else HEADINGS[:3]
+    shown = HEADINGS if width >= WIDE else NARROW
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("policy", overflow="fold", min_width=14)
+    table.add_column("policy", overflow="fold", min_width=min(24, max(map(len, results.policies), default=0)))
     for heading in shown:
         table.add_column(heading, justify="right", no_wrap=True)
     for scenario in results.scenarios:
@@ -47,13 +50,17 @@ def _row(comparison: Comparison, policy: str) -> list[Text]:
     name = f"{policy} (knows the map)" if comparison.privileged(policy) else policy
     return [
         Text(name, "dim" if comparison.privileged(policy) else ""),
-        Text(with_interval(comparison.estimate(policy, "t90"))),
-        Text(with_interval(comparison.estimate(policy, "t99")), "bold" if best else ""),
+        Text(_steps(comparison.estimate(policy, "t90"))),
+        Text(_steps(comparison.estimate(policy, "t99")), "bold" if best else ""),
         Text(percent(comparison.results.success(comparison.scenario, policy, "t99"))),
         Text(str(failures), "bold red" if failures else ""),
         Text(fixed(comparison.estimate(policy, "auc").mean, 3)),
         Text(latency(comparison.estimate(policy, "latency_p50_us").mean)),
     ]
+
+
+def _steps(estimate: Estimate) -> str:
+    return with_interval(estimate, decimals_for(estimate.mean))
 
 
 def latency(microseconds: float) -> str:
