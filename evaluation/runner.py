@@ -151,7 +151,8 @@ class _Batch:
     def _decide(self) -> None:
         """Ask every flying UAV's pilot; fills the actions and the outboxes."""
         flying = self._world.flying & self.log.running[:, None]
-        asked = [(self._flights[b], agent) for b, agent in np.argwhere(flying).tolist()]
+        places, agents = np.nonzero(flying)
+        asked = [(self._flights[b], agent) for b, agent in zip(places.tolist(), agents.tolist(), strict=True)]
         if type(self._policy).act is Policy.act:
             for flight, agent in asked:
                 if self.log.running[flight.place]:
@@ -177,20 +178,22 @@ class _Batch:
                 start = time.perf_counter()
                 chosen = list(self._policy.act(pilots, views))
                 share = (time.perf_counter() - start) / len(asked)
-            if len(chosen) != len(asked):
-                raise ValueError(f"act returned {len(chosen)} actions for {len(asked)} pilots")
+                if len(chosen) != len(asked):
+                    raise ValueError(f"act returned {len(chosen)} actions for {len(asked)} pilots")
+                self._enter_all(asked, chosen, share)
         except BREAKING as error:
             first = asked[0][0]
             if any(flight is not first for flight, _ in asked):
                 raise _Undivided from error
-            return self._fail(first, error)
+            self._fail(first, error)
+
+    def _enter_all(self, asked: Sequence[tuple[Flight, int]], chosen: Sequence[object], seconds: float) -> None:
+        """Enter what was decided together; what is wrong with one decision fails its own episode."""
         for (flight, agent), action in zip(asked, chosen, strict=True):
             try:
-                with self._clock:
-                    self._enter(flight, agent, action, share)
-            except BREAKING as error:
+                self._enter(flight, agent, action, seconds)
+            except (Exception, SystemExit) as error:
                 self._fail(flight, error)
-        return None
 
     def _enter(self, flight: Flight, agent: int, action: object, seconds: float) -> None:
         """Check one decision and put action and message where the world finds them."""
