@@ -41,3 +41,12 @@ def test_every_command_line_is_understood():
 def test_links_lead_somewhere():
     for target in re.findall(r"\]\((?!http)([^)]+)\)", README):
         assert (ROOT / target).exists(), target
+
+
+def test_the_script_behind_the_costs_of_a_cluster_runs(tmp_path):
+    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "evaluation" / "CLUSTER.md").read_text(), re.DOTALL)
+    brief = script.replace('("thesis-obstacles", 40), ("office", 10)', '("thesis-open", 2),')
+    assert brief != script
+    (tmp_path / "snippet.py").write_text(brief.replace("in DEFAULT_POLICIES", "in DEFAULT_POLICIES[:2]"))
+    done = subprocess.run([sys.executable, "snippet.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert (done.returncode, len(done.stdout.splitlines())) == (0, 2), done.stderr
