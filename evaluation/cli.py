@@ -94,6 +94,12 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _add_settings(parser: argparse.ArgumentParser, about: str) -> None:
+    parser.add_argument(
+        "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value", help=about
+    )  # fmt: skip
+
+
 def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--experiment", metavar="FILE.toml", help="policies, scenarios, episodes, seed and settings")
     parser.add_argument(
@@ -130,10 +136,7 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
         "--engine", choices=ENGINES, default=ENGINES[0], help="where: worker processes, or a Ray cluster"
     )
     parser.add_argument("--address", metavar="HOST:PORT", help="the Ray cluster's head (default: as Ray finds one)")
-    parser.add_argument(
-        "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value",
-        help="scenario settings such as goal=0.9 or radio.range=3",
-    )  # fmt: skip
+    _add_settings(parser, "scenario settings such as goal=0.9 or radio.range=3")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="results; resumed when it exists")
     parser.set_defaults(run=commands.run_compare)
 
@@ -145,10 +148,7 @@ def _add_watch(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample the map to")
     parser.add_argument("--team", type=_count, metavar="N", help="UAVs")
     parser.add_argument("--seed", type=_natural, default=0, metavar="S", help="the episode that compare flies for it")
-    parser.add_argument(
-        "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value",
-        help="scenario settings such as goal=0.9 or radio.range=3",
-    )  # fmt: skip
+    _add_settings(parser, "scenario settings such as goal=0.9 or radio.range=3")
     parser.add_argument("--save", type=Path, metavar="FILE", help="write a .gif, an .mp4, or the last moment as a .png")
     parser.add_argument("--steps", type=_count, metavar="N", help="stop after N steps")
     parser.add_argument("--fps", type=_rate, metavar="N", help="frames a second (default 8; long videos up to 25)")
@@ -162,10 +162,7 @@ def _add_maps(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample to")
     parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="show the maps of this scenario instead")
     parser.add_argument("--seed", type=_natural, metavar="S", help="makes the map of a scenario (default 0)")
-    parser.add_argument(
-        "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value",
-        help="scenario settings such as map.height=128",
-    )  # fmt: skip
+    _add_settings(parser, "scenario settings such as map.height=128")
     parser.set_defaults(run=commands.show_maps)
 
 
@@ -187,10 +184,7 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
 def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--learner", default="dddqn", metavar="NAME", help="what learns (default dddqn)")
     parser.add_argument("--scenario", default="thesis-obstacles", metavar="PRESET|FILE.toml", help="what to train on")
-    parser.add_argument(
-        "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value",
-        help="hyperparameters of the training",
-    )  # fmt: skip
+    _add_settings(parser, "hyperparameters of the training")
     parser.add_argument("--seed", type=_natural, default=1, metavar="S", help="makes the whole training (default 1)")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="checkpoints, weights and history")
     parser.add_argument("--resume", action="store_true", help="go on from the checkpoint in DIR")

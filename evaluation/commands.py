@@ -25,12 +25,12 @@ from indoor_explorers.evaluation.compare import plan, run
 from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.map_text import facts, picture
 from indoor_explorers.evaluation.progress import ProgressBar
-from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.report.against import compare_with
 from indoor_explorers.evaluation.report.against_table import against_lines
 from indoor_explorers.evaluation.report.panels.causes import alike
 from indoor_explorers.evaluation.report.table import headline_table
+from indoor_explorers.evaluation.report.tables import failed
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.training import run_training
 from indoor_explorers.evaluation.watch import watch
@@ -77,9 +77,9 @@ def run_compare(arguments: argparse.Namespace) -> int:
 
 
 def _status(results: Results, console: Console) -> int:
-    failed = [record for record in results.records if record.outcome is Outcome.FAILED]
+    broken = failed(results.records)
     flown = Counter(record.policy for record in results.records)
-    for records in alike(failed):
+    for records in alike(broken):
         first = records[0]
         console.print(
             f"failed: {first.policy} in {len(records)} of {flown[first.policy]} episodes, first on "
@@ -88,7 +88,7 @@ def _status(results: Results, console: Console) -> int:
             markup=False,
             soft_wrap=True,
         )
-    return 1 if failed else 0
+    return 1 if broken else 0
 
 
 def run_watch(arguments: argparse.Namespace) -> int:

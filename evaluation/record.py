@@ -66,7 +66,18 @@ class Record:
     @property
     def curve(self) -> NDArray[np.float64]:
         """(S + 1,) team coverage after each step."""
-        return np.asarray(self.covered[:, 0] / self.reachable)
+        return self.coverage()
+
+    def coverage(self, who: str = "team", steps: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
+        """Return (T,) coverage after each of T ``steps``, of all S + 1 by default.
+
+        ``who`` is ``team`` (the union of what the UAVs know), ``mean`` or ``worst`` (over the UAVs' own maps).
+        """
+        rows = self.covered if steps is None else self.covered[steps]
+        if who == "team":
+            return np.asarray(rows[:, 0] / self.reachable)
+        own = rows[:, 1:]
+        return np.asarray({"worst": own.min(axis=1), "mean": own.mean(axis=1)}[who] / self.reachable)
 
     @cached_property
     def distance(self) -> NDArray[np.int64]:
@@ -82,5 +93,7 @@ class Record:
 
     def spent(self, axis: str) -> NDArray[np.float64]:
         """Return (S + 1,) how much of one of :data:`AXES` was spent up to each step; never falls."""
-        spent = {"steps": np.arange(self.steps + 1), "distance": self.distance, "seconds": self.seconds}
-        return np.asarray(spent.get(axis, self.sent), np.float64)
+        if axis == "distance":
+            return self.distance.astype(np.float64)
+        spent = {"steps": np.arange(self.steps + 1), "seconds": self.seconds, "bytes": self.sent}
+        return np.asarray(spent[axis], np.float64)

@@ -77,13 +77,10 @@ class Results:
         return {record.task for (name, _), records in self.groups.items() if name == scenario for record in records}
 
     def curves(self, scenario: str, policy: str, who: str = "team") -> NDArray[np.float64]:
-        """Return (E, T + 1) coverage by step, each curve constant after its end.
-
-        ``who`` is ``team`` (the union of what the UAVs know), ``mean`` or ``worst`` (over the UAVs' own maps).
-        """
+        """Return (E, T + 1) coverage by step of ``who`` (see :meth:`Record.coverage`), constant after the end."""
         records = self.groups[scenario, policy]
         length = 1 + max(record.budget for record in records)
-        return np.stack([extended(_coverage(record, who), length) for record in records])
+        return np.stack([extended(record.coverage(who), length) for record in records])
 
     def values(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
         """Return (E,) values of a metric; NaN where missing; T_q never reached counts as the budget."""
@@ -182,12 +179,6 @@ class Results:
 
 def _can_matter(key: str) -> bool:
     return key in (*MACHINE, "commit", "python") or key.endswith(" version")
-
-
-def _coverage(record: Record, who: str) -> NDArray[np.float64]:
-    own = record.covered[:, 1:]
-    counted = {"team": record.covered[:, 0], "mean": own.mean(axis=1), "worst": own.min(axis=1)}[who]
-    return np.asarray(counted / record.reachable)
 
 
 def _value(record: Record, metric: str) -> float:

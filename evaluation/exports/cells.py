@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.facts import denominator
 from indoor_explorers.evaluation.report.numbers import counted, fixed, interval, percent
+from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
 from indoor_explorers.evaluation.report.table import latency
 from indoor_explorers.evaluation.report.tables import failed
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, contrasts
-
-HEADINGS = ("T90 [steps]", "T99 [steps]", "99 % reached", "failed", "AUC", "decision p50")
 
 
 @dataclass(frozen=True)
@@ -30,7 +26,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """The figures of one policy, in the order of :data:`HEADINGS`."""
+    """The figures of one policy, in the order of :data:`~indoor_explorers.evaluation.report.table.HEADINGS`."""
 
     policy: str
     privileged: bool
@@ -66,24 +62,13 @@ def shown_best(comparison: Comparison, metric: str) -> str | None:
     A difference is shown where the sign-flip test's p-value, adjusted by Holm's method for the number of
     policies, is at most 0.05. Policies that know the map do not compete.
     """
-    values, maps = _common_values(comparison, metric)
-    if len(values) < 2 or not len(maps):
+    common = Outcomes.of(comparison, metric).common()
+    if len(common.policies) < 2 or not common.tasks:
         return None
+    values = dict(zip(common.policies, common.times.T, strict=True))
     best = (max if metric == "auc" else min)(values, key=lambda policy: float(values[policy].mean()))
-    against = contrasts(values, best, maps=maps, lower_is_better=metric != "auc")
+    against = contrasts(values, best, maps=common.maps, lower_is_better=metric != "auc")
     return best if all(contrast.shown for contrast in against.values()) else None
-
-
-def _common_values(comparison: Comparison, metric: str) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.str_]]:
-    """Return the (E,) values of each contestant on the tasks that all of them flew, and the map of each task."""
-    flown = {policy: [record.task for record in comparison.groups[policy]] for policy in comparison.contestants}
-    common = set.intersection(*map(set, flown.values()))
-    kept = {policy: np.array([task in common for task in tasks], bool) for policy, tasks in flown.items()}
-    values = {
-        policy: comparison.results.values(comparison.scenario, policy, metric)[mask] for policy, mask in kept.items()
-    }
-    first = comparison.contestants[0]
-    return values, comparison.maps(first)[kept[first]]
 
 
 def caption(comparison: Comparison) -> list[str]:

@@ -9,10 +9,11 @@ from __future__ import annotations
 import re
 import unicodedata
 
-from indoor_explorers.evaluation.exports.cells import HEADINGS, Cell, Row, caption, table_rows
+from indoor_explorers.evaluation.exports.cells import Cell, Row, caption, table_rows
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.figures import slug
 from indoor_explorers.evaluation.report.numbers import EN_DASH, MINUS, THIN_SPACE
+from indoor_explorers.evaluation.report.table import HEADINGS
 from indoor_explorers.evaluation.results import Results
 
 #: Characters that stand for something else in LaTeX, or that not every engine knows.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 
-from indoor_explorers.evaluation.exports.cells import HEADINGS, Cell, Row, caption, table_rows
+from indoor_explorers.evaluation.exports.cells import Cell, Row, caption, table_rows
 from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.table import HEADINGS
 from indoor_explorers.evaluation.results import Results
 
 #: What Markdown, GitHub's tables and mathematics, or HTML would read as more than text.

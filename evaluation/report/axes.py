@@ -109,11 +109,9 @@ def coverage_at(
 ) -> NDArray[np.float64]:
     """Return (E, T) coverage when T ``amounts`` of an axis were spent, each curve constant after its end.
 
-    ``who`` is ``team`` (the union of what the UAVs know), ``mean`` or ``worst`` (over the UAVs' own maps).
+    ``who`` is as in :meth:`~indoor_explorers.evaluation.record.Record.coverage`.
     """
-    return np.stack(
-        [_covered(record.covered[_step(record, amounts, axis)], who) / record.reachable for record in records]
-    )
+    return np.stack([record.coverage(who, _step(record, amounts, axis)) for record in records])
 
 
 def _step(record: Record, amounts: NDArray[np.integer | np.floating], axis: str) -> NDArray[np.integer]:
@@ -121,8 +119,3 @@ def _step(record: Record, amounts: NDArray[np.integer | np.floating], axis: str)
     if axis == "steps":
         return np.asarray(np.minimum(amounts, record.steps), np.int64)
     return np.asarray(np.maximum(np.searchsorted(record.spent(axis), amounts, side="right") - 1, 0))
-
-
-def _covered(rows: NDArray[np.int32], who: str) -> NDArray[np.float64]:
-    own = rows[:, 1:]
-    return np.asarray({"team": rows[:, 0], "mean": own.mean(axis=1), "worst": own.min(axis=1)}[who], np.float64)

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from indoor_explorers.evaluation.exports import write_exports
-from indoor_explorers.evaluation.exports.cells import HEADINGS, caption, shown_best, table_rows
+from indoor_explorers.evaluation.exports.cells import caption, shown_best, table_rows
 from indoor_explorers.evaluation.exports.latex import escaped as tex
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import escaped as md
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.table import HEADINGS
 from indoor_explorers.evaluation.results import Results
 from tests.evaluation.hostile import NAMES, SCENARIO, results
 
