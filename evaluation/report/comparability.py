@@ -17,6 +17,8 @@ from indoor_explorers.evaluation.statistics import FEWEST
 
 #: How many times the cells of the smallest map the largest may have before a mean in steps is doubtful.
 UNLIKE = 3.0
+#: Share of the episodes that may be copies of others by chance.
+FEW_COPIES = 0.1
 
 
 @dataclass(frozen=True)
@@ -131,7 +133,7 @@ def _start(record: Record) -> tuple[object, ...]:
 def _copies(results: Results) -> tuple[list[str], list[str]]:
     """Name the policies whose seeds repeat a flight: the same map, the same starts, and nothing drawn.
 
-    Returns what speaks against a comparison, since most flights are copies, and what is only to be known.
+    Returns what speaks against a comparison, as more than :data:`FEW_COPIES` are copies, and what is only to be known.
     """
     grave: list[str] = []
     slight: list[str] = []
@@ -143,7 +145,7 @@ def _copies(results: Results) -> tuple[list[str], list[str]]:
                 f"{counted(flights, 'different flight')}: more seeds from the same starts repeated them exactly and "
                 "told nothing new, but intervals and tests count them."
             )
-            (grave if flights < 0.9 * len(records) else slight).append(text)
+            (grave if flights < (1 - FEW_COPIES) * len(records) else slight).append(text)
     return grave, slight
 
 
