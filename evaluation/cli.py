@@ -100,6 +100,14 @@ def _add_settings(parser: argparse.ArgumentParser, about: str) -> None:
     )  # fmt: skip
 
 
+def _add_ratio_to(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--ratio-to", type=_names, metavar="a,b,...",
+        help="""print steps as ratios to these policies' on the same tasks (tables and page have them in any case: to
+        frontier-nearest, or else the first policy, and to policies that know the map)""",
+    )  # fmt: skip
+
+
 def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--experiment", metavar="FILE.toml", help="policies, scenarios, episodes, seed and settings")
     parser.add_argument(
@@ -137,6 +145,7 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--address", metavar="HOST:PORT", help="the Ray cluster's head (default: as Ray finds one)")
     _add_settings(parser, "scenario settings such as goal=0.9 or radio.range=3")
+    _add_ratio_to(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="results; resumed when it exists")
     parser.set_defaults(run=commands.run_compare)
 
@@ -170,6 +179,7 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folders", type=Path, nargs="+", metavar="DIR", help="folders that compare has written")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.html", help="the page to write")
     parser.add_argument("--against", type=Path, metavar="OLD", help="say what changed since the results of this folder")
+    _add_ratio_to(parser)
     parser.add_argument(
         "--replays", type=_natural, metavar="N",
         help="replay N episodes of each scenario (default: as many as keep the page under 10 MB)",

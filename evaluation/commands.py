@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -25,10 +25,12 @@ from indoor_explorers.evaluation.compare import plan, run
 from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.map_text import facts, picture
 from indoor_explorers.evaluation.progress import ProgressBar
+from indoor_explorers.evaluation.ratios import Ratios
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.report.against import compare_with
 from indoor_explorers.evaluation.report.against_table import against_lines
 from indoor_explorers.evaluation.report.panels.causes import alike
+from indoor_explorers.evaluation.report.ratio_table import ratio_lines
 from indoor_explorers.evaluation.report.table import headline_table
 from indoor_explorers.evaluation.report.tables import failed
 from indoor_explorers.evaluation.results import Results
@@ -68,12 +70,19 @@ def run_compare(arguments: argparse.Namespace) -> int:
             decision_timeout=arguments.decision_timeout,
             memory_limit=arguments.memory_limit,
             retry_failed=arguments.retry_failed,
+            ratio_to=arguments.ratio_to,
             watcher=bar,
             command=arguments.words,
         )
     console.print(headline_table(results, console.width))
+    _print_ratios(results, arguments.ratio_to, console)
     console.print(f"Report: {arguments.out / 'report.html'}", highlight=False, soft_wrap=True)
     return _status(results, console)
+
+
+def _print_ratios(results: Results, asked: Sequence[str] | None, console: Console) -> None:
+    for part in ratio_lines(Ratios.of(results, asked)) if asked else ():
+        console.print(part, highlight=False)
 
 
 def _status(results: Results, console: Console) -> int:
@@ -112,15 +121,16 @@ def run_report(arguments: argparse.Namespace) -> int:
     results = combined([Results.load(folder) for folder in arguments.folders])
     against = compare_with(results, Results.load(arguments.against)) if arguments.against is not None else None
     try:
-        write_report(results, arguments.out, against=against, replays=arguments.replays)
+        write_report(results, arguments.out, against=against, replays=arguments.replays, ratio_to=arguments.ratio_to)
         if arguments.exports is not None:
-            write_exports(results, arguments.exports)
+            write_exports(results, arguments.exports, ratio_to=arguments.ratio_to)
     except OSError as error:
         where = error.filename or arguments.out
         raise InputError(f"{where}: cannot be written: {error.strerror}; choose another --out or --exports") from error
     console = _console()
     for part in against_lines(against) if against is not None else ():
         console.print(part, highlight=False)
+    _print_ratios(results, arguments.ratio_to, console)
     console.print(f"Report: {arguments.out}", highlight=False, soft_wrap=True)
     return 0
 

@@ -19,7 +19,7 @@ from indoor_explorers.evaluation.experiment import Experiment, Job, Task, build_
 from indoor_explorers.evaluation.limits import DECISION_TIMEOUT
 from indoor_explorers.evaluation.provenance import run_facts
 from indoor_explorers.evaluation.record import Record
-from indoor_explorers.evaluation.selection import chosen_policies, chosen_scenarios
+from indoor_explorers.evaluation.selection import chosen_baselines, chosen_policies, chosen_scenarios
 from indoor_explorers.evaluation.store import Store
 
 if TYPE_CHECKING:
@@ -64,6 +64,7 @@ def compare(
     memory_limit: float | None = None,
     retry_failed: bool = False,
     settings: Mapping[str, Any] | None = None,
+    ratio_to: Sequence[str] | None = None,
     watcher: Watcher | None = None,
     command: str = "",
 ) -> pd.DataFrame:
@@ -73,8 +74,10 @@ def compare(
     :func:`~indoor_explorers.evaluation.exports.write_exports` does; episodes that ``out/results.db`` holds already
     are not flown again, but for failed ones with ``retry_failed``. ``decision_timeout`` (seconds, None for none) and
     ``memory_limit`` (GB a worker, None for its share of four fifths of the machine's memory) bound what a policy may
-    take before its episode fails. A policy that breaks in any way costs only its own episodes; without workers (0) it
-    is flown in this process, and what hangs, leaks or dies there is not caught.
+    take before its episode fails. ``ratio_to`` names policies whose steps those of all are divided by in tables and
+    page, by default the usual ones, see :func:`~indoor_explorers.evaluation.selection.chosen_baselines`. A policy that
+    breaks in any way costs only its own episodes; without workers (0) it is flown in this process, and what hangs,
+    leaks or dies there is not caught.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
@@ -101,6 +104,7 @@ def compare(
         decision_timeout=decision_timeout,
         memory_limit=memory_limit,
         retry_failed=retry_failed,
+        ratio_to=ratio_to,
         watcher=watcher,
         command=command,
     )
@@ -166,6 +170,7 @@ def run(
     decision_timeout: float | None = DECISION_TIMEOUT,
     memory_limit: float | None = None,
     retry_failed: bool = False,
+    ratio_to: Sequence[str] | None = None,
     watcher: Watcher | None = None,
     command: str = "",
 ) -> Results:
@@ -178,6 +183,7 @@ def run(
     _make_folder(out)
     with Store(out / "results.db") as store:
         number = store.begin_run(experiment, about, run_facts(command, engine, workers))
+        chosen_baselines(list(store.policies()), [], ratio_to)  # refuses unknown ones before anything is flown
         finished = store.finished(failed=not retry_failed)
         crew = workers if workers is not None else CLUSTER if engine == "ray" else os.cpu_count() or 1
         jobs = list(missing_jobs(experiment, finished, crew))
@@ -189,7 +195,7 @@ def run(
                 store.add(record, number, replace_failed=retry_failed)
             if watcher is not None:
                 watcher.flown(records)
-    return write_outputs(out)
+    return write_outputs(out, ratio_to)
 
 
 def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]], workers: int) -> Iterator[Job]:
@@ -236,7 +242,7 @@ def _make_folder(out: Path) -> None:
         raise InputError(f"{out}: expected a folder that can be written, got a read-only one; choose another --out")
 
 
-def write_outputs(out: Path) -> Results:
+def write_outputs(out: Path, ratio_to: Sequence[str] | None = None) -> Results:
     """Write the exports and the report from ``out/results.db``."""
     # imported here, as they take longer than everything else together and worker processes do without
     from indoor_explorers.evaluation.exports import write_exports
@@ -244,6 +250,6 @@ def write_outputs(out: Path) -> Results:
     from indoor_explorers.evaluation.results import Results
 
     results = Results.load(out)
-    write_exports(results, out)
-    write_report(results, out / "report.html")
+    write_exports(results, out, ratio_to=ratio_to)
+    write_report(results, out / "report.html", ratio_to=ratio_to)
     return results

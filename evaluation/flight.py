@@ -9,6 +9,7 @@ import numpy as np
 from indoor_explorers.env import Pilot, Scenario, World
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.state import End
+from indoor_explorers.evaluation.behaviour import behaviour_metrics
 from indoor_explorers.evaluation.bounds import least_steps
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.log import Flown, Log
@@ -85,6 +86,7 @@ class Flight:
             "balance": float((sensed / total).std()),
             "collisions": float(state.collisions[b].sum()),
             "blocked": float(state.blocked[b].sum()),
+            **behaviour_metrics(world, b, flown),
             "messages_bytes": float(flown.sent[-1]),
             "age_of_information": flown.age,
             "latency_total_s": float(flown.seconds[-1]),

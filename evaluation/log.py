@@ -21,6 +21,8 @@ class Flown(NamedTuple):
     actions: NDArray[np.uint8]
     seconds: NDArray[np.float32]
     sent: NDArray[np.int64]
+    aloft: NDArray[np.int64]
+    """(N,) steps that each UAV flew."""
     age: float | None
     """Age of information, None for a UAV alone."""
 
@@ -38,6 +40,7 @@ class Log:
         self._actions = np.zeros((batch, ROOM, team), np.uint8)
         self._seconds = np.zeros((batch, ROOM), np.float32)
         self._sent = np.zeros((batch, ROOM), np.int64)
+        self._aloft = np.zeros((batch, team), np.int64)
         self._ages = np.zeros(batch)
         self.running = np.ones(batch, np.bool_)
         self.steps = np.zeros(batch, np.int64)
@@ -62,7 +65,9 @@ class Log:
         if self._team > 1:
             self._sent[:, t] = state.sent_bytes.sum(axis=1)
             self._ages += (t - np.maximum(state.heard_step, 0)).sum(axis=(1, 2)) * self.running
-        self.running &= self._world.flying.any(axis=1)
+        flying = self._world.flying
+        self._aloft += flying
+        self.running &= flying.any(axis=1)
 
     def _grow(self) -> None:
         for name in ("_covered", "_cells", "_actions", "_seconds", "_sent"):
@@ -78,6 +83,7 @@ class Log:
             actions=self._actions[b, :last].copy(),
             seconds=self._seconds[b, : last + 1].copy(),
             sent=self._sent[b, : last + 1].copy(),
+            aloft=self._aloft[b].copy(),
             age=self._age(b, last),
         )
 

@@ -54,6 +54,24 @@ MEASURES: dict[str, Measure] = {
     "balance": Measure("balance", "", "standard deviation over the UAVs of the share each lidar saw itself"),
     "collisions": Measure("collisions", "", "moves into an obstacle or off the map"),
     "blocked": Measure("blocked moves", "", "moves that a teammate was in the way of"),
+    "longest_idle": Measure(
+        "longest idle",
+        "steps",
+        "most steps in a row that a UAV stood still, moves blocked included, while its own map lacked free cells that "
+        "it could reach",
+    ),
+    "longest_dither": Measure(
+        "longest dither",
+        "steps",
+        "most steps in a row with which a UAV took back the move before, A-B-A-B, while its own map lacked free cells "
+        "that it could reach",
+    ),
+    "idle_share": Measure(
+        "idle share",
+        "",
+        "share of the UAVs' steps at which they stood still, of those at which their own map lacked free cells that "
+        "they could reach",
+    ),
     "messages_bytes": Measure(
         "messages", "bytes", "bytes sent by radio: 5 a cell that was new to its receiver, 8 a position, 8 a number"
     ),
@@ -71,6 +89,8 @@ MEASURES: dict[str, Measure] = {
     "latency_p99_us": Measure("latency p99", "us", "99th percentile of the same"),
 }
 
+#: The most steps in a row for which a planner has an excuse, such as letting teammates pass in a crowd.
+EXCUSED = {"longest_idle": 20, "longest_dither": 6}
 #: Metrics that measure the machine and not the flight: they differ between runs.
 OF_THE_MACHINE = ("latency_total_s", "latency_p50_us", "latency_p99_us")
 

@@ -1,4 +1,4 @@
-"""What of an experiment file is flown: all of it, the entries that were named, or something else instead."""
+"""What of an experiment file is flown, all of it or entries that were named, and whom its policies are set against."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.presets import named_scenario
 
 #: Compared when nothing else is asked for: chance and the four families.
 DEFAULT_POLICIES = ("random", "frontier-nearest", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
 DEFAULT_SCENARIO = "thesis-obstacles"
+#: What the steps of all policies are divided by where nothing else is asked for.
+DEFAULT_BASELINE = "frontier-nearest"
 
 
 def chosen_policies(asked: Sequence[Any] | None, listed: Sequence[Any] | None) -> list[Any]:
@@ -65,3 +68,24 @@ def _listed_scenario(entry: Any, folder: Path) -> Scenario:
     if not isinstance(entry, str):
         raise InputError(f"expected scenarios to list presets, .toml files or tables of settings, got {entry!r}")
     return named_scenario(entry, folder).for_evaluation()
+
+
+def chosen_baselines(names: Sequence[str], privileged: Sequence[str], asked: Sequence[str] | None = None) -> list[str]:
+    """Return what policies are compared with: those asked for, else the usual one and those that know the map.
+
+    The usual one is ``frontier-nearest`` where it takes part, else the first policy that does not know the map.
+
+    Raises:
+        InputError: no policy of that name takes part.
+
+    """
+    for name in asked or ():
+        if name not in names:
+            raise InputError(
+                f"expected a policy that takes part to compare with, got {name!r}{did_you_mean(name, names)}"
+            )
+    if asked:
+        return list(dict.fromkeys(asked))
+    plain = [name for name in names if name not in privileged]
+    usual = [DEFAULT_BASELINE] if DEFAULT_BASELINE in plain else plain[:1]
+    return [*usual, *(name for name in names if name in privileged)]

@@ -1,12 +1,14 @@
 """What is written for other programs: tables, figures, experiments, and a database for Planner Arena."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.exports.latex import latex_tables
-from indoor_explorers.evaluation.exports.markdown import markdown_tables
+from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
 from indoor_explorers.evaluation.exports.planner_arena import write_planner_arena
 from indoor_explorers.evaluation.exports.tidy import write_curves, write_episodes
+from indoor_explorers.evaluation.ratios import Ratios, write_ratios
 from indoor_explorers.evaluation.report.figures import write_figures
 from indoor_explorers.evaluation.report.reproduce import experiment_files
 from indoor_explorers.evaluation.results import Results, write_summary
@@ -14,15 +16,22 @@ from indoor_explorers.evaluation.results import Results, write_summary
 __all__ = ["write_exports"]
 
 
-def write_exports(results: Results, folder: Path) -> None:
-    """Write everything but the report into ``folder``; equal results give equal bytes."""
+def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | None = None) -> None:
+    """Write everything but the report into ``folder``; equal results give equal bytes.
+
+    ``ratio_to`` names the policies whose steps those of all are divided by, see
+    :func:`~indoor_explorers.evaluation.selection.chosen_baselines`.
+    """
     tables = folder / "tables"
     tables.mkdir(parents=True, exist_ok=True)
     write_summary(results, folder / "summary.csv")
     write_episodes(results, tables / "results.csv")
     write_curves(results, tables / "curves.csv")
+    ratios = Ratios.of(results, ratio_to)
+    write_ratios(ratios, tables / "ratios.csv")
     texts = {folder / name: text for name, text in experiment_files(results).items()}
     texts |= {tables / "results.md": markdown_tables(results), tables / "results.tex": latex_tables(results)}
+    texts |= {tables / "ratios.md": markdown_ratios(ratios)}
     for path, text in texts.items():
         with written_whole(path) as partial:
             partial.write_text(text, encoding="utf-8", newline="\n")

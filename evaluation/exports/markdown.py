@@ -1,11 +1,13 @@
-"""The results as Markdown tables, one a scenario."""
+"""The results as Markdown tables, one a scenario, and ratios of steps, one a baseline and level."""
 
 from __future__ import annotations
 
 import re
 
 from indoor_explorers.evaluation.exports.cells import Cell, Row, caption, table_rows
+from indoor_explorers.evaluation.ratios import Ratios
 from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.ratio_table import RatioTable, ratio_tables
 from indoor_explorers.evaluation.report.table import HEADINGS
 from indoor_explorers.evaluation.results import Results
 
@@ -49,3 +51,18 @@ def _figure(cell: Cell) -> str:
 def escaped(text: str) -> str:
     """Return text that Markdown shows as it is, on one line."""
     return SPECIAL.sub(r"\\\1", " ".join(text.split()))
+
+
+def markdown_ratios(ratios: Ratios) -> str:
+    """Return a heading and a table of policies by scenarios for each baseline and level."""
+    return "\n".join(_ratios(table) for table in ratio_tables(ratios))
+
+
+def _ratios(table: RatioTable) -> str:
+    names = [escaped(name) for name, _ in table.scenarios]
+    rows = [
+        [escaped(policy), *(f"{c.text} {c.interval}".strip() if c else "" for c in cells)]
+        for policy, cells in table.rows
+    ]
+    lines = [f"## {escaped(table.title)}", "", _line(["policy", *names]), _line(["---", *["---:"] * len(names)])]
+    return "\n".join([*lines, *map(_line, rows), ""])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.ratios import Ratios
 from indoor_explorers.evaluation.report import facts
 from indoor_explorers.evaluation.report.against import Against
 from indoor_explorers.evaluation.report.comparability import judged, on_common_tasks
@@ -22,6 +24,7 @@ from indoor_explorers.evaluation.report.numbers import counted, percent
 from indoor_explorers.evaluation.report.overview import lead, line
 from indoor_explorers.evaluation.report.palette import COLOURS, styles
 from indoor_explorers.evaluation.report.panels import sweep_sections
+from indoor_explorers.evaluation.report.ratio_table import ratio_tables
 from indoor_explorers.evaluation.report.replay import ending
 from indoor_explorers.evaluation.report.reproduce import experiment_files, row_command
 from indoor_explorers.evaluation.report.sections import section_of
@@ -38,20 +41,27 @@ def write_report(
     title: str | None = None,
     against: Against | None = None,
     replays: int | None = None,
+    ratio_to: Sequence[str] | None = None,
 ) -> None:
     """Write one HTML file that shows ``results`` and needs nothing else, not even a network.
 
     ``against`` adds what changed since other results. With ``replays`` it holds that many episodes of each scenario;
-    else as many as keep it under 10 MB.
+    else as many as keep it under 10 MB. ``ratio_to`` names the policies whose steps those of all are divided by, see
+    :func:`~indoor_explorers.evaluation.selection.chosen_baselines`.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as partial:
-        text = render(results, title=title, against=against, replays=replays)
+        text = render(results, title=title, against=against, replays=replays, ratio_to=ratio_to)
         partial.write_text(text, encoding="utf-8", newline="\n")
 
 
 def render(
-    results: Results, *, title: str | None = None, against: Against | None = None, replays: int | None = None
+    results: Results,
+    *,
+    title: str | None = None,
+    against: Against | None = None,
+    replays: int | None = None,
+    ratio_to: Sequence[str] | None = None,
 ) -> str:
     """Return the page as text; its arguments are those of :func:`write_report`."""
     common = on_common_tasks(results)
@@ -65,6 +75,7 @@ def render(
             subtitle=_subtitle(results),
             colours=COLOURS,
             against=against,
+            ratios=ratio_tables(Ratios.of(results, ratio_to)),
             verdict=judged(results),
             lead=lead([each for _, each in comparisons]),
             lines=[line(each, section_id) for section_id, each in comparisons],

@@ -7,8 +7,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
+import numpy as np
 from markupsafe import Markup
 
+from indoor_explorers.evaluation.metrics import EXCUSED
 from indoor_explorers.evaluation.record import Outcome, Record
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, interval, percent
@@ -63,6 +65,8 @@ COLUMNS = (
     Column("path_length", "path length", "cells"),
     Column("overlap", "overlap"),
     Column("collisions", "collisions"),
+    Column("longest_idle", "longest idle", "steps", ranked=False),
+    Column("longest_dither", "longest dither", "steps", ranked=False),
     Column("failures", "failed episodes", ranked=False),
     Column("messages_bytes", "messages", "kB"),
     Column("latency_p50_us", "decision p50", "ms"),
@@ -87,6 +91,7 @@ def _column(comparison: Comparison, column: Column, looks: Mapping[str, Style]) 
         "t99_reached": partial(_reached, metric="t99"),
         "t99_strip": partial(_strips, looks=looks),
         "failures": _failures,
+        **{metric: partial(_wasted, metric=metric) for metric in EXCUSED},
     }
     make = special.get(column.key, partial(_measured, metric=column.key))
     cells = make(comparison)
@@ -130,6 +135,18 @@ def _strips(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, Cel
         policy: Cell("", None, episode_strip(each, comparison.estimate(policy, "t99"), scale, looks[policy]))
         for policy, each in values.items()
     }
+
+
+def _wasted(comparison: Comparison, metric: str) -> dict[str, Cell]:
+    """Return the mean over episodes and the most of any of them, which looks bad where it has no excuse."""
+    cells = {}
+    for policy in comparison.groups:
+        values = comparison.results.values(comparison.scenario, policy, metric)
+        measured = values[~np.isnan(values)]
+        most, mean = (float(measured.max()), float(measured.mean())) if len(measured) else (0.0, math.nan)
+        detail = f"at most {fixed(most, 0)}" if len(measured) else ""
+        cells[policy] = Cell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=most > EXCUSED[metric])
+    return cells
 
 
 def _failures(comparison: Comparison) -> dict[str, Cell]:

@@ -18,7 +18,7 @@ from indoor_explorers.evaluation.statistics.means import (
     paired_difference,
 )
 from indoor_explorers.evaluation.statistics.profiles import performance_profile, performance_ratios
-from indoor_explorers.evaluation.statistics.ratios import ratio_of_means
+from indoor_explorers.evaluation.statistics.ratios import Block, PairedRatio, paired_ratios, ratio_of_means
 from indoor_explorers.evaluation.statistics.resampling import maps_are_sampled, resampled_weights
 from indoor_explorers.evaluation.statistics.significance import holm, sign_flip_test
 from indoor_explorers.evaluation.statistics.wins import WinTieLoss, probability_of_improvement, win_tie_loss
@@ -27,8 +27,10 @@ __all__ = [
     "CONFIDENCE",
     "FEWEST",
     "RESAMPLES",
+    "Block",
     "Contrast",
     "Estimate",
+    "PairedRatio",
     "WinTieLoss",
     "bootstrap_iqm",
     "bootstrap_mean",
@@ -41,6 +43,7 @@ __all__ = [
     "interquartile_mean",
     "maps_are_sampled",
     "paired_difference",
+    "paired_ratios",
     "performance_profile",
     "performance_ratios",
     "probability_of_improvement",
