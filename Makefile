@@ -1,6 +1,7 @@
 # make compare   set everything up, compare the four families and chance, print the table and the report's place
 # make test      set everything up, run the linters and the test suite
 # make stress    kill a comparison fifty times and see that nothing is lost: some ten minutes
+# make soak      fly every policy over many maps, teams and radios and list who freezes, dithers or fails: an hour
 # make browser   have a Chromium for the tests of the report page, where Debian's can be installed
 
 PYTHON ?= python3
@@ -10,7 +11,7 @@ RUN = $(VENV)/bin
 BROWSERS = chromium chromium-browser google-chrome
 APT = DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=0 -o Acquire::http::Timeout=20
 
-.PHONY: compare test stress browser clean
+.PHONY: compare test stress soak browser clean
 
 compare: $(VENV)/.installed-compare
 	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/families.toml --out $(OUT)
@@ -23,6 +24,9 @@ test: $(VENV)/.installed-test browser
 
 stress: $(VENV)/.installed-test
 	$(RUN)/python -P tests/stress_resume.py --kills 50
+
+soak: $(VENV)/.installed-test
+	$(RUN)/python -P tests/soak_behaviour.py
 
 browser:
 	@for name in $(BROWSERS); do command -v $$name >/dev/null && exit 0; done; \

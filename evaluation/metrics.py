@@ -89,10 +89,19 @@ MEASURES: dict[str, Measure] = {
     "latency_p99_us": Measure("latency p99", "us", "99th percentile of the same"),
 }
 
-#: The most steps in a row for which a planner has an excuse, such as letting teammates pass in a crowd.
-EXCUSED = {"longest_idle": 20, "longest_dither": 6}
+#: The measures of wasted steps in a row.
+WASTED = ("longest_idle", "longest_dither")
 #: Metrics that measure the machine and not the flight: they differ between runs.
 OF_THE_MACHINE = ("latency_total_s", "latency_p50_us", "latency_p99_us")
+
+
+def excused(metric: str, team: int) -> int:
+    """Return the most steps in a row that one of :data:`WASTED` may have in an episode of ``team`` UAVs.
+
+    In corridors one cell wide a UAV has to wait for those in front of it, at most some four steps for each; nobody has
+    to fly to and fro for more than six.
+    """
+    return 4 * team if metric == "longest_idle" else 6
 
 
 def first_step(curve: NDArray[np.floating], level: float) -> int | None:

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.metrics import EXCUSED
+from indoor_explorers.evaluation.metrics import WASTED, excused
 from indoor_explorers.evaluation.record import Outcome, Record
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, interval, percent
@@ -91,7 +91,7 @@ def _column(comparison: Comparison, column: Column, looks: Mapping[str, Style]) 
         "t99_reached": partial(_reached, metric="t99"),
         "t99_strip": partial(_strips, looks=looks),
         "failures": _failures,
-        **{metric: partial(_wasted, metric=metric) for metric in EXCUSED},
+        **{metric: partial(_wasted, metric=metric) for metric in WASTED},
     }
     make = special.get(column.key, partial(_measured, metric=column.key))
     cells = make(comparison)
@@ -140,12 +140,13 @@ def _strips(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, Cel
 def _wasted(comparison: Comparison, metric: str) -> dict[str, Cell]:
     """Return the mean over episodes and the most of any of them, which looks bad where it has no excuse."""
     cells = {}
-    for policy in comparison.groups:
+    for policy, records in comparison.groups.items():
         values = comparison.results.values(comparison.scenario, policy, metric)
         measured = values[~np.isnan(values)]
         most, mean = (float(measured.max()), float(measured.mean())) if len(measured) else (0.0, math.nan)
         detail = f"at most {fixed(most, 0)}" if len(measured) else ""
-        cells[policy] = Cell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=most > EXCUSED[metric])
+        bad = most > excused(metric, records[0].team)
+        cells[policy] = Cell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
     return cells
 
 

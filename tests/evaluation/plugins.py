@@ -83,6 +83,15 @@ class WrongAction(Wander):
         return self.Mind(briefing)
 
 
+class Still(Wander):
+    class Mind(Wanderer):
+        def act(self, view):
+            return 4
+
+    def pilot(self, briefing):
+        return self.Mind(briefing)
+
+
 class Dies(Wander):
     def pilot(self, briefing):
         os._exit(3)
