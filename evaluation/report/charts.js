@@ -9,7 +9,7 @@ class CoverageChart extends Chart {
     this.who = this.data.who[0];
     this.span = "focus";
     this.from = "zero";
-    this.bands = "shown";
+    this.bands = this.data.bands;
     this.draw();
     this.box.on("plotly_click", (event) => this.open(event));
   }

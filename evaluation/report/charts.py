@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.metrics import LEVELS, MEASURES
 from indoor_explorers.evaluation.report.axes import Axis, axes_of, coverage_at
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.packing import shares
-from indoor_explorers.evaluation.report.palette import Style
+from indoor_explorers.evaluation.report.palette import Style, crowded
 from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_times
 
 #: Whose coverage a chart can show.
@@ -38,6 +38,7 @@ def chart_data(comparison: Comparison, looks: Mapping[str, Style], points: int =
     return {
         "axes": [_axis_data(axis) for axis in axes],
         "who": list(who),
+        "bands": "hidden" if crowded(len(comparison.groups)) else "shown",
         "policies": [
             _about(comparison, policy, looks[policy])
             | {"curves": {axis.key: {each: _curves(comparison, policy, axis, each) for each in who} for axis in axes}}

@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator, PercentFormatter
 from indoor_explorers.evaluation.report.axes import coverage_at, focus_step, sampled_steps
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.facts import denominator
-from indoor_explorers.evaluation.report.palette import Style, styles
+from indoor_explorers.evaluation.report.palette import Style, crowded, styles
 from indoor_explorers.evaluation.report.panels.prints import scenario_figures, sweep_figures
 from indoor_explorers.evaluation.report.paper import LOOK, plain, save, sheet, strokes
 from indoor_explorers.evaluation.results import Results
@@ -62,7 +62,8 @@ def coverage_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figur
     axes = figure.add_subplot()
     steps = sampled_steps(comparison, 400)
     limit = focus_step(comparison)
-    handles = [_curve(axes, comparison, policy, steps, limit, looks[policy]) for policy in comparison.groups]
+    banded = not crowded(len(comparison.groups))
+    handles = [_curve(axes, comparison, policy, steps, limit, looks[policy], banded) for policy in comparison.groups]
     for level in (0.9, 0.99):
         axes.axhline(level, color="#999999", linewidth=0.6, linestyle=(0, (1, 2)), zorder=0)
     axes.set(xlim=(0, limit), ylim=(0, 1.01), xlabel="step", title=plain(comparison.scenario, 70))
@@ -73,14 +74,16 @@ def coverage_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figur
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     labels = [_label(comparison, policy) for policy in comparison.groups]
     axes.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.04, 1.0), borderaxespad=0.0)
-    _footnote(axes, comparison)
+    _footnote(axes, comparison, "" if banded else " left out where so many would hide each other")
     return figure
 
 
-def _curve(axes: Axes, comparison: Comparison, policy: str, steps: np.ndarray, limit: int, look: Style) -> Line2D:
+def _curve(
+    axes: Axes, comparison: Comparison, policy: str, steps: np.ndarray, limit: int, look: Style, banded: bool
+) -> Line2D:
     """Draw one policy's curve, its markers spread over the visible steps and offset from its neighbours'."""
     mean, low, high = curve_band(coverage_at(comparison.groups[policy], steps), maps=comparison.maps(policy))
-    if not np.isnan(low).any():
+    if banded and not np.isnan(low).any():
         axes.fill_between(steps, low, high, color=look.hex, alpha=0.16, linewidth=0)
     visible = max(1, int((steps <= limit).sum()))
     every = (look.marker * visible // 40 % max(1, visible // 6), max(1, visible // 6))

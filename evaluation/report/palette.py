@@ -46,6 +46,11 @@ MARKER_PATHS = (
 )
 
 
+def crowded(policies: int) -> bool:
+    """Return whether so many policies share colours, so that bands around their curves would hide each other."""
+    return policies > len(COLOURS)
+
+
 class Style(NamedTuple):
     """The look of one policy, as places in the cycles above."""
 

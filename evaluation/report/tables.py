@@ -65,8 +65,8 @@ COLUMNS = (
     Column("path_length", "path length", "cells"),
     Column("overlap", "overlap"),
     Column("collisions", "collisions"),
-    Column("longest_idle", "longest idle", "steps", ranked=False),
-    Column("longest_dither", "longest dither", "steps", ranked=False),
+    Column("longest_idle", "idle", "steps", ranked=False),
+    Column("longest_dither", "dither", "steps", ranked=False),
     Column("failures", "failed episodes", ranked=False),
     Column("messages_bytes", "messages", "kB"),
     Column("latency_p50_us", "decision p50", "ms"),
@@ -144,7 +144,7 @@ def _wasted(comparison: Comparison, metric: str) -> dict[str, Cell]:
         values = comparison.results.values(comparison.scenario, policy, metric)
         measured = values[~np.isnan(values)]
         most, mean = (float(measured.max()), float(measured.mean())) if len(measured) else (0.0, math.nan)
-        detail = f"at most {fixed(most, 0)}" if len(measured) else ""
+        detail = f"≤ {fixed(most, 0)}" if len(measured) else ""
         bad = most > excused(metric, records[0].team)
         cells[policy] = Cell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
     return cells

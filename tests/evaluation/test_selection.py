@@ -1,12 +1,16 @@
 """What of an experiment file is flown."""
 
+from pathlib import Path
+
 import pytest
 
 from indoor_explorers.env import PRESETS, InputError, Scenario
+from indoor_explorers.env.scenario import Radio
 from indoor_explorers.evaluation.compare import plan
 from indoor_explorers.evaluation.experiment import Experiment
 from indoor_explorers.evaluation.selection import DEFAULT_POLICIES
 
+EXPERIMENTS = Path(__file__).parents[2] / "evaluation" / "experiments"
 FILE = """
 policies = [
     "random", {use = "pso", name = "dddqn, no guard", parameters = {candidates = 8}}, {use = "pso", name = "pso "},
@@ -100,3 +104,25 @@ def test_entries_that_are_no_scenario_are_refused(entry, message, tmp_path):
 def test_a_scenario_of_ones_own_is_flown_as_comparisons_are():
     own = Scenario(name="own", team=2)
     assert plan(scenario=own).scenarios == (own.for_evaluation(),)
+
+
+@pytest.mark.parametrize("path", sorted(EXPERIMENTS.glob("*.toml")), ids=lambda path: path.stem)
+def test_shipped_experiments_can_be_planned(path):
+    experiment = plan(experiment=path)
+    assert len(experiment.policies) >= 6
+    assert all(scenario.goal_of == "team" for scenario in experiment.scenarios)
+    told = 0.9 if path.stem.endswith("-90") else 1.0
+    assert {scenario.goal for scenario in experiment.scenarios} == {told}
+
+
+def test_the_buildings_differ_in_team_and_radio_alone():
+    experiment = plan(experiment=EXPERIMENTS / "planners-buildings.toml")
+    assert len(experiment.scenarios) == 20
+    assert len({scenario.fingerprint for scenario in experiment.scenarios}) == 20
+    for kind in ("rooms", "offices", "cave", "maze"):
+        mine = [scenario for scenario in experiment.scenarios if scenario.name.startswith(kind)]
+        alike = [scenario.model_copy(update={"name": "", "team": 1, "radio": Radio()}) for scenario in mine]
+        assert all(each == alike[0] for each in alike)
+        assert [(each.team, each.radio.model) for each in mine] == [
+            *((1, "unlimited"), (2, "unlimited"), (2, "disc"), (4, "unlimited"), (4, "disc"))
+        ]

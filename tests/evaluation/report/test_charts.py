@@ -15,6 +15,7 @@ from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.palette import styles
 from indoor_explorers.evaluation.results import Results
 
+from .records import flown
 from .reports import Page
 
 
@@ -119,3 +120,14 @@ def test_scenarios_of_a_kind_stand_side_by_side(results: Results) -> None:
     assert [(panel.title, panel.section) for panel in panels] == [("a", "s1"), ("c", "s3"), ("b", "s2")]
     assert panels[2].detail == "cave maps, 1 UAV"
     assert scenario_multiples(pairs[:1], styles(found.policies)) == []
+
+
+def test_bands_are_left_out_at_first_where_policies_are_so_many_that_they_hide_each_other() -> None:
+    for number, bands in ((7, "shown"), (8, "hidden")):
+        found = flown({f"p{k}": [9.0 + k] * 5 for k in range(number)})
+        assert chart_data(Comparison(found, "room"), styles(found.policies))["bands"] == bands
+    pressed = [about for tag, about in Page(render(found)).tags if about.get("data-choice") == "bands"]
+    assert [(about["data-value"], about["aria-pressed"]) for about in pressed] == [
+        ("hidden", "true"),
+        ("shown", "false"),
+    ]

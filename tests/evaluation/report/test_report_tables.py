@@ -7,15 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.metrics import WASTED
+from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.contrast_table import contrast_table
 from indoor_explorers.evaluation.report.headline import headline
 from indoor_explorers.evaluation.report.measures_table import measures_table
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.palette import styles
+from indoor_explorers.evaluation.report.tables import COLUMNS, results_table
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import contrasts
 
+from .records import made_up, results_of
 from .reports import Page
 
 
@@ -127,3 +132,20 @@ def test_few_maps_cannot_show_a_difference_and_the_table_says_so(results: Result
     assert comparison.contrasts["broken"].maps == 5
     rows = {row.policy: row for row in contrast_table(comparison, styles(results.policies))}
     assert rows["broken"].verdict == "no difference shown (too few maps to show any)"
+
+
+def test_who_freezes_stands_out_and_older_results_that_did_not_measure_it_load() -> None:
+    def policy(name: str, idle: float | None) -> list[Record]:
+        return [made_up(name, Task("room", 0, seed), 9.0, longest_idle=idle if seed == 1 else 1.0) for seed in range(3)]
+
+    older = [made_up("older", Task("room", 0, seed), 9.0) for seed in range(3)]
+    older = [replace(r, metrics={k: v for k, v in r.metrics.items() if k not in WASTED}) for r in older]
+    found = results_of([*policy("frozen", 40.0), *policy("fine", 3.0), *older])
+    cells = dict(results_table(Comparison(found, "room"), styles(found.policies)))
+    place = [column.key for column in COLUMNS].index("longest_idle")
+    frozen, fine, missing = (cells[name][place] for name in ("frozen", "fine", "older"))
+    assert (frozen.text, frozen.detail, frozen.bad) == ("14.0", "\u2264 40", True)
+    assert (fine.text, fine.bad) == ("1.7", False)
+    assert (missing.value, missing.bad) == (None, False)
+    assert 'class="bad"' in render(found)
+    assert set(found.summary().query("policy == 'older'")["metric"]) & set(WASTED) == set()
