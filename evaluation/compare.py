@@ -182,8 +182,8 @@ def run(
             draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
     _make_folder(out)
     with Store(out / "results.db") as store:
+        chosen_baselines([*store.policies(), *about], [], ratio_to)  # refuses unknown ones before anything is flown
         number = store.begin_run(experiment, about, run_facts(command, engine, workers))
-        chosen_baselines(list(store.policies()), [], ratio_to)  # refuses unknown ones before anything is flown
         finished = store.finished(failed=not retry_failed)
         crew = workers if workers is not None else CLUSTER if engine == "ray" else os.cpu_count() or 1
         jobs = list(missing_jobs(experiment, finished, crew))

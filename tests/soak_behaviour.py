@@ -55,7 +55,7 @@ RADIOS: dict[str, dict[str, Any]] = {
     "sight": {"radio.model": "line-of-sight", "radio.range": 12},
     "each": {"radio.model": "none", "goal_of": "agent"},
 }
-#: Steps of an episode, far more than any needs.
+#: Steps of an episode, far more than any of them needs; map files have their own, by size.
 BUDGET = 4000
 #: Policies that need not get anywhere.
 EXEMPT = ("random",)
@@ -134,12 +134,11 @@ def quick_cases(policy: str, folder: Path) -> Iterator[Case]:
     write_maps(folder)
     small = {world: WORLDS[world] for world in WORLDS if world != "offices"}
     for (world, (preset, settings)), radio in zip(_placed(small, folder).items(), cycle(RADIOS)):
-        alone = {**settings, "budget": BUDGET}
-        yield Case(policy, world, preset, 1, alone, 1)
-        yield Case(policy, world, preset, 4, alone | {"spawn": "clustered", **RADIOS[radio]}, 2)
+        yield Case(policy, world, preset, 1, settings, 1)
+        yield Case(policy, world, preset, 4, settings | {"spawn": "clustered", **RADIOS[radio]}, 2)
         if world in ("room", "corridors", "plus"):
-            yield Case(policy, world, preset, 16, alone | {"spawn": "clustered", **RADIOS["none"]}, 3)
-            lost = alone | {"spawn": "clustered", "on_collision": "end", **RADIOS["disc"]}
+            yield Case(policy, world, preset, 16, settings | {"spawn": "clustered", **RADIOS["none"]}, 3)
+            lost = settings | {"spawn": "clustered", "on_collision": "end", **RADIOS["disc"]}
             yield Case(f"tests.casualties:{policy}", world, preset, 3, lost, 4)
 
 
@@ -150,7 +149,7 @@ def cases(arguments: argparse.Namespace, worlds: dict[str, World]) -> Iterator[C
             resolution = arguments.resolution if preset in arguments.maps else None
             for team, extra in _teams(arguments):
                 for seed in range(arguments.seed, arguments.seed + arguments.seeds):
-                    changes = {**settings, "budget": BUDGET, **extra}
+                    changes = settings | extra
                     yield Case(policy, world, preset, team, changes, seed, resolution)
                     if team > 1 and "goal_of" not in extra:
                         lost = f"tests.casualties:{policy}"
@@ -202,8 +201,9 @@ def chosen_worlds(arguments: argparse.Namespace) -> dict[str, World]:
 
 
 def _placed(worlds: dict[str, World], folder: Path) -> dict[str, World]:
-    """Return the worlds with the paths of those that are map files in the folder."""
-    return {name: (str(folder / p) if p.endswith(".npy") else p, changes) for name, (p, changes) in worlds.items()}
+    """Return the worlds with their budget, and the paths of those that are map files in the folder."""
+    paths = {name: str(folder / preset) if preset.endswith(".npy") else preset for name, (preset, _) in worlds.items()}
+    return {name: (paths[name], settings | {"budget": BUDGET}) for name, (_, settings) in worlds.items()}
 
 
 def report(found: Sequence[tuple[Case, list[str]]]) -> None:

@@ -259,6 +259,25 @@ def test_a_report_is_rebuilt_and_combined(capsys, tmp_path):
     assert not (tmp_path / "no.html").exists()
 
 
+def test_steps_are_printed_as_ratios_to_a_policy(capsys, tmp_path):
+    out, page = tmp_path / "out", tmp_path / "page.html"
+    words = ["--policies", "frontier-nearest,frontier-minpos", "--scenario", "thesis-open,thesis-obstacles"]
+    status, printed, _ = run(capsys, "compare", *words, "--episodes", "6", "--workers", "0", "--out", out)
+    assert status == 0
+    assert "ratio" not in printed
+    with (out / "tables" / "ratios.csv").open(newline="") as file:
+        assert {row["to"] for row in csv.DictReader(file)} == {"frontier-nearest"}
+    words = ["--ratio-to", "frontier-minpos", "--exports", tmp_path / "more", "--out", page]
+    status, printed, _ = run(capsys, "report", out, *words)
+    assert status == 0
+    assert "steps / frontier-minpos's" in printed
+    with (tmp_path / "more" / "tables" / "ratios.csv").open(newline="") as file:
+        (row,) = [row for row in csv.DictReader(file) if (row["scenario"], row["metric"]) == ("all scenarios", "t99")]
+    assert (row["policy"], row["scenarios"], row["tasks"]) == ("frontier-nearest", "2", "12")
+    assert f"{float(row['mean_of_ratios']):.3f} [{float(row['low']):.3f}, {float(row['high']):.3f}]" in printed
+    assert "T99 as a ratio to frontier-minpos" in page.read_text()
+
+
 def test_lists(capsys):
     assert "frontier-minpos" in run(capsys, "policies")[1]
     assert "thesis-obstacles" in run(capsys, "scenarios")[1]
@@ -286,6 +305,10 @@ OPEN = ["--scenario", "thesis-open", "--policies", "random"]
         (["compare", *OPEN, "--set", "goal=1.5"], "goal: Input should be less than or equal to 1"),
         (["compare", *OPEN, "--maps", "nowhere.yaml"], "nowhere.yaml"),
         (["compare", *OPEN, "--experiment", "nowhere.toml"], "nowhere.toml: cannot be read"),
+        (
+            ["compare", *OPEN, "--ratio-to", "randon"],
+            "expected a policy that takes part to compare with, got 'randon'",
+        ),
         (["compare", *OPEN, "--speed", "9"], "unrecognized arguments: --speed 9"),
         (["report", "nowhere"], "expected a folder with a results.db"),
         (["check", "fronteir"], "unknown policy 'fronteir'; did you mean"),
