@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief, Cell, Distances
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from, touches_unknown
+from indoor_explorers.env.compiled import inner, kernel, leaf
+from indoor_explorers.env.grid import FREE, UNKNOWN, UNREACHABLE, distances_from, touches_unknown
 from indoor_explorers.env.randomness import draw
 
 #: (K,) flat cells.
@@ -35,7 +35,7 @@ class Scratch(NamedTuple):
     """(H*W,) the number of the search that reached a cell last, so that nothing needs clearing."""
 
 
-@kernel()
+@leaf()
 def on_frontier(belief: np.ndarray, cell: int) -> bool:
     """Tell whether a flat cell is free and 4-adjacent to unknown (Yamauchi 1997)."""
     row, col = divmod(cell, belief.shape[1])
@@ -51,44 +51,53 @@ def frontier_cells(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
     return on
 
 
-@kernel()
-def _start(cell: int, barred: np.ndarray, scratch: Scratch, number: int) -> None:
-    for k in range(barred.shape[0]):
-        scratch.mark[barred[k]] = number
+@inner()
+def _start(cell: int, scratch: Scratch, number: int) -> None:
     scratch.mark[cell] = number
     scratch.parent[cell] = -1
     scratch.queue[0] = cell
 
 
-@kernel()
-def _spread(belief: np.ndarray, cell: int, scratch: Scratch, number: int, tail: int) -> int:
-    """Append the free neighbours of ``cell`` that search ``number`` has not reached; return the new tail."""
-    height, width = belief.shape
-    row, col = divmod(cell, width)
+@inner()
+def _bar(barred: np.ndarray, scratch: Scratch, number: int) -> None:
+    """Make search ``number`` leave out some flat cells."""
+    for k in range(barred.shape[0]):
+        scratch.mark[barred[k]] = number
+
+
+@inner()
+def _spread(cells: np.ndarray, width: int, cell: int, scratch: Scratch, number: int, tail: int) -> int:
+    """Append the free neighbours of ``cell`` that search ``number`` has not reached; return the new tail.
+
+    ``cells`` is the flat belief. The neighbours come in the order of the actions: down, left, up, right.
+    """
+    col = np.uint32(cell) % np.uint32(width)
+    inside = (cell + width < cells.shape[0], col > 0, cell >= width, col + 1 < width)
     for k in range(4):
-        r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-        if 0 <= r < height and 0 <= c < width and belief[r, c] == FREE:
-            neighbour = r * width + c
-            if scratch.mark[neighbour] != number:
-                scratch.mark[neighbour] = number
-                scratch.parent[neighbour] = cell
-                scratch.queue[tail] = neighbour
-                tail += 1
+        neighbour = cell + (width, -1, -width, 1)[k]
+        if inside[k] and cells[neighbour] == FREE and scratch.mark[neighbour] != number:
+            scratch.mark[neighbour] = number
+            scratch.parent[neighbour] = cell
+            scratch.queue[tail] = neighbour
+            tail += 1
     return tail
 
 
-@kernel()
+@leaf()
 def search(belief: np.ndarray, start: int, goal: int, barred: np.ndarray, scratch: Scratch, number: int) -> bool:
     """Search from ``start`` until ``goal`` is reached; return whether it was."""
-    _start(start, barred, scratch, number)
+    cells, width = belief.reshape(belief.size), belief.shape[1]
+    _bar(barred, scratch, number)
+    blocked = goal != start and scratch.mark[goal] == number
+    _start(start, scratch, number)
     head, tail = 0, 1
     while head < tail and scratch.mark[goal] != number:
-        tail = _spread(belief, scratch.queue[head], scratch, number, tail)
+        tail = _spread(cells, width, scratch.queue[head], scratch, number, tail)
         head += 1
-    return bool(scratch.mark[goal] == number and (goal == start or not np.any(barred == goal)))
+    return bool(scratch.mark[goal] == number and not blocked)
 
 
-@kernel()
+@leaf()
 def _shunned(cell: int, width: int, avoid: np.ndarray) -> bool:
     row, col = divmod(cell, width)
     for k in range(avoid.shape[0]):
@@ -107,7 +116,7 @@ def near_any(cells: np.ndarray, avoid: np.ndarray, width: int) -> np.ndarray:
     return near
 
 
-@kernel()
+@leaf()
 def search_frontier(
     belief: np.ndarray,
     start: int,
@@ -120,8 +129,8 @@ def search_frontier(
 
     ``ties`` is 64 random bits.
     """
-    width = belief.shape[1]
-    _start(start, avoid[:0], scratch, number)
+    cells, width = belief.reshape(belief.size), belief.shape[1]
+    _start(start, scratch, number)
     head, tail, layer_end = 0, 1, 1
     best, best_rank = -1, np.uint64(0)
     while head < tail:
@@ -134,23 +143,70 @@ def search_frontier(
             rank = draw(ties, np.uint64(cell))
             if best < 0 or rank < best_rank:
                 best, best_rank = cell, rank
-        tail = _spread(belief, cell, scratch, number, tail)
+        tail = _spread(cells, width, cell, scratch, number, tail)
         head += 1
     return best
 
 
-@kernel()
+@leaf()
 def search_within(belief: np.ndarray, start: int, reach: int, barred: np.ndarray, scratch: Scratch, number: int) -> int:
     """Fill ``scratch.queue`` with the cells at most ``reach`` steps from ``start``, nearest first; return how many."""
-    _start(start, barred, scratch, number)
+    cells, width = belief.reshape(belief.size), belief.shape[1]
+    _bar(barred, scratch, number)
+    _start(start, scratch, number)
     head, tail, steps = 0, 1, 0
     while head < tail and steps < reach:
         layer_end = tail
         while head < layer_end:
-            tail = _spread(belief, scratch.queue[head], scratch, number, tail)
+            tail = _spread(cells, width, scratch.queue[head], scratch, number, tail)
             head += 1
         steps += 1
     return tail
+
+
+@leaf()
+def _measure(belief: np.ndarray, start: int, waiting: np.ndarray, missing: int, scratch: Scratch, number: int) -> None:
+    """Search until ``missing`` of the places that are ``waiting`` (H*W,) are reached; parents hold steps instead."""
+    cells, width, steps = belief.reshape(belief.size), belief.shape[1], scratch.parent
+    _start(start, scratch, number)
+    steps[start] = 0
+    missing -= waiting[start]
+    head, tail = 0, 1
+    while head < tail and missing > 0:
+        cell, reached = scratch.queue[head], tail
+        tail = _spread(cells, width, cell, scratch, number, tail)
+        for place in range(reached, tail):
+            neighbour = scratch.queue[place]
+            steps[neighbour] = steps[cell] + 1
+            missing -= waiting[neighbour]
+        head += 1
+
+
+@kernel()
+def all_pairs(belief: np.ndarray, cells: np.ndarray, scratch: Scratch, number: int) -> np.ndarray:
+    """Return the steps between all pairs of (K,) flat cells; searches ``number`` to ``number + K - 1`` are made.
+
+    Each search looks only for the places after its own, and only for those in its own connected part.
+    """
+    count = cells.shape[0]
+    steps, waiting = np.full((count, count), UNREACHABLE, np.int32), np.zeros(belief.size, np.int32)
+    part = np.full(count, -1, np.int64)
+    for k in range(count):
+        steps[k, k] = 0
+        if belief.flat[cells[k]] != FREE:
+            continue
+        missing = 0
+        for j in range(k + 1, count):
+            if part[j] == part[k]:
+                waiting[cells[j]] += 1
+                missing += 1
+        _measure(belief, cells[k], waiting, missing, scratch, number + k)
+        for j in range(k + 1, count):
+            waiting[cells[j]] = 0
+            if part[j] == part[k] and scratch.mark[cells[j]] == number + k:
+                steps[k, j] = steps[j, k] = scratch.parent[cells[j]]
+                part[j] = k if part[k] < 0 else part[j]
+    return steps
 
 
 @kernel()
@@ -172,7 +228,7 @@ def traced(parent: np.ndarray, goal: int) -> np.ndarray:
 def count_known(belief: np.ndarray) -> int:
     """Count the known cells: as knowledge only grows, an equal count means an unchanged map."""
     known = 0
-    for value in belief.flat:
+    for value in belief.reshape(belief.size):
         known += value != UNKNOWN
     return known
 
@@ -228,6 +284,11 @@ class Paths:
         out = np.empty(belief.shape, np.int32)
         distances_from(belief, cell[0], cell[1], self._scratch.queue, out)
         return out
+
+    def matrix(self, belief: Belief, cells: Cells) -> Distances:
+        """Return the (K, K) int32 steps between (K,) flat cells; ``UNREACHABLE`` where no known path leads."""
+        first, self._number = self._number + 1, self._number + len(cells)
+        return np.asarray(all_pairs(belief, cells, self._scratch, first))
 
     def _traced(self, end: int) -> list[Cell]:
         flat = traced(self._scratch.parent, end).tolist()
