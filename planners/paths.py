@@ -8,31 +8,17 @@ flat cells near which no frontier is wanted.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief, Cell, Distances
-from indoor_explorers.env.compiled import inner, kernel, leaf
+from indoor_explorers.env.compiled import kernel, leaf
 from indoor_explorers.env.grid import FREE, UNKNOWN, UNREACHABLE, distances_from, touches_unknown
 from indoor_explorers.env.randomness import draw
+from indoor_explorers.planners.searches import Cells, Scratch, bar, begin, complete, spread, traced
 
-#: (K,) flat cells.
-Cells = NDArray[np.int32]
 #: How near to an avoided cell a frontier is unwanted, in cells (Chebyshev).
 AVOID_RADIUS = 2
-
-
-class Scratch(NamedTuple):
-    """Buffers of one pilot's searches on a map of H*W cells."""
-
-    queue: Cells
-    """(H*W,) cells in the order they were reached."""
-    parent: Cells
-    """(H*W,) the cell from which each one was reached, -1 for the start."""
-    mark: Cells
-    """(H*W,) the number of the search that reached a cell last, so that nothing needs clearing."""
 
 
 @leaf()
@@ -51,48 +37,16 @@ def frontier_cells(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
     return on
 
 
-@inner()
-def _start(cell: int, scratch: Scratch, number: int) -> None:
-    scratch.mark[cell] = number
-    scratch.parent[cell] = -1
-    scratch.queue[0] = cell
-
-
-@inner()
-def _bar(barred: np.ndarray, scratch: Scratch, number: int) -> None:
-    """Make search ``number`` leave out some flat cells."""
-    for k in range(barred.shape[0]):
-        scratch.mark[barred[k]] = number
-
-
-@inner()
-def _spread(cells: np.ndarray, width: int, cell: int, scratch: Scratch, number: int, tail: int) -> int:
-    """Append the free neighbours of ``cell`` that search ``number`` has not reached; return the new tail.
-
-    ``cells`` is the flat belief. The neighbours come in the order of the actions: down, left, up, right.
-    """
-    col = np.uint32(cell) % np.uint32(width)
-    inside = (cell + width < cells.shape[0], col > 0, cell >= width, col + 1 < width)
-    for k in range(4):
-        neighbour = cell + (width, -1, -width, 1)[k]
-        if inside[k] and cells[neighbour] == FREE and scratch.mark[neighbour] != number:
-            scratch.mark[neighbour] = number
-            scratch.parent[neighbour] = cell
-            scratch.queue[tail] = neighbour
-            tail += 1
-    return tail
-
-
 @leaf()
 def search(belief: np.ndarray, start: int, goal: int, barred: np.ndarray, scratch: Scratch, number: int) -> bool:
     """Search from ``start`` until ``goal`` is reached; return whether it was."""
     cells, width = belief.reshape(belief.size), belief.shape[1]
-    _bar(barred, scratch, number)
+    bar(barred, scratch, number)
     blocked = goal != start and scratch.mark[goal] == number
-    _start(start, scratch, number)
+    begin(start, scratch, number)
     head, tail = 0, 1
     while head < tail and scratch.mark[goal] != number:
-        tail = _spread(cells, width, scratch.queue[head], scratch, number, tail)
+        tail = spread(cells, width, scratch.queue[head], scratch, number, tail)
         head += 1
     return bool(scratch.mark[goal] == number and not blocked)
 
@@ -130,7 +84,7 @@ def search_frontier(
     ``ties`` is 64 random bits.
     """
     cells, width = belief.reshape(belief.size), belief.shape[1]
-    _start(start, scratch, number)
+    begin(start, scratch, number)
     head, tail, layer_end = 0, 1, 1
     best, best_rank = -1, np.uint64(0)
     while head < tail:
@@ -143,7 +97,7 @@ def search_frontier(
             rank = draw(ties, np.uint64(cell))
             if best < 0 or rank < best_rank:
                 best, best_rank = cell, rank
-        tail = _spread(cells, width, cell, scratch, number, tail)
+        tail = spread(cells, width, cell, scratch, number, tail)
         head += 1
     return best
 
@@ -152,76 +106,16 @@ def search_frontier(
 def search_within(belief: np.ndarray, start: int, reach: int, barred: np.ndarray, scratch: Scratch, number: int) -> int:
     """Fill ``scratch.queue`` with the cells at most ``reach`` steps from ``start``, nearest first; return how many."""
     cells, width = belief.reshape(belief.size), belief.shape[1]
-    _bar(barred, scratch, number)
-    _start(start, scratch, number)
+    bar(barred, scratch, number)
+    begin(start, scratch, number)
     head, tail, steps = 0, 1, 0
     while head < tail and steps < reach:
         layer_end = tail
         while head < layer_end:
-            tail = _spread(cells, width, scratch.queue[head], scratch, number, tail)
+            tail = spread(cells, width, scratch.queue[head], scratch, number, tail)
             head += 1
         steps += 1
     return tail
-
-
-@leaf()
-def _measure(belief: np.ndarray, start: int, waiting: np.ndarray, missing: int, scratch: Scratch, number: int) -> None:
-    """Search until ``missing`` of the places that are ``waiting`` (H*W,) are reached; parents hold steps instead."""
-    cells, width, steps = belief.reshape(belief.size), belief.shape[1], scratch.parent
-    _start(start, scratch, number)
-    steps[start] = 0
-    missing -= waiting[start]
-    head, tail = 0, 1
-    while head < tail and missing > 0:
-        cell, reached = scratch.queue[head], tail
-        tail = _spread(cells, width, cell, scratch, number, tail)
-        for place in range(reached, tail):
-            neighbour = scratch.queue[place]
-            steps[neighbour] = steps[cell] + 1
-            missing -= waiting[neighbour]
-        head += 1
-
-
-@kernel()
-def all_pairs(belief: np.ndarray, cells: np.ndarray, scratch: Scratch, number: int) -> np.ndarray:
-    """Return the steps between all pairs of (K,) flat cells; searches ``number`` to ``number + K - 1`` are made.
-
-    Each search looks only for the places after its own, and only for those in its own connected part.
-    """
-    count = cells.shape[0]
-    steps, waiting = np.full((count, count), UNREACHABLE, np.int32), np.zeros(belief.size, np.int32)
-    part = np.full(count, -1, np.int64)
-    for k in range(count):
-        steps[k, k] = 0
-        if belief.flat[cells[k]] != FREE:
-            continue
-        missing = 0
-        for j in range(k + 1, count):
-            if part[j] == part[k]:
-                waiting[cells[j]] += 1
-                missing += 1
-        _measure(belief, cells[k], waiting, missing, scratch, number + k)
-        for j in range(k + 1, count):
-            waiting[cells[j]] = 0
-            if part[j] == part[k] and scratch.mark[cells[j]] == number + k:
-                steps[k, j] = steps[j, k] = scratch.parent[cells[j]]
-                part[j] = k if part[k] < 0 else part[j]
-    return steps
-
-
-@kernel()
-def traced(parent: np.ndarray, goal: int) -> np.ndarray:
-    """Return the cells from the start of the last search to ``goal``, both included."""
-    length, cell = 0, goal
-    while cell >= 0:
-        length += 1
-        cell = parent[cell]
-    path = np.empty(length, np.int32)
-    cell = goal
-    for k in range(length - 1, -1, -1):
-        path[k] = cell
-        cell = parent[cell]
-    return path
 
 
 @kernel()
@@ -285,10 +179,17 @@ class Paths:
         distances_from(belief, cell[0], cell[1], self._scratch.queue, out)
         return out
 
-    def matrix(self, belief: Belief, cells: Cells) -> Distances:
-        """Return the (K, K) int32 steps between (K,) flat cells; ``UNREACHABLE`` where no known path leads."""
+    def matrix(self, belief: Belief, cells: Cells, known: Distances | None = None) -> Distances:
+        """Return the (K, K) int32 steps between (K,) flat cells; ``UNREACHABLE`` where no known path leads.
+
+        What is not negative in ``known`` (K, K) is taken over, and ``UNREACHABLE`` there is searched again.
+        """
         first, self._number = self._number + 1, self._number + len(cells)
-        return np.asarray(all_pairs(belief, cells, self._scratch, first))
+        steps = np.full((len(cells), len(cells)), -1, np.int32) if known is None else np.array(known, np.int32)
+        steps[steps >= UNREACHABLE] = -1
+        np.fill_diagonal(steps, 0)
+        complete(belief, cells, steps, self._scratch, first)
+        return steps
 
     def _traced(self, end: int) -> list[Cell]:
         flat = traced(self._scratch.parent, end).tolist()

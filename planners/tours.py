@@ -121,6 +121,19 @@ def _improve(costs: np.ndarray, order: np.ndarray) -> None:
 
 
 @kernel()
+def _cheapest(costs: np.ndarray, order: np.ndarray, place: int) -> tuple[int, float]:
+    """Return after which index of ``order`` a place costs least to insert, and what it costs there."""
+    where, least = 0, np.inf
+    for at in range(order.shape[0]):
+        follower = order[at + 1] if at + 1 < order.shape[0] else -1
+        extra = _joined(costs, order[at], place, place, follower)
+        extra -= costs[order[at], follower] if follower >= 0 else 0.0
+        if extra < least:
+            where, least = at, extra
+    return where, least
+
+
+@kernel()
 def _insert(costs: np.ndarray, order: np.ndarray, places: np.ndarray) -> np.ndarray:
     count = order.shape[0]
     longer = np.empty(count + places.shape[0], np.int64)
@@ -129,17 +142,36 @@ def _insert(costs: np.ndarray, order: np.ndarray, places: np.ndarray) -> np.ndar
     for inserted in range(places.shape[0]):
         least, best, where = np.inf, 0, 0
         for k in range(left.shape[0] - inserted):
-            for at in range(count):
-                follower = longer[at + 1] if at + 1 < count else -1
-                extra = _joined(costs, longer[at], left[k], left[k], follower)
-                extra -= costs[longer[at], follower] if follower >= 0 else 0.0
-                if extra < least:
-                    least, best, where = extra, k, at
+            at, extra = _cheapest(costs, longer[:count], left[k])
+            if extra < least:
+                least, best, where = extra, k, at
         longer[where + 2 : count + 1] = longer[where + 1 : count].copy()
         longer[where + 1] = left[best]
         left[best:-1] = left[best + 1 :].copy()
         count += 1
     return longer
+
+
+@kernel()
+def _share_out(costs: np.ndarray, starts: int) -> np.ndarray:
+    count = costs.shape[0] - starts
+    owner, left = np.full(count, -1, np.int64), np.ones(count, np.bool_)
+    tours, sizes = np.zeros((starts, count + 1), np.int64), np.ones(starts, np.int64)
+    tours[:, 0] = np.arange(starts)
+    lengths = np.zeros(starts)
+    for _ in range(count):
+        least, place, who, where = np.inf, 0, 0, 0
+        for k in range(count):
+            for i in range(starts if left[k] else 0):
+                at, extra = _cheapest(costs, tours[i, : sizes[i]], starts + k)
+                if lengths[i] + extra < least:
+                    least, place, who, where = lengths[i] + extra, k, i, at
+        owner[place], left[place] = who, False
+        tours[who, where + 2 : sizes[who] + 1] = tours[who, where + 1 : sizes[who]].copy()
+        tours[who, where + 1] = starts + place
+        sizes[who] += 1
+        lengths[who] = least
+    return owner
 
 
 def _float(costs: Costs) -> NDArray[np.float64]:
@@ -184,3 +216,12 @@ def open_tour(costs: Costs, first: int = 0, restarts: int = 0, rng: np.random.Ge
         if _length(costs, other) < _length(costs, best) - ROUNDING:
             best = other
     return best
+
+
+def shared_out(costs: Costs, starts: int) -> Order:
+    """Return whose tour each of K places belongs on, (K,); the first ``starts`` rows are where tours begin.
+
+    An auction of one place at a time: the place and the tour come next that make the shortest tour with the place in
+    it (M. G. Lagoudakis et al., "Auction-based multi-robot routing", RSS 2005, doi:10.15607/RSS.2005.I.045).
+    """
+    return np.asarray(_share_out(_float(costs), starts))

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from indoor_explorers.planners.tours import Costs, improved, nearest_neighbour, open_tour, tour_length, with_inserted
+from indoor_explorers.planners.tours import (
+    Costs,
+    improved,
+    nearest_neighbour,
+    open_tour,
+    shared_out,
+    tour_length,
+    with_inserted,
+)
 
 
 def matrix(kind: str, count: int, seed: int) -> Costs:
@@ -111,3 +119,19 @@ def test_the_same_draws_give_the_same_tour() -> None:
     tours = [open_tour(costs, 0, 10, np.random.default_rng(5)) for _ in range(2)]
     assert (tours[0] == tours[1]).all()
     assert tour_length(costs, tours[0]) <= tour_length(costs, open_tour(costs))
+
+
+@pytest.mark.parametrize("kind", ["steps", "asymmetric"])
+def test_places_are_shared_out_one_by_one_where_the_tour_stays_shortest(kind: str) -> None:
+    for seed in range(10):
+        costs, starts = matrix(kind, 9, seed), 1 + seed % 3
+        tours = [np.array([i], np.int64) for i in range(starts)]
+        left = list(range(starts, len(costs)))
+        while left:
+            grown = [(tour_length(costs, with_inserted(costs, tours[i], np.array([k]))), k, i)
+                     for k in left for i in range(starts)]  # fmt: skip
+            _, place, who = min(grown)
+            tours[who] = with_inserted(costs, tours[who], np.array([place], np.int64))
+            left.remove(place)
+        owners = shared_out(costs, starts)
+        assert all(owners[place - starts] == who for who in range(starts) for place in tours[who][1:])
