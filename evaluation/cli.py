@@ -203,8 +203,12 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
 
 def _add_bench(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write them as a list of name, value and unit")
-    parser.add_argument("--growth", action="store_true", help="also how speed grows with map, lidar, team and batch")
-    parser.add_argument("--figures", type=Path, metavar="DIR", help="draw that, too: growth.svg and growth.png")
+    parser.add_argument(
+        "--growth", action="store_true", help="also how speeds and decisions grow with map, lidar, team"
+    )
+    parser.add_argument(
+        "--figures", type=Path, metavar="DIR", help="draw that, too: growth and decisions, .svg and .png"
+    )
     parser.add_argument("--all", action="store_true", help="all there are, also those that take minutes")
     parser.add_argument("--only", type=_names, metavar="PATTERN,...", help="of all, those named so: 'world-*-core'")
     parser.set_defaults(run=commands.run_bench, interrupted="nothing was written")

@@ -145,3 +145,22 @@ def nearest_cells(field: Distances, clusters: Clusters) -> tuple[NDArray[np.int3
     """
     nearest, steps = _nearest(field, clusters.cells, clusters.ends)
     return nearest, steps
+
+
+@kernel()
+def _middles(cells: np.ndarray, ends: np.ndarray, width: int) -> np.ndarray:
+    middles = np.empty(ends.shape[0] - 1, np.int32)
+    for k in range(middles.shape[0]):
+        part = cells[ends[k] : ends[k + 1]]
+        row_mean, col_mean = _moments(part, width)[:2]
+        least = np.inf
+        for cell in part:
+            row, col = cell // width - row_mean, cell % width - col_mean
+            if row * row + col * col < least:
+                middles[k], least = cell, row * row + col * col
+    return middles
+
+
+def middles(clusters: Clusters, width: int) -> NDArray[np.int32]:
+    """Return each cluster's flat cell that is nearest to the mean of all of its cells, (K,); the first of equals."""
+    return np.asarray(_middles(clusters.cells, clusters.ends, width))

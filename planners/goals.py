@@ -48,6 +48,7 @@ class GoalPilot(Pilot):
         self._bans: dict[Cell, int] = {}
         self._yielding = Yielding(self.paths, briefing.rng)
         self._guarded = 0
+        self._plans = 0
 
     @abstractmethod
     def choose(self, view: View) -> Cell | None:
@@ -77,8 +78,8 @@ class GoalPilot(Pilot):
         return action
 
     def tally(self) -> dict[str, float]:
-        """Return how many goals were given up because teammates kept them from being reached."""
-        return {"goals_given_up": float(self._guarded)}
+        """Return how often goals were given up because teammates kept them from being reached, and how often chosen."""
+        return {"goals_given_up": float(self._guarded), "plans": float(self._plans)}
 
     def avoided(self, view: View) -> list[Cell]:
         """Return the goals that are left alone for now."""
@@ -91,6 +92,7 @@ class GoalPilot(Pilot):
 
     def choose_again(self, view: View) -> Cell | None:
         """Choose a goal, one of those left alone when there is no other."""
+        self._plans += 1
         goal = self.choose(view)
         if goal is None and self._bans:
             self._bans = {}

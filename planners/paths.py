@@ -8,34 +8,20 @@ flat cells near which no frontier is wanted.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief, Cell, Distances
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from, touches_unknown
+from indoor_explorers.env.compiled import kernel, leaf
+from indoor_explorers.env.grid import FREE, UNKNOWN, UNREACHABLE, distances_from, touches_unknown
 from indoor_explorers.env.randomness import draw
+from indoor_explorers.planners.searches import Cells, Scratch, bar, begin, complete, spread, traced
 
-#: (K,) flat cells.
-Cells = NDArray[np.int32]
 #: How near to an avoided cell a frontier is unwanted, in cells (Chebyshev).
 AVOID_RADIUS = 2
 
 
-class Scratch(NamedTuple):
-    """Buffers of one pilot's searches on a map of H*W cells."""
-
-    queue: Cells
-    """(H*W,) cells in the order they were reached."""
-    parent: Cells
-    """(H*W,) the cell from which each one was reached, -1 for the start."""
-    mark: Cells
-    """(H*W,) the number of the search that reached a cell last, so that nothing needs clearing."""
-
-
-@kernel()
+@leaf()
 def on_frontier(belief: np.ndarray, cell: int) -> bool:
     """Tell whether a flat cell is free and 4-adjacent to unknown (Yamauchi 1997)."""
     row, col = divmod(cell, belief.shape[1])
@@ -51,44 +37,21 @@ def frontier_cells(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
     return on
 
 
-@kernel()
-def _start(cell: int, barred: np.ndarray, scratch: Scratch, number: int) -> None:
-    for k in range(barred.shape[0]):
-        scratch.mark[barred[k]] = number
-    scratch.mark[cell] = number
-    scratch.parent[cell] = -1
-    scratch.queue[0] = cell
-
-
-@kernel()
-def _spread(belief: np.ndarray, cell: int, scratch: Scratch, number: int, tail: int) -> int:
-    """Append the free neighbours of ``cell`` that search ``number`` has not reached; return the new tail."""
-    height, width = belief.shape
-    row, col = divmod(cell, width)
-    for k in range(4):
-        r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-        if 0 <= r < height and 0 <= c < width and belief[r, c] == FREE:
-            neighbour = r * width + c
-            if scratch.mark[neighbour] != number:
-                scratch.mark[neighbour] = number
-                scratch.parent[neighbour] = cell
-                scratch.queue[tail] = neighbour
-                tail += 1
-    return tail
-
-
-@kernel()
+@leaf()
 def search(belief: np.ndarray, start: int, goal: int, barred: np.ndarray, scratch: Scratch, number: int) -> bool:
     """Search from ``start`` until ``goal`` is reached; return whether it was."""
-    _start(start, barred, scratch, number)
+    cells, width = belief.reshape(belief.size), belief.shape[1]
+    bar(barred, scratch, number)
+    blocked = goal != start and scratch.mark[goal] == number
+    begin(start, scratch, number)
     head, tail = 0, 1
     while head < tail and scratch.mark[goal] != number:
-        tail = _spread(belief, scratch.queue[head], scratch, number, tail)
+        tail = spread(cells, width, scratch.queue[head], scratch, number, tail)
         head += 1
-    return bool(scratch.mark[goal] == number and (goal == start or not np.any(barred == goal)))
+    return bool(scratch.mark[goal] == number and not blocked)
 
 
-@kernel()
+@leaf()
 def _shunned(cell: int, width: int, avoid: np.ndarray) -> bool:
     row, col = divmod(cell, width)
     for k in range(avoid.shape[0]):
@@ -107,7 +70,7 @@ def near_any(cells: np.ndarray, avoid: np.ndarray, width: int) -> np.ndarray:
     return near
 
 
-@kernel()
+@leaf()
 def search_frontier(
     belief: np.ndarray,
     start: int,
@@ -120,8 +83,8 @@ def search_frontier(
 
     ``ties`` is 64 random bits.
     """
-    width = belief.shape[1]
-    _start(start, avoid[:0], scratch, number)
+    cells, width = belief.reshape(belief.size), belief.shape[1]
+    begin(start, scratch, number)
     head, tail, layer_end = 0, 1, 1
     best, best_rank = -1, np.uint64(0)
     while head < tail:
@@ -134,45 +97,32 @@ def search_frontier(
             rank = draw(ties, np.uint64(cell))
             if best < 0 or rank < best_rank:
                 best, best_rank = cell, rank
-        tail = _spread(belief, cell, scratch, number, tail)
+        tail = spread(cells, width, cell, scratch, number, tail)
         head += 1
     return best
 
 
-@kernel()
+@leaf()
 def search_within(belief: np.ndarray, start: int, reach: int, barred: np.ndarray, scratch: Scratch, number: int) -> int:
     """Fill ``scratch.queue`` with the cells at most ``reach`` steps from ``start``, nearest first; return how many."""
-    _start(start, barred, scratch, number)
+    cells, width = belief.reshape(belief.size), belief.shape[1]
+    bar(barred, scratch, number)
+    begin(start, scratch, number)
     head, tail, steps = 0, 1, 0
     while head < tail and steps < reach:
         layer_end = tail
         while head < layer_end:
-            tail = _spread(belief, scratch.queue[head], scratch, number, tail)
+            tail = spread(cells, width, scratch.queue[head], scratch, number, tail)
             head += 1
         steps += 1
     return tail
 
 
 @kernel()
-def traced(parent: np.ndarray, goal: int) -> np.ndarray:
-    """Return the cells from the start of the last search to ``goal``, both included."""
-    length, cell = 0, goal
-    while cell >= 0:
-        length += 1
-        cell = parent[cell]
-    path = np.empty(length, np.int32)
-    cell = goal
-    for k in range(length - 1, -1, -1):
-        path[k] = cell
-        cell = parent[cell]
-    return path
-
-
-@kernel()
 def count_known(belief: np.ndarray) -> int:
     """Count the known cells: as knowledge only grows, an equal count means an unchanged map."""
     known = 0
-    for value in belief.flat:
+    for value in belief.reshape(belief.size):
         known += value != UNKNOWN
     return known
 
@@ -228,6 +178,18 @@ class Paths:
         out = np.empty(belief.shape, np.int32)
         distances_from(belief, cell[0], cell[1], self._scratch.queue, out)
         return out
+
+    def matrix(self, belief: Belief, cells: Cells, known: Distances | None = None) -> Distances:
+        """Return the (K, K) int32 steps between (K,) flat cells; ``UNREACHABLE`` where no known path leads.
+
+        What is not negative in ``known`` (K, K) is taken over, and ``UNREACHABLE`` there is searched again.
+        """
+        first, self._number = self._number + 1, self._number + len(cells)
+        steps = np.full((len(cells), len(cells)), -1, np.int32) if known is None else np.array(known, np.int32)
+        steps[steps >= UNREACHABLE] = -1
+        np.fill_diagonal(steps, 0)
+        complete(belief, cells, steps, self._scratch, first)
+        return steps
 
     def _traced(self, end: int) -> list[Cell]:
         flat = traced(self._scratch.parent, end).tolist()

@@ -1,4 +1,4 @@
-"""What a decision of a policy costs, and what a whole comparison and a training do."""
+"""What flying costs beside the decisions, and what a whole comparison and a training take."""
 
 from __future__ import annotations
 
@@ -6,13 +6,9 @@ import json
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 from indoor_explorers.env import make_policy
 from indoor_explorers.env.presets import scenario
-from indoor_explorers.env.scenario import Radio
-from indoor_explorers.evaluation.bench.figure import REPEATS, median_of, seconds_of
-from indoor_explorers.evaluation.bench.worlds import square
+from indoor_explorers.evaluation.bench.figure import median_of, seconds_of
 from indoor_explorers.evaluation.compare import JOB_EPISODES, plan, run
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.record import Record
@@ -21,18 +17,6 @@ from indoor_explorers.evaluation.training import find_learner
 
 #: Steps an episode that the DDDQN learns from has on average.
 TRAINING_STEPS = 70
-
-
-def decision_time(policy: str, side: int, lidar_range: float) -> float:
-    """Return the median microseconds of a decision, following plans included, of two UAVs on a square map."""
-    radio = Radio(model="square", range=3 * lidar_range)
-    task = square(side, lidar_range, 2, radio).with_settings({"budget": 200})
-    pilot = make_policy(policy)
-    medians = []
-    for seed in range(REPEATS + 1):
-        (record,) = fly(pilot, policy, task, [Task(task.name, 0, seed)])
-        medians.append(record.metrics["latency_p50_us"] or np.nan)
-    return float(np.median(medians[1:]))
 
 
 def overhead(policy: str) -> float:

@@ -1,4 +1,4 @@
-"""The figure of growth: speed against area, lidar range, team and batch, on logarithmic axes."""
+"""The figures of growth, on logarithmic axes: the speed of the world, and what decisions cost."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.bench.deciding import SIDES, TEAM_SIDE, TEAMS
 from indoor_explorers.evaluation.bench.figure import Figure
 from indoor_explorers.evaluation.bench.growth import SERIES, Series
 from indoor_explorers.evaluation.report.palette import COLOURS
@@ -32,11 +33,11 @@ def write_growth(measured: Iterable[Figure], folder: Path) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with mpl.rc_context(LOOK):
-            picture = growth_figure(values)
-            for ending in ("svg", "png"):
-                paths.append(folder / f"growth.{ending}")
-                with written_whole(paths[-1]) as partial:
-                    picture.savefig(partial, format=ending, **FORMATS[ending])
+            for name, picture in (("growth", growth_figure(values)), ("decisions", decisions_figure(values))):
+                for ending in ("svg", "png"):
+                    paths.append(folder / f"{name}.{ending}")
+                    with written_whole(paths[-1]) as partial:
+                        picture.savefig(partial, format=ending, **FORMATS[ending])
     except OSError as error:
         raise InputError(f"{folder}: cannot be written: {error.strerror}; choose another --figures") from error
     return paths
@@ -51,7 +52,7 @@ def growth_figure(values: dict[str, float]) -> Picture:
     for place, (axes, series) in enumerate(zip(panels, SERIES, strict=True)):
         points = [(size, values.get(f"{series.name}-{series.label(size)}")) for size in series.sizes]
         _panel(axes, series, [(size, value) for size, value in points if value is not None], COLOURS[place][0])
-    drawn = [value for name, value in values.items() if name.startswith("growth-")]
+    drawn = [value for series in SERIES for name, value in values.items() if name.startswith(series.name)]
     if drawn:
         picture.axes[0].set_ylim(min(drawn) / ROOM, max(drawn) * ROOM)
     for place in (0, 2):
@@ -75,6 +76,45 @@ def _panel(axes: Axes, series: Series, points: list[tuple[int, float]], colour: 
     look: dict[str, Any] = {"ha": "center", "fontsize": 7, "color": "#444444", "path_effects": halo}
     for size, value in points:
         axes.annotate(short(value, 2), (size, value), (0, 7), textcoords="offset points", **look)
+
+
+def decisions_figure(values: dict[str, float]) -> Picture:
+    """Draw what a decision that makes a plan costs against the map's side and the team; one line a policy."""
+    picture = Picture(figsize=(7.2, 4.2), layout=ConstrainedLayoutEngine(wspace=0.03))
+    FigureCanvasAgg(picture)
+    picture.suptitle("Decisions that make a plan, three quarters of the map known", x=0.01, ha="left", fontsize=10.5)
+    panels = picture.subplots(1, 2, sharey=True).flat
+    area = {side: f"growth-decide-area-{side}x{side}-" for side in SIDES}
+    team = {size: f"growth-decide-team-{size}-" for size in TEAMS}
+    _lines(next(panels), "side of the map in cells", "one UAV", area, values)
+    _lines(next(panels), "UAVs in the team", f"map {TEAM_SIDE}x{TEAM_SIDE}, all linked", team, values)
+    picture.axes[0].set_ylabel("median of a decision")
+    handles, names = picture.axes[0].get_legend_handles_labels()
+    picture.legend(handles, names, loc="outside lower center", ncols=5, fontsize=7, frameon=False)
+    return picture
+
+
+def _lines(axes: Axes, quantity: str, rest: str, starts: dict[int, str], values: dict[str, float]) -> None:
+    """Draw the figures whose names are one of the starts, by what grows, and a policy."""
+    axes.set(xscale="log", yscale="log", xlabel=quantity)
+    axes.set_title(rest, fontsize=8.5, fontweight="normal", color="#444444")
+    axes.set_xticks(list(starts), [f"{size}" for size in starts])
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: human_time(value)))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.grid(axis="y", color="#e3e3e3", linewidth=0.6)
+    policies = dict.fromkeys(
+        name[len(start) :] for start in starts.values() for name in values if name.startswith(start)
+    )
+    for place, policy in enumerate(policies):
+        points = [(size, values[start + policy]) for size, start in starts.items() if start + policy in values]
+        colour, line = COLOURS[place % len(COLOURS)][0], ("-", "--", ":")[place // len(COLOURS) % 3]
+        axes.plot(*zip(*points, strict=True), color=colour, linestyle=line, marker="o", markersize=3, label=policy)
+
+
+def human_time(microseconds: float) -> str:
+    """Return microseconds as an axis shows them: 30 us, 4 ms."""
+    return " ".join((short(microseconds / 1e3), "ms") if microseconds >= 1e3 else (short(microseconds), "us"))
 
 
 def short(value: float, digits: int = 1) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.registry import policy_entry_points
-from indoor_explorers.evaluation.bench import ancestor, decisions, exploring, faces, growth, worlds
+from indoor_explorers.evaluation.bench import ancestor, deciding, decisions, exploring, faces, growth, worlds
 from indoor_explorers.evaluation.bench.figure import Measure
 from indoor_explorers.evaluation.bench.worlds import STEPS, WORLDS
 
@@ -24,6 +24,7 @@ def measures(*, everything: bool = False, growing: bool = False) -> list[Measure
     found = [*_world(), *_memory(), *_starts(), *_faces(), *_lidar(), *_decisions(), *_harness(everything)]
     if growing or everything:
         found += [Measure("Growth", name, SPEED, take) for name, take in growth.growth().items()]
+        found += [Measure("Growth", name, "us", take) for name, take in deciding.growth().items()]
     return found
 
 
@@ -87,10 +88,8 @@ def _lidar() -> Iterator[Measure]:
 
 
 def _decisions() -> Iterator[Measure]:
-    for side, cells in ((16, 3.0), (250, 10.0)):
-        for policy in policy_entry_points():
-            take = partial(decisions.decision_time, policy, side, cells)
-            yield Measure("Decisions", f"decide-{policy}-{side}x{side}", "us", take)
+    for name, take in deciding.figures().items():
+        yield Measure("Decisions", name, "us", take)
 
 
 def _harness(everything: bool) -> Iterator[Measure]:

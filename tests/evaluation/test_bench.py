@@ -10,7 +10,7 @@ from indoor_explorers.env import PRESETS, InputError, World, policy_names
 from indoor_explorers.env.randomness import shuffled
 from indoor_explorers.env.state import End
 from indoor_explorers.evaluation import bench
-from indoor_explorers.evaluation.bench import decisions, exploring, faces, growth, worlds
+from indoor_explorers.evaluation.bench import deciding, exploring, faces, growth, worlds
 from indoor_explorers.evaluation.bench.ancestor import ancestor_speed, of_world
 from indoor_explorers.evaluation.bench.figure import Figure, Measure
 from indoor_explorers.evaluation.bench.table import human, line_of
@@ -34,7 +34,12 @@ UNITS = {
     "first-step": "s",
     "harness-1000-episodes": "s",
     **{f"harness-overhead-{policy}": "%" for policy in policy_names()},
-    **{f"decide-{policy}-{size}": "us" for policy in policy_names() for size in ("16x16", "250x250")},
+    **{
+        f"decide-{policy}-{size}{tail}": "us"
+        for policy in policy_names()
+        for size in ("16x16", "250x250", "250x250-team4")
+        for tail in ("", "-p99", "-planning")
+    },
 }
 
 
@@ -45,6 +50,7 @@ def instant(monkeypatch):
         Measure(group, name, "x", lambda: 1.5) for group, name in (("Tall", "a-1"), ("Tall", "a-2"), ("Wide", "b"))
     ]
     grown = [Measure("Growth", name, "agent-steps/s", lambda: 2.5e6) for name in growth.growth()]
+    grown += [Measure("Growth", name, "us", lambda: 40.0) for name in deciding.growth()]
     monkeypatch.setattr(bench, "measures", lambda everything, growing: found + grown * (everything or growing))
     return found
 
@@ -57,7 +63,14 @@ def test_the_agreed_names_have_the_agreed_units():
 def test_everything_holds_every_name_once_and_growth_and_what_takes_minutes():
     plain, names = ([measure.name for measure in bench.measures(everything=all_)] for all_ in (False, True))
     assert len(set(names)) == len(names)
-    assert {"growth-area-1024x1024", "growth-lidar-50", "growth-team-64", "growth-batch-4096"} <= set(names)
+    assert {
+        "growth-area-1024x1024",
+        "growth-lidar-50",
+        "growth-team-64",
+        "growth-batch-4096",
+        "growth-decide-area-512x512-pso",
+        "growth-decide-team-16-pso",
+    } <= set(names)
     assert {"harness-10000-episodes", "train-10000-episodes"} <= set(names)
     assert set(names) > {measure.name for measure in bench.measures(growing=True)} > set(plain)
 
@@ -86,6 +99,8 @@ def test_growth_is_drawn(instant, tmp_path):
     assert main(["bench", "--only", "a-1", "--figures", str(tmp_path / "drawn")]) == 0
     assert (tmp_path / "drawn" / "growth.png").read_bytes().startswith(b"\x89PNG")
     assert "agent-steps" in (tmp_path / "drawn" / "growth.svg").read_text()
+    drawn = (tmp_path / "drawn" / "decisions.svg").read_text()
+    assert all(policy in drawn for policy in policy_names())
     (tmp_path / "file").touch()
     assert main(["bench", "--only", "a-1", "--figures", str(tmp_path / "file")]) == 2
 
@@ -120,11 +135,33 @@ def test_measuring_measures():
         assert worlds.world_speed(task, 3, 12, threads=2, moves=moves, resets=resets) > 0
     assert worlds.reset_time(task, 2) > 0
     assert ancestor_speed(task, 2) > 0
-    assert decisions.decision_time("random", 16, 3.0) > 0
     assert faces.gymnasium_step(20) > 0
     assert faces.pettingzoo_step(20) > 0
     assert faces.vector_speed(2, 5) > 0
     assert faces.scan_time(3.0, 5) > 0
+
+
+def test_decisions_that_make_a_plan_are_told_apart():
+    found = deciding.decisions("frontier-nearest", 16, 3.0, 2, 30, 2)
+    assert len(found.seconds) == len(found.planned) == 2 * 2 * 30
+    assert 4 <= found.planned.sum() < len(found.planned)
+    assert 0 < found.median() <= found.slowest()
+    planned = found.seconds[found.planned]
+    assert planned.min() * 1e6 <= found.planning() <= planned.max() * 1e6
+    assert deciding.decisions("random", 16, 3.0, 2, 5, 1).planned.all()
+    assert deciding.planning("random", 32, 2) > 0
+
+
+@pytest.mark.parametrize("team", [1, 3])
+def test_growth_is_measured_on_maps_known_but_for_squares(team):
+    world = World(worlds.square(40, deciding.GROWTH_LIDAR, team))
+    world.reset([1])
+    deciding._reveal(world)
+    known = world.state.belief[0] > 0
+    assert 0.74 < known.mean() < 0.95
+    assert known[:, :10].all()
+    assert not known[:, 10:20, 10:20].all()
+    assert (world.state.belief[0][known] == np.broadcast_to(world.state.truth[0], known.shape)[known]).all()
 
 
 def test_memory_is_all_that_an_episode_adds_to_the_state():

@@ -6,7 +6,7 @@ from scipy import ndimage
 
 from indoor_explorers.env.arrays import Belief, Cell
 from indoor_explorers.env.grid import UNREACHABLE, frontier_mask
-from indoor_explorers.planners.clusters import SPREAD, frontier_clusters, nearest_cells
+from indoor_explorers.planners.clusters import SPREAD, frontier_clusters, middles, nearest_cells
 from indoor_explorers.planners.paths import Paths
 
 
@@ -51,3 +51,12 @@ def test_a_known_map_has_no_clusters() -> None:
     clusters = frontier_clusters(np.ones((4, 4), np.uint8), 3.0)
     assert clusters.size == 0
     assert nearest_cells(np.zeros((4, 4), np.int32), clusters)[0].shape == (0,)
+
+
+def test_the_middle_is_the_cell_nearest_to_the_mean(belief: Belief) -> None:
+    clusters = frontier_clusters(belief, 6.0)
+    for k, cell in enumerate(middles(clusters, belief.shape[1]).tolist()):
+        cells = clusters.cells[clusters.ends[k] : clusters.ends[k + 1]]
+        points = np.stack(np.divmod(cells, belief.shape[1]), axis=1)
+        away = np.hypot(*(points - points.mean(axis=0)).T)
+        assert away[cells.tolist().index(cell)] == pytest.approx(away.min())

@@ -5,6 +5,8 @@ from itertools import pairwise
 import networkx as nx
 import numpy as np
 import pytest
+from scipy.sparse import lil_array
+from scipy.sparse.csgraph import shortest_path
 
 from indoor_explorers.env.arrays import Belief, Cell
 from indoor_explorers.env.grid import FREE, UNREACHABLE, frontier_mask
@@ -33,6 +35,27 @@ def test_field_agrees_with_networkx(belief: Belief, start: Cell) -> None:
     for cell, steps in lengths(belief, start).items():
         expected[cell] = steps
     assert (field == expected).all()
+
+
+def test_all_pairs_agree_with_scipy(belief: Belief) -> None:
+    rng = np.random.default_rng(0)
+    free = np.flatnonzero(belief == FREE)
+    numbers = {int(cell): k for k, cell in enumerate(free)}
+    width = belief.shape[1]
+    graph = lil_array((len(free), len(free)), dtype=np.int8)
+    for (row, col), (r, c) in grid_graph(belief).edges:
+        graph[numbers[row * width + col], numbers[r * width + c]] = 1
+    expected = np.minimum(shortest_path(graph.tocsr(), directed=False, unweighted=True), UNREACHABLE)
+    paths = Paths((belief.shape[0], belief.shape[1]))
+    for count in (0, 1, 2, 12, len(free)):
+        places = rng.integers(0, len(free), count)  # some of them twice
+        assert (paths.matrix(belief, free[places].astype(np.int32)) == expected[np.ix_(places, places)]).all()
+
+
+def test_no_path_leads_to_or_from_what_is_not_free() -> None:
+    belief = np.array([[1, 2, 1, 0, 1]], np.uint8)
+    steps = Paths((1, 5)).matrix(belief, np.arange(5, dtype=np.int32))
+    assert (steps == np.where(np.eye(5), 0, UNREACHABLE)).all()
 
 
 def test_paths_are_shortest(belief: Belief, start: Cell) -> None:

@@ -1,0 +1,135 @@
+"""How long the decisions of a policy take: each UAV's asked for and timed by itself, one core.
+
+Most decisions follow a plan. Those that make one are told apart by what pilots tally as ``plans``; where a pilot
+does not count them, every decision is taken to make one.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from functools import cache, partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env import Scenario, World, make_policy
+from indoor_explorers.env.grid import UNKNOWN
+from indoor_explorers.env.registry import policy_entry_points
+from indoor_explorers.env.scenario import Radio
+from indoor_explorers.evaluation.bench.worlds import square
+
+#: Steps of the flight that warms up.
+WARM_UP = 10
+#: Maps of the growth figures are known but for squares so many lidar ranges wide, as far apart.
+POCKET = 2
+#: Lidar range in cells, steps and flights of the growth figures.
+GROWTH_LIDAR, GROWTH_STEPS, GROWTH_FLIGHTS = 5.0, 8, 2
+#: Sides of maps, with one UAV, and sizes of teams, on maps of ``TEAM_SIDE``, whose decisions are measured.
+SIDES, TEAMS, TEAM_SIDE = (16, 32, 64, 128, 256, 512), (1, 2, 4, 8, 16), 128
+
+
+class Decisions(NamedTuple):
+    """D decisions."""
+
+    seconds: NDArray[np.float64]
+    """(D,) what each took."""
+    planned: NDArray[np.bool_]
+    """(D,) whether it was one that makes a plan."""
+
+    def median(self) -> float:
+        """Return the median in microseconds."""
+        return float(np.median(self.seconds)) * 1e6
+
+    def slowest(self) -> float:
+        """Return the 99th percentile in microseconds."""
+        return float(np.percentile(self.seconds, 99)) * 1e6
+
+    def planning(self) -> float:
+        """Return the median of those that make a plan in microseconds."""
+        return float(np.median(self.seconds[self.planned])) * 1e6
+
+
+def flown(policy: str, task: Scenario, seeds: Sequence[int], *, pockets: bool = False) -> Decisions:
+    """Return all decisions of some episodes after a short one that does not count.
+
+    With ``pockets`` three quarters of the map are known from the start.
+    """
+    _flight(policy, task.with_settings({"budget": WARM_UP}), seeds[0], pockets)
+    timed = [pair for seed in seeds for pair in _flight(policy, task, seed, pockets)]
+    seconds, planned = zip(*timed, strict=True)
+    return Decisions(np.array(seconds), np.array(planned))
+
+
+def _flight(name: str, task: Scenario, seed: int, pockets: bool) -> list[tuple[float, bool]]:
+    """Return what each decision of an episode took and whether it made a plan."""
+    world, policy = World(task), make_policy(name)
+    world.reset([seed])
+    if pockets:
+        _reveal(world)
+    pilots = [policy.pilot(world.briefing(0, agent)) for agent in range(task.team)]
+    timed = []
+    while world.flying[0].any():
+        actions = np.full((1, task.team), 4)
+        for agent in np.flatnonzero(world.flying[0]).tolist():
+            view, plans = world.view(0, agent), pilots[agent].tally().get("plans")
+            start = time.perf_counter()
+            actions[0, agent] = policy.act([pilots[agent]], [view])[0]
+            seconds = time.perf_counter() - start
+            timed.append((seconds, plans is None or pilots[agent].tally()["plans"] > plans))
+            world.post(0, agent, pilots[agent].message)
+        world.step(actions)
+    return timed
+
+
+def _reveal(world: World) -> None:
+    """Let everybody know the map but for squares."""
+    width = int(POCKET * GROWTH_LIDAR)
+    rows, cols = np.indices(world.state.truth.shape[1:]) // width
+    hidden = (rows % 2 == 1) & (cols % 2 == 1)
+    beliefs = world.state.belief
+    beliefs[:] = np.where((beliefs == UNKNOWN) & ~hidden, world.state.truth[:, None], beliefs)
+
+
+@cache
+def decisions(policy: str, side: int, lidar_range: float, team: int, steps: int, flights: int) -> Decisions:
+    """Return the decisions of a team with radio, from the start, on a square map."""
+    radio = Radio(model="square", range=3 * lidar_range)
+    task = square(side, lidar_range, team, radio).with_settings({"budget": steps})
+    return flown(policy, task, range(flights))
+
+
+def figures() -> dict[str, Callable[[], float]]:
+    """Return what measures each figure, by its name; those of one policy and map are of the same flights."""
+    found: dict[str, Callable[[], float]] = {}
+    for side, cells, team, steps, flights in ((16, 3.0, 2, 200, 5), (250, 10.0, 2, 200, 5), (250, 10.0, 4, 400, 2)):
+        for policy in policy_entry_points():
+            take = partial(decisions, policy, side, cells, team, steps, flights)
+            name = f"decide-{policy}-{side}x{side}" + (f"-team{team}" if team > 2 else "")
+            for tail, of in (("", Decisions.median), ("-p99", Decisions.slowest), ("-planning", Decisions.planning)):
+                found[name + tail] = partial(_figure, of, take)
+    return found
+
+
+def _figure(of: Callable[[Decisions], float], take: Callable[[], Decisions]) -> float:
+    return of(take())
+
+
+@cache
+def planning(policy: str, side: int, team: int) -> float:
+    """Return the microseconds of a decision that makes a plan on a square map of which three quarters are known."""
+    radio = Radio(model="unlimited") if team > 1 else Radio()
+    task = square(side, GROWTH_LIDAR, team, radio).with_settings({"budget": GROWTH_STEPS})
+    return flown(policy, task, range(GROWTH_FLIGHTS), pockets=True).planning()
+
+
+def growth() -> dict[str, Callable[[], float]]:
+    """Return what measures how planning costs more on larger maps and in larger teams, by the figures' names."""
+    found: dict[str, Callable[[], float]] = {}
+    for policy in policy_entry_points():
+        for side in SIDES:
+            found[f"growth-decide-area-{side}x{side}-{policy}"] = partial(planning, policy, side, 1)
+        for team in TEAMS:
+            found[f"growth-decide-team-{team}-{policy}"] = partial(planning, policy, TEAM_SIDE, team)
+    return found

@@ -1,0 +1,88 @@
+"""Sequential assignment: whoever takes a frontier makes those in sight of it worth less (Burgard et al. 2005)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.compiled import kernel
+from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.env.lidar import Optics, new_scan, optics, visible_cells
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.frontier.group import Choices, GroupPilot
+from indoor_explorers.planners.parameters import at_least
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontierBurgard(Policy):
+    """Give the UAV with the best pair of UAV and frontier cluster its cluster, devalue what is in sight of it, go on.
+
+    W. Burgard, M. Moors, C. Stachniss, F. E. Schneider, "Coordinated multi-robot exploration", IEEE T-RO 21(3),
+    2005, doi:10.1109/TRO.2004.839232, section III. A pair is worth the cluster's utility less the path's length. All
+    utilities are equal at first; one falls with the nearness of a cluster that somebody has taken, if no known wall
+    is between the two.
+    """
+
+    hold: float = 1.0
+    """A cluster that a UAV already flies to counts as so many lidar ranges nearer."""
+    weight: float = 4.0
+    """Utility of a cluster, in lidar ranges of path: what it loses when its own place is taken (beta in the paper)."""
+    reach: float = 1.0
+    """How far a taken cluster lowers the utility of others, in lidar ranges."""
+
+    def __post_init__(self) -> None:
+        at_least(self, 0.0, "hold", "weight", "reach")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return SequentialPilot(briefing, self.hold, self.weight, self.reach)
+
+
+class SequentialPilot(GroupPilot):
+    """Take the clusters in turn with the others: the best pair of UAV and cluster first."""
+
+    def __init__(self, briefing: Briefing, hold: float, weight: float, reach: float) -> None:
+        super().__init__(briefing)
+        self.hold, self.weight, self.reach = (value * briefing.lidar_range for value in (hold, weight, reach))
+
+    def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how good (N, K) pairs of UAV and cluster are, from the clusters' gains (K,) and costs in steps."""
+        return -costs
+
+    def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:
+        """Return what each cluster is worth before anybody has taken one, (K,)."""
+        return np.zeros(len(choices.numbers))
+
+    def assigned(self, view: View, choices: Choices) -> int:
+        """Return the cluster that is left for this UAV when its turn comes."""
+        costs, gains, places = choices.costs(self.hold), self.gains(view, choices), choices.places()
+        waiting = np.ones(len(costs), np.bool_)
+        while True:
+            scores = np.where(choices.steps < UNREACHABLE, self.score(gains, costs), -np.inf)
+            scores[~waiting] = -np.inf
+            uav, best = np.unravel_index(scores.argmax(), scores.shape)
+            if uav == choices.me or scores[uav, best] == -np.inf:
+                return int(best)
+            waiting[uav] = False
+            lost = nearness(view.belief, int(choices.cells[uav, best]), places, self.reach)
+            costs = costs + self.weight * lost
+
+
+@kernel()
+def _in_sight(belief: np.ndarray, origin: int, cells: np.ndarray, lens: Optics) -> np.ndarray:
+    scan, seen = new_scan(lens), np.zeros(belief.size, np.bool_)
+    for place in range(visible_cells(belief, origin // belief.shape[1], origin % belief.shape[1], lens, scan)):
+        seen[scan.cells[place]] = True
+    return np.asarray(seen[cells])
+
+
+def nearness(belief: Belief, origin: int, cells: NDArray[np.int32], reach: float) -> NDArray[np.float64]:
+    """Return how near (K,) flat cells are to ``origin``: 1 there, 0 from ``reach`` cells on or behind a wall, (K,)."""
+    rows, cols = np.divmod(cells, belief.shape[1])
+    row, col = divmod(origin, belief.shape[1])
+    near = np.maximum(0.0, 1.0 - np.hypot(rows - row, cols - col) / max(reach, 1e-9))
+    return np.asarray(near * _in_sight(belief, origin, cells, optics(float(reach))))

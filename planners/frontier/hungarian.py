@@ -1,0 +1,63 @@
+"""Hungarian assignment: UAVs and frontier clusters are matched at the least total distance (Wurm et al. 2008)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.frontier.group import Choices, GroupPilot
+from indoor_explorers.planners.parameters import at_least
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontierHungarian(Policy):
+    """Fly where the assignment of UAVs to frontier clusters with the least total path length says.
+
+    K. M. Wurm, C. Stachniss, W. Burgard, "Coordinated multi-robot exploration using a segmentation of the
+    environment", IROS 2008, doi:10.1109/IROS.2008.4650734; what is assigned here are clusters instead of its
+    segments. With more UAVs than clusters every cluster takes as many UAVs as it must.
+    """
+
+    hold: float = 1.0
+    """A cluster that a UAV already flies to counts as so many lidar ranges nearer."""
+    extra: float = 1.0
+    """Cost of not being the first UAV at a cluster, in lidar ranges."""
+
+    def __post_init__(self) -> None:
+        at_least(self, 0.0, "hold", "extra")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return HungarianPilot(briefing, self)
+
+
+class HungarianPilot(GroupPilot):
+    """Match all UAVs to clusters and take the own one."""
+
+    def __init__(self, briefing: Briefing, policy: FrontierHungarian) -> None:
+        super().__init__(briefing)
+        self._policy = policy
+
+    def assigned(self, view: View, choices: Choices) -> int:
+        """Return the cluster matched to this UAV."""
+        reach = self.briefing.lidar_range
+        costs = choices.costs(self._policy.hold * reach)
+        return int(matched(costs, self._policy.extra * reach)[choices.me])
+
+
+def matched(costs: NDArray[np.float64], extra: float) -> NDArray[np.int64]:
+    """Return for each of N UAVs which of K clusters it gets, at the least total of (N, K) ``costs``.
+
+    With fewer clusters than UAVs every cluster takes ceil(N / K) of them, all but one at an ``extra`` cost
+    (H. W. Kuhn, "The Hungarian method for the assignment problem", 1955, doi:10.1002/nav.3800020109).
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    uavs, clusters = costs.shape
+    copies = -(-uavs // clusters)
+    repeated = np.concatenate([costs + (extra if copy else 0.0) for copy in range(copies)], axis=1)
+    return np.asarray(linear_sum_assignment(repeated)[1] % clusters, np.int64)

@@ -1,0 +1,87 @@
+"""Tour: plan a short way through all frontier clusters at hand and fly to the first of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.clusters import middles
+from indoor_explorers.planners.frontier.group import Choices, GroupPilot
+from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.paths import Paths
+from indoor_explorers.planners.tours import open_tour, shared_out
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontierTour(Policy):
+    """Fly to the first cluster of a short open tour through the nearest frontier clusters.
+
+    B. Zhou, Y. Zhang, X. Chen, S. Shen, "FUEL", IEEE RA-L 6(2), 2021, doi:10.1109/LRA.2021.3051563, section V-B, on
+    breadth-first distances. A team first shares the clusters out in an auction in which the longest tour grows least,
+    as B. Zhou, H. Xu, S. Shen, "RACER", IEEE T-RO 39(3), 2023, doi:10.1109/TRO.2023.3236945, balances its partition.
+
+    What makes such tours oscillate is that two are nearly as long and that every scan changes which of them is the
+    shorter. So the way to a cluster counts up to where it begins, not to its middle, which moves while it is
+    explored; and the first of the tour is held on to, by its place, when its clusters change shape.
+    """
+
+    hold: float = 0.3
+    """A cluster that a UAV already flies to counts as so many lidar ranges nearer."""
+    clusters: int = 30
+    """The most clusters on the tours of a group: the nearest to any UAV of it."""
+
+    def __post_init__(self) -> None:
+        at_least(self, 0.0, "hold")
+        at_least(self, 1, "clusters")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return TourPilot(briefing, self)
+
+
+class TourPilot(GroupPilot):
+    """Share out the clusters among the group and begin the tour through the own ones."""
+
+    def __init__(self, briefing: Briefing, policy: FrontierTour) -> None:
+        super().__init__(briefing)
+        self._policy = policy
+        self._between = Between(self.paths)
+
+    def assigned(self, view: View, choices: Choices) -> int:
+        """Return the first cluster of this UAV's tour."""
+        at_hand = np.arange(min(self._policy.clusters, len(choices.numbers)))  # they come nearest first
+        uavs, count = len(choices.steps), len(at_hand)
+        costs = np.zeros((uavs + count, uavs + count))
+        costs[:uavs, uavs:] = choices.costs(self._policy.hold * self.briefing.lidar_range)[:, at_hand]
+        places = middles(choices.clusters, self.paths.width)[choices.numbers[at_hand]]
+        costs[uavs:, uavs:] = self._between.steps(view.belief, places)
+        own = np.flatnonzero(shared_out(costs, uavs) == choices.me) if uavs > 1 else at_hand
+        if not len(own):
+            return int(choices.steps[choices.me].argmin())
+        nodes = np.concatenate([[choices.me], uavs + own])
+        return int(own[open_tour(costs[np.ix_(nodes, nodes)])[1] - 1])
+
+
+class Between:
+    """Steps between places, kept from one tour to the next.
+
+    A kept distance may be longer than the shortest path on a map that has grown since, never shorter.
+    """
+
+    def __init__(self, paths: Paths) -> None:
+        self._paths = paths
+        self._places = np.empty(0, np.int32)
+        self._steps = np.empty((0, 0), np.int32)
+
+    def steps(self, belief: Belief, places: NDArray[np.int32]) -> NDArray[np.int32]:
+        """Return the (K, K) steps between (K,) different flat cells, searching only from new ones."""
+        _, before, now = np.intersect1d(self._places, places, return_indices=True)
+        known = np.full((len(places), len(places)), -1, np.int32)
+        known[np.ix_(now, now)] = self._steps[np.ix_(before, before)]
+        self._places, self._steps = places, self._paths.matrix(belief, places, known)
+        return self._steps

@@ -1,0 +1,75 @@
+"""Utility: what a frontier promises against the way to it, in three forms known from the literature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.frontier.burgard import SequentialPilot
+from indoor_explorers.planners.frontier.group import Choices
+from indoor_explorers.planners.gains import unclaimed_gains
+from indoor_explorers.planners.parameters import at_least
+
+#: How gain and cost make one score.
+Form = Literal["size", "difference", "discounted"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontierUtility(Policy):
+    """Fly to the frontier cluster with the best score of gain s or g against path length d; R is the lidar range.
+
+    ``size`` is s - c d, s the cluster's cells: explore_lite's rule (J. Hoerner, "Map-merging for multi-robot system",
+    Charles University 2016). ``difference`` is g - c R d and ``discounted`` g exp(-c d / R), g the unknown cells in
+    view: H. H. Gonzalez-Banos, J.-C. Latombe, "Navigation strategies for exploring indoor environments", IJRR 21,
+    2002, doi:10.1177/0278364902021010834. Teams take the clusters in turn as in
+    :mod:`indoor_explorers.planners.frontier.burgard`.
+    """
+
+    form: Form = "size"
+    """Which of the three scores: ``size``, ``difference`` or ``discounted``."""
+    cost: float = 3.0
+    """Weight c of the path, as its form reads it; 3 suits all of them."""
+    hold: float = 0.5
+    """A cluster that a UAV already flies to counts as so many lidar ranges nearer."""
+    weight: float = 4.0
+    """A cluster at a place that somebody has taken counts as so many lidar ranges farther."""
+    reach: float = 1.0
+    """How far a taken cluster makes others seem farther, in lidar ranges."""
+
+    def __post_init__(self) -> None:
+        at_least(self, 0.0, "cost", "hold", "weight", "reach")
+        if self.form not in get_args(Form):
+            raise InputError(f"expected form to be one of {', '.join(get_args(Form))}, got {self.form!r}")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return UtilityPilot(briefing, self)
+
+
+class UtilityPilot(SequentialPilot):
+    """Score pairs of UAV and cluster by gain and cost."""
+
+    def __init__(self, briefing: Briefing, policy: FrontierUtility) -> None:
+        super().__init__(briefing, policy.hold, policy.weight, policy.reach)
+        self._policy = policy
+
+    def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:
+        """Return each cluster's size, or the unknown cells in view from where it is nearest to any UAV, (K,)."""
+        if self._policy.form == "size":
+            return np.diff(choices.clusters.ends)[choices.numbers].astype(np.float64)
+        places, nobody = choices.places(), np.empty((0, 2))
+        return unclaimed_gains(view.belief, places, nobody, self.briefing.lidar_range).astype(np.float64)
+
+    def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how good (N, K) pairs of UAV and cluster are."""
+        weight, reach = self._policy.cost, self.briefing.lidar_range
+        if self._policy.form == "discounted":
+            return gains * np.exp(-weight / reach * np.minimum(costs, UNREACHABLE))
+        return gains - weight * (reach if self._policy.form == "difference" else 1.0) * costs
