@@ -12,22 +12,13 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, World, make_policy
+from indoor_explorers.env.registry import policy_entry_points
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.runner import fly
 
 GOLDEN = Path(__file__).parent / "golden.json"
-POLICIES = (
-    "random",
-    "frontier-nearest",
-    "frontier-utility",
-    "frontier-burgard",
-    "frontier-hungarian",
-    "frontier-tour",
-    "frontier-minpos",
-    "rrt-frontier",
-    "pso",
-    "dddqn",
-)
+#: Every policy of this project; those of other installed packages are none of ours.
+POLICIES = tuple(name for name, entry in policy_entry_points().items() if entry.value.startswith("indoor_explorers."))
 SCENARIOS = ("thesis-open", "thesis-team-2")
 
 
