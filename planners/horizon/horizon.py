@@ -49,8 +49,10 @@ class Horizon(Policy):
     """States that the beam keeps at each step."""
     depth: int = 80
     """Steps that the beam looks ahead."""
-    isolation: float = 12.0
+    isolation: float = 8.0
     """Extra weight of an unseen cell with nothing unseen around it, in cells, when everything is to be seen."""
+    caution: float = 2.0
+    """Factor of ``isolation`` where there may be obstacles: they upset plans, and pockets left behind cost more."""
     pull: float = 0.02
     """What a step to the next gain costs, in cells."""
     stretch: float = 0.0
@@ -63,28 +65,30 @@ class Horizon(Policy):
     """Rooms that are sampled at a time for ``prior`` "source"."""
     sweeps: int = 3
     """How often each sampled room is drawn anew at each step that shows something new."""
-    deference: float = 0.2
+    deference: float = 0.1
     """Weight of a cell, or a cluster, for each teammate that is nearer to it."""
     room: int = 600
     """Cells of the largest map that is planned cell by cell."""
     decay: float = 0.6
     """Large maps: rate at which gains lose worth, per lidar range flown before they are had."""
-    visits: int = 3
+    visits: int = 5
     """Large maps: clusters that are planned ahead."""
-    candidates: int = 10
+    candidates: int = 15
     """Large maps: clusters to choose from."""
+    pockets: float = 10.0
+    """Large maps: extra weight of an unknown cell with nothing unknown around it."""
     sequences: int = 30
     """Large maps: orders of clusters kept after each visit."""
 
     def __post_init__(self) -> None:
         at_least(self, 1, "width", "depth", "chains", "sweeps", "visits", "candidates", "sequences")
-        at_least(self, 0.0, "isolation", "pull", "stretch", "spare", "deference", "room", "decay")
+        at_least(self, 0.0, "isolation", "caution", "pull", "stretch", "spare", "deference", "room", "decay", "pockets")
         if self.prior not in ("source", "belief", "none"):
             raise InputError(f"Horizon: expected prior to be source, belief or none, got {self.prior!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV."""
-        outlook = Outlook(self.decay, self.visits, self.candidates, self.sequences, self.deference)
+        outlook = Outlook(self.decay, self.visits, self.candidates, self.sequences, self.deference, self.pockets)
         beyond = SequencePilot(briefing, outlook)
         if briefing.shape[0] * briefing.shape[1] > self.room:
             return beyond
@@ -93,9 +97,11 @@ class Horizon(Policy):
     def tours(self, briefing: Briefing) -> Tours:
         """Return the planner of one UAV's tours."""
         goal = briefing.scenario.goal
-        isolation = self.isolation * 0.5 ** ((1.0 - goal) / GOAL_SCALE)
+        prior = self._prior(briefing)
+        caution = 1.0 if isinstance(prior, OpenPrior) else self.caution
+        isolation = caution * self.isolation * 0.5 ** ((1.0 - goal) / GOAL_SCALE)
         style = Style(isolation, self.pull, self.stretch, self.width, self.depth)
-        return Tours(briefing.shape, briefing.lidar_range, self._prior(briefing), style, goal, self.spare)
+        return Tours(briefing.shape, briefing.lidar_range, prior, style, goal, self.spare)
 
     def _prior(self, briefing: Briefing) -> Prior:
         source = briefing.scenario.map

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,19 @@ from indoor_explorers.planners.horizon.sights import Sights
 
 #: Free cells that may be missing when everything is wanted, as an expected number.
 CERTAINTY = 0.2
+
+
+class Task(NamedTuple):
+    """What one tour is to do."""
+
+    cell: int
+    """Where it starts, flat."""
+    unseen: Bits
+    """(W,) what is to be seen."""
+    weights: NDArray[np.float64]
+    """(C,) what seeing a cell is worth."""
+    rest: float
+    """What weight may stay unseen."""
 
 
 class Tours:
@@ -41,35 +56,35 @@ class Tours:
         return self._tour[0] if stands else None
 
     def plan(self, belief: Belief, cell: int, share: NDArray[np.float64] | None = None) -> None:
-        """Plan a tour from a flat cell, or keep the old one if the new one is no shorter.
+        """Plan a tour from a flat cell, and keep the old one while it shows enough and is no worse.
 
-        ``share`` (C,) is how much of each cell is this UAV's to see, 1 unless a teammate is to see it.
+        ``share`` (C,) is how much of each cell is this UAV's to see, 1 unless a teammate is to see it. A tour that
+        shows too little is kept while it can be flown and shows anything.
         """
         self.sights.update(belief)
         self.following(cell)
         unseen = packed(belief == UNKNOWN) & self.sights.attainable(cell)
-        weights, rest = self._wanted(belief, unseen, share)
-        length = self._length(cell, unseen, weights, rest)
-        if length is not None:
-            self._tour = self._tour[:length]
-        elif self._finishes or not self._gains(cell, unseen):
+        task = Task(cell, unseen, *self._wanted(belief, unseen, share))
+        old = self._cost(task, self._tour)
+        if old is not None:
+            self._tour = self._tour[: old[0]]
+        elif self._finishes or not self._is_open(task) or not self._upto_last_gain(self._tour, unseen):
             self._tour = []
-        tour, finishes = self._search(cell, unseen, weights, rest, length)
-        if finishes or not self._tour:
+        tour, finishes = self._search(task, old[0] if old else self._style.depth)
+        new = self._cost(task, tour)
+        if not self._tour or (new is not None and (old is None or new < old)):
             self._tour, self._finishes = tour, finishes
 
-    def _search(
-        self, cell: int, unseen: Bits, weights: NDArray[np.float64], rest: float, length: int | None
-    ) -> tuple[list[int], bool]:
-        """Return a tour shorter than ``length`` and whether it finishes; up to its last gain if it does not."""
-        depth = self._style.depth if length is None else min(length - 1, self._style.depth)
-        if depth < 1 or not unseen.any():
+    def _search(self, task: Task, depth: int) -> tuple[list[int], bool]:
+        """Return a tour of at most ``depth`` steps and whether it finishes; up to its last gain if it does not."""
+        if not task.unseen.any():
             return [], False
         sights = self.sights
-        terrain = Terrain(sights.views, sights.passages, sights.soon, self._around, self._keys, weights)
-        cells, finishes = shortest_tour(cell, unseen, terrain, rest, self._style._replace(depth=depth))
+        terrain = Terrain(sights.views, sights.passages, sights.soon, self._around, self._keys, task.weights)
+        style = self._style._replace(depth=min(depth, self._style.depth))
+        cells, finishes = shortest_tour(task.cell, task.unseen, terrain, task.rest, style)
         tour = cells.tolist()
-        return (tour, True) if finishes else (self._upto_last_gain(tour, unseen), False)
+        return (tour, True) if finishes else (self._upto_last_gain(tour, task.unseen), False)
 
     def _wanted(
         self, belief: Belief, unseen: Bits, share: NDArray[np.float64] | None
@@ -89,21 +104,26 @@ class Tours:
                 return weights, most
         return open_cells.astype(np.float64), 0.5
 
-    def _length(self, cell: int, unseen: Bits, weights: NDArray[np.float64], rest: float) -> int | None:
-        """Return after how many steps the old tour shows enough; None if it never does or is blocked."""
-        for steps, following in enumerate(self._tour, 1):
+    def _cost(self, task: Task, tour: list[int]) -> tuple[int, float] | None:
+        """Return the steps until a tour shows enough and its delay; None if it never does or is blocked.
+
+        The delay is the weight of what is still unseen, summed over these steps.
+        """
+        cell, unseen, delay = task.cell, task.unseen, 0.0
+        for steps, following in enumerate(tour, 1):
             if following not in self.sights.passages[cell]:
                 return None
             cell, unseen = following, unseen & ~self.sights.views[following]
-            if weights[unpacked(unseen, weights.size)].sum() <= rest:
-                return steps
+            left = float(task.weights[unpacked(unseen, task.weights.size)].sum())
+            delay += left
+            if left <= task.rest:
+                return steps, round(delay, 6)
         return None
 
-    def _gains(self, cell: int, unseen: Bits) -> bool:
-        """Tell whether the old tour is open and shows anything."""
-        steps = zip([cell, *self._tour], self._tour, strict=False)
-        is_open = all(after in self.sights.passages[before] for before, after in steps)
-        return is_open and bool(self._upto_last_gain(self._tour, unseen))
+    def _is_open(self, task: Task) -> bool:
+        """Tell whether the old tour can be flown as far as is known."""
+        steps = zip([task.cell, *self._tour], self._tour, strict=False)
+        return all(after in self.sights.passages[before] for before, after in steps)
 
     def _upto_last_gain(self, tour: list[int], unseen: Bits) -> list[int]:
         last = 0
