@@ -1,0 +1,1 @@
+"""Receding-horizon exploration: whole tours planned ahead, flown step by step, planned anew as the map grows."""

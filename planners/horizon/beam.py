@@ -1,0 +1,278 @@
+"""Beam search for the shortest tour that shows enough of what is unseen.
+
+A state is (cell, set of unseen cells). All states after d steps are ranked, the best are kept, and their
+neighbours are the candidates of step d + 1; a state that was reached before, at whatever step, is dropped.
+A state ranks by what is left to see,
+
+    sum over unseen u of w(u) (1 + isolation (1 - n(u) / 8)) + pull (steps to the next gain) + stretch (steps to all)
+
+with w the weight of a cell and n(u) the unseen cells among the eight around it; less is better. The isolation
+term makes scattered leftovers expensive, so that pockets are finished while they are near. Both step counts come
+from :mod:`indoor_explorers.planners.horizon.sights`; the second is a lower bound on what the state still needs.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from indoor_explorers.env.compiled import inner, kernel
+from indoor_explorers.planners.gains import bit_count
+from indoor_explorers.planners.horizon.cellsets import holds, meet, within
+
+_ONE = np.uint64(1)
+
+
+class Style(NamedTuple):
+    """How states are ranked and how far is looked."""
+
+    isolation: float
+    """Extra weight of an unseen cell with nothing unseen around it."""
+    pull: float
+    """Weight of a step to the next gain, in cells."""
+    stretch: float
+    """Weight of a step to the unseen cell that takes longest, in cells."""
+    width: int
+    """States kept at each step."""
+    depth: int
+    """Steps looked ahead."""
+
+
+class Terrain(NamedTuple):
+    """Where the search takes place, C cells in W words."""
+
+    views: np.ndarray
+    """(C, W) what is visible from a cell."""
+    passages: np.ndarray
+    """(C, 4) neighbours, -1 for none."""
+    soon: np.ndarray
+    """(D, C, W) what can have been seen d steps from a cell."""
+    around: np.ndarray
+    """(C, 8) cells around a cell, -1 off the map."""
+    keys: np.ndarray
+    """(2 C,) hash words of unseen cells, then of the UAV's cell."""
+    weights: np.ndarray
+    """(C,) what seeing a cell is worth."""
+
+
+class States(NamedTuple):
+    """Up to K search states."""
+
+    cell: np.ndarray
+    unseen: np.ndarray
+    """(K, W)."""
+    key: np.ndarray
+    """Hash of the unseen set."""
+    worth: np.ndarray
+    """What is left to see, isolation included."""
+    left: np.ndarray
+    """What is left to see, weights alone."""
+    delay: np.ndarray
+    """Sum of ``left`` over the steps so far: of two tours of one length the one that sees more early is better."""
+    rank: np.ndarray
+    node: np.ndarray
+    """Where the state, or a candidate's parent, is in the tree of all states kept."""
+
+
+class Tree(NamedTuple):
+    """The states kept at all steps."""
+
+    cell: np.ndarray
+    parent: np.ndarray
+
+
+@kernel()
+def _new_states(count: int, words: int) -> States:
+    return States(
+        np.empty(count, np.int32),
+        np.empty((count, words), np.uint64),
+        np.empty(count, np.uint64),
+        np.empty(count),
+        np.empty(count),
+        np.empty(count),
+        np.empty(count),
+        np.empty(count, np.int32),
+    )
+
+
+@inner()
+def _copy(source: States, s: int, target: States, t: int) -> None:
+    target.cell[t], target.key[t] = source.cell[s], source.key[s]
+    target.worth[t], target.left[t], target.delay[t] = source.worth[s], source.left[s], source.delay[s]
+    target.rank[t], target.node[t] = source.rank[s], source.node[s]
+    for w in range(source.unseen.shape[1]):
+        target.unseen[t, w] = source.unseen[s, w]
+
+
+@inner()
+def _strike(states: States, s: int, seen: int, terrain: Terrain, isolation: float) -> None:
+    """Take one cell, already out of the unseen set of state ``s``, off its account."""
+    share, near = isolation / 8, 0
+    unseen = states.unseen[s]
+    for k in range(8):
+        cell = terrain.around[seen, k]
+        if cell >= 0 and holds(unseen, cell):
+            near += 1
+            states.worth[s] += share * terrain.weights[cell]
+    states.worth[s] -= terrain.weights[seen] * (1 + isolation - share * near)
+    states.left[s] -= terrain.weights[seen]
+    states.key[s] ^= terrain.keys[seen]
+
+
+@inner()
+def _look(states: States, s: int, cell: int, terrain: Terrain, isolation: float) -> None:
+    """Move state ``s`` to a cell and strike what is seen there."""
+    states.cell[s] = cell
+    for w in range(states.unseen.shape[1]):
+        new = states.unseen[s, w] & terrain.views[cell, w]
+        while new != 0:
+            lowest = new & (~new + _ONE)
+            new ^= lowest
+            states.unseen[s, w] ^= lowest
+            _strike(states, s, w * 64 + int(np.int64(bit_count(lowest - _ONE))), terrain, isolation)
+    states.delay[s] += states.left[s]
+
+
+@inner()
+def _rank(states: States, s: int, terrain: Terrain, style: Style) -> None:
+    """Work out the rank of state ``s``; smaller is better."""
+    cell, unseen, farthest = states.cell[s], states.unseen[s], terrain.soon.shape[0]
+    first = 0
+    while first < farthest and not meet(unseen, terrain.soon[first, cell]):
+        first += 1
+    last = first
+    while style.stretch > 0 and last < farthest and not within(unseen, terrain.soon[last, cell]):
+        last += 1
+    states.rank[s] = states.worth[s] + style.pull * first + style.stretch * last
+
+
+@inner()
+def _is_new(table: np.ndarray, key: np.uint64) -> bool:
+    """Tell whether a state's hash was not met before, and remember it while there is room for it."""
+    last = np.uint64(table.shape[0] - 1)
+    slot, key = (key >> np.uint64(20)) & last, key | _ONE
+    for _ in range(8):
+        if table[slot] == key:
+            return False
+        if table[slot] == 0:
+            table[slot] = key
+            return True
+        slot = (slot + _ONE) & last
+    return True
+
+
+@kernel()
+def _root(start: int, unseen: np.ndarray, terrain: Terrain, isolation: float, states: States) -> None:
+    """Make state 0 from the UAV's cell and the unseen set."""
+    share = isolation / 8
+    states.cell[0], states.key[0], states.node[0] = start, np.uint64(0), 0
+    states.worth[0], states.left[0], states.delay[0], states.rank[0] = 0.0, 0.0, 0.0, 0.0
+    states.unseen[0] = unseen
+    for cell in range(terrain.views.shape[0]):
+        if holds(unseen, cell):
+            near = 0
+            for k in range(8):
+                near += terrain.around[cell, k] >= 0 and holds(unseen, terrain.around[cell, k])
+            states.key[0] ^= terrain.keys[cell]
+            states.left[0] += terrain.weights[cell]
+            states.worth[0] += terrain.weights[cell] * (1 + isolation - share * near)
+
+
+@kernel()
+def _expand(
+    states: States, count: int, terrain: Terrain, style: Style, rest: float, table: np.ndarray, children: States
+) -> tuple[int, int]:
+    """Write the new neighbours of all states into ``children``; return how many and the best finished one, or -1."""
+    found, done = 0, -1
+    for s in range(count):
+        for k in range(4):
+            cell = terrain.passages[states.cell[s], k]
+            if cell < 0:
+                continue
+            _copy(states, s, children, found)
+            _look(children, found, cell, terrain, style.isolation)
+            if not _is_new(table, children.key[found] ^ terrain.keys[terrain.views.shape[0] + cell]):
+                continue
+            _rank(children, found, terrain, style)
+            if children.left[found] <= rest and (done < 0 or children.delay[found] < children.delay[done]):
+                done = found
+            found += 1
+    return found, done
+
+
+@kernel()
+def _select(rank: np.ndarray, order: np.ndarray, keep: int) -> None:
+    """Bring the ``keep`` smallest of ``rank[order]`` to the front of ``order`` (Hoare's quickselect)."""
+    low, high = 0, order.shape[0] - 1
+    while low < high:
+        pivot, i, j = rank[order[(low + high) // 2]], low, high
+        while i <= j:
+            while rank[order[i]] < pivot:
+                i += 1
+            while rank[order[j]] > pivot:
+                j -= 1
+            if i <= j:
+                order[i], order[j] = order[j], order[i]
+                i, j = i + 1, j - 1
+        if keep - 1 <= j:
+            high = j
+        elif keep - 1 >= i:
+            low = i
+        else:
+            return
+
+
+@kernel()
+def _keep(children: States, found: int, style: Style, states: States, tree: Tree, nodes: int) -> int:
+    """Move the best children to ``states`` and into the tree; return how many they are."""
+    order = np.arange(found)
+    kept = min(found, style.width)
+    if kept < found:
+        _select(children.rank, order, kept)
+    for s in range(kept):
+        _copy(children, order[s], states, s)
+        tree.cell[nodes + s], tree.parent[nodes + s] = states.cell[s], states.node[s]
+        states.node[s] = nodes + s
+    return kept
+
+
+@kernel()
+def _traced(tree: Tree, node: int, last: int) -> np.ndarray:
+    """Return the cells after the root up to ``node``, then ``last`` if that is a cell."""
+    cells = [np.int32(last)]
+    while node > 0:
+        cells.append(tree.cell[node])
+        node = tree.parent[node]
+    tour = np.array(cells[::-1], np.int32)
+    return tour if last >= 0 else tour[:-1]
+
+
+@kernel()
+def shortest_tour(
+    start: int, unseen: np.ndarray, terrain: Terrain, rest: float, style: Style
+) -> tuple[np.ndarray, bool]:
+    """Return the cells of the shortest tour found, the start left out, and whether it shows enough.
+
+    It does when the weights of what stays unseen sum to ``rest`` at most. Otherwise the tour leads to the best of the
+    states that are ``style.depth`` steps away.
+    """
+    words = terrain.views.shape[1]
+    states, children = _new_states(style.width, words), _new_states(4 * style.width, words)
+    tree = Tree(np.empty(style.width * style.depth + 1, np.int32), np.empty(style.width * style.depth + 1, np.int32))
+    size = 64
+    while size < 4 * style.width * style.depth:
+        size *= 2
+    table = np.zeros(size, np.uint64)
+    _root(start, unseen, terrain, style.isolation, states)
+    count, nodes = 1, 1
+    for _ in range(style.depth):
+        found, done = _expand(states, count, terrain, style, rest, table, children)
+        if done >= 0:
+            return _traced(tree, children.node[done], children.cell[done]), True
+        if found == 0:
+            break
+        count = _keep(children, found, style, states, tree, nodes)
+        nodes += count
+    best = np.argmin(states.rank[:count])
+    return _traced(tree, states.node[best], -1), False

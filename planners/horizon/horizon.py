@@ -1,0 +1,170 @@
+"""Receding horizon: plan the whole tour that is left, fly its first step, plan again when the map has grown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid import Action
+from indoor_explorers.env.maps.thesis import ThesisMaps
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.goals import action_between
+from indoor_explorers.planners.horizon.beam import Style
+from indoor_explorers.planners.horizon.prior import LearnedPrior, OpenPrior, Prior
+from indoor_explorers.planners.horizon.rooms import RoomPrior
+from indoor_explorers.planners.horizon.sequences import Outlook, SequencePilot
+from indoor_explorers.planners.horizon.tours import Tours
+from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.paths import Paths, count_known
+from indoor_explorers.planners.teammates import remembered
+from indoor_explorers.planners.yielding import Yielding
+
+#: How fast isolation matters less when the goal leaves cells out: it halves with every so much of the coverage.
+GOAL_SCALE = 0.05
+#: A tour that has shown nothing for so many steps more than it had is given up until the map grows.
+PATIENCE = 8
+
+
+@dataclass(frozen=True, kw_only=True)
+class Horizon(Policy):
+    """Plan a tour of the unseen cells by beam search and keep it while it stands; on large maps, one of clusters.
+
+    In rooms of up to ``room`` cells the search is over (cell, unseen set), taking unknown cells to be free to fly
+    through and transparent. It aims at the scenario's goal coverage. Cells count by their chance to be free:
+    with ``prior`` "source" and a generator of random rooms, the chance is worked out from the generator's
+    statistics (``briefing.scenario.map``: number, sizes and margins of obstacles; never the map); otherwise, and with
+    "belief", it is learned during the flight from the UAV's own map. Beyond ``room`` cells, or where
+    no tour is found, frontier clusters are visited in the order that shows most, soonest.
+
+    Receding-horizon exploration: A. Bircher et al., ICRA 2016, doi:10.1109/ICRA.2016.7487281; the search over whole
+    tours is this project's.
+    """
+
+    width: int = 100
+    """States that the beam keeps at each step."""
+    depth: int = 80
+    """Steps that the beam looks ahead."""
+    isolation: float = 8.0
+    """Extra weight of an unseen cell with nothing unseen around it, in cells, when everything is to be seen."""
+    caution: float = 2.0
+    """Factor of ``isolation`` where there may be obstacles: they upset plans, and pockets left behind cost more."""
+    pull: float = 0.02
+    """What a step to the next gain costs, in cells."""
+    stretch: float = 0.0
+    """What a step to the unseen cell that takes longest costs, in cells."""
+    spare: float = 0.008
+    """Share of the cells that is left for the very last, so that nearly all are seen sooner."""
+    prior: Literal["source", "belief", "none"] = "source"
+    """Where the chance of obstacles comes from; "none" takes all unknown cells to be free."""
+    chains: int = 64
+    """Rooms that are sampled at a time for ``prior`` "source"."""
+    sweeps: int = 3
+    """How often each sampled room is drawn anew at each step that shows something new."""
+    deference: float = 0.1
+    """Weight of a cell, or a cluster, for each teammate that is nearer to it."""
+    room: int = 600
+    """Cells of the largest map that is planned cell by cell."""
+    decay: float = 0.6
+    """Large maps: rate at which gains lose worth, per lidar range flown before they are had."""
+    visits: int = 5
+    """Large maps: clusters that are planned ahead."""
+    candidates: int = 15
+    """Large maps: clusters to choose from."""
+    pockets: float = 10.0
+    """Large maps: extra weight of an unknown cell with nothing unknown around it."""
+    sequences: int = 30
+    """Large maps: orders of clusters kept after each visit."""
+
+    def __post_init__(self) -> None:
+        at_least(self, 1, "width", "depth", "chains", "sweeps", "visits", "candidates", "sequences")
+        at_least(self, 0.0, "isolation", "caution", "pull", "stretch", "spare", "deference", "room", "decay", "pockets")
+        if self.prior not in ("source", "belief", "none"):
+            raise InputError(f"Horizon: expected prior to be source, belief or none, got {self.prior!r}")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        outlook = Outlook(self.decay, self.visits, self.candidates, self.sequences, self.deference, self.pockets)
+        beyond = SequencePilot(briefing, outlook)
+        if briefing.shape[0] * briefing.shape[1] > self.room:
+            return beyond
+        return HorizonPilot(briefing, self, beyond)
+
+    def tours(self, briefing: Briefing) -> Tours:
+        """Return the planner of one UAV's tours."""
+        goal = briefing.scenario.goal
+        prior = self._prior(briefing)
+        caution = 1.0 if isinstance(prior, OpenPrior) else self.caution
+        isolation = caution * self.isolation * 0.5 ** ((1.0 - goal) / GOAL_SCALE)
+        style = Style(isolation, self.pull, self.stretch, self.width, self.depth)
+        return Tours(briefing.shape, briefing.lidar_range, prior, style, goal, self.spare)
+
+    def _prior(self, briefing: Briefing) -> Prior:
+        source = briefing.scenario.map
+        if self.prior == "none":
+            return OpenPrior()
+        if self.prior == "source" and isinstance(source, ThesisMaps) and RoomPrior.suits(source):
+            known_empty = source.obstacles == 0
+            return OpenPrior() if known_empty else RoomPrior(source, briefing.rng, self.chains, self.sweeps)
+        return LearnedPrior()
+
+
+class HorizonPilot(Pilot):
+    """Fly tours; where there is none or it leads nowhere, hand over to another pilot."""
+
+    def __init__(self, briefing: Briefing, policy: Horizon, beyond: Pilot) -> None:
+        self.briefing = briefing
+        self._deference = policy.deference
+        self._tours = policy.tours(briefing)
+        self._beyond = beyond
+        self._paths = Paths(briefing.shape)
+        self._yielding = Yielding(self._paths, briefing.rng)
+        self._known, self._deadline = -1, 0
+        self._handed_over = 0
+
+    def act(self, view: View) -> int:
+        """Follow the tour, planning again whenever the map has grown or the tour has ended."""
+        cell = view.cell[0] * self._paths.width + view.cell[1]
+        following = self._next(view, cell)
+        if self._yielding.should_make_way(view):
+            self._yielding.retreat(view)
+        if following is None and not self._yielding.retreating:
+            self._handed_over += 1
+            self._yielding.expect(view.cell, Action.STAY)
+            return self._beyond.act(view)
+        after = divmod(following, self._paths.width) if following is not None else view.cell
+        action = action_between(view.cell, self._yielding.next_cell(view) if self._yielding.retreating else after)
+        self._yielding.expect(view.cell, action)
+        return action
+
+    def tally(self) -> dict[str, float]:
+        """Return how many decisions were handed over."""
+        return {"decisions_without_tour": float(self._handed_over)}
+
+    def _next(self, view: View, cell: int) -> int | None:
+        """Return the tour's next flat cell; None when there is none, or the tour has shown nothing for too long."""
+        known = count_known(view.belief)
+        following = self._tours.following(cell)
+        if known != self._known or following is None:
+            self._tours.plan(view.belief, cell, self._share(view, cell))
+            following = self._tours.following(cell)
+        if known != self._known:
+            self._known, self._deadline = known, view.step + self._tours.length + PATIENCE
+        return following if view.step <= self._deadline else None
+
+    def _share(self, view: View, cell: int) -> NDArray[np.float64] | None:
+        """Return how much of each cell is this UAV's to see, (C,): less for each teammate that can see it sooner."""
+        mates = remembered(view, self.briefing)
+        if not mates:
+            return None
+        self._tours.sights.update(view.belief)
+        own = self._tours.sights.first_steps(cell)
+        nearer = np.zeros(own.shape, np.int64)
+        for mate in mates:
+            theirs = self._tours.sights.first_steps(mate.cell[0] * self._paths.width + mate.cell[1])
+            nearer += (theirs < own) | ((theirs == own) & (mate.agent < self.briefing.agent))
+        return np.asarray(self._deference**nearer)

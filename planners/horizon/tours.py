@@ -1,0 +1,133 @@
+"""The tour of one UAV through a small map: planned over cells, kept while it stands, planned anew as the map grows."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.grid import FREE, UNKNOWN
+from indoor_explorers.planners.horizon.beam import Style, Terrain, shortest_tour
+from indoor_explorers.planners.horizon.cellsets import Bits, around, hash_keys, packed, unpacked
+from indoor_explorers.planners.horizon.prior import Prior
+from indoor_explorers.planners.horizon.sights import Sights
+
+#: Free cells that may be missing when everything is wanted, as an expected number.
+CERTAINTY = 0.2
+
+
+class Task(NamedTuple):
+    """What one tour is to do."""
+
+    cell: int
+    """Where it starts, flat."""
+    unseen: Bits
+    """(W,) what is to be seen."""
+    weights: NDArray[np.float64]
+    """(C,) what seeing a cell is worth."""
+    rest: float
+    """What weight may stay unseen."""
+
+
+class Tours:
+    """Plan tours that show the share ``goal`` of the free cells, first with a share ``spare`` of them left out."""
+
+    def __init__(
+        self, shape: tuple[int, int], lidar_range: float, prior: Prior, style: Style, goal: float, spare: float
+    ) -> None:
+        self.sights = Sights(shape, lidar_range)
+        self._prior, self._style, self._goal, self._spare = prior, style, goal, spare
+        self._around, self._keys = around(shape), hash_keys(2 * shape[0] * shape[1])
+        self._tour: list[int] = []
+        self._finishes = False
+
+    @property
+    def length(self) -> int:
+        """Steps that the tour still has."""
+        return len(self._tour)
+
+    def following(self, cell: int) -> int | None:
+        """Return the next cell of the tour of a UAV in a flat cell; None when there is none."""
+        if self._tour and self._tour[0] == cell:
+            self._tour = self._tour[1:]
+        stands = self._tour and self._tour[0] in self.sights.passages[cell]
+        return self._tour[0] if stands else None
+
+    def plan(self, belief: Belief, cell: int, share: NDArray[np.float64] | None = None) -> None:
+        """Plan a tour from a flat cell, and keep the old one while it shows enough and is no worse.
+
+        ``share`` (C,) is how much of each cell is this UAV's to see, 1 unless a teammate is to see it. A tour that
+        shows too little is kept while it can be flown and shows anything.
+        """
+        self.sights.update(belief)
+        self.following(cell)
+        unseen = packed(belief == UNKNOWN) & self.sights.attainable(cell)
+        task = Task(cell, unseen, *self._wanted(belief, unseen, share))
+        old = self._cost(task, self._tour)
+        if old is not None:
+            self._tour = self._tour[: old[0]]
+        elif self._finishes or not self._is_open(task) or not self._upto_last_gain(self._tour, unseen):
+            self._tour = []
+        tour, finishes = self._search(task, old[0] if old else self._style.depth)
+        new = self._cost(task, tour)
+        if not self._tour or (new is not None and (old is None or new < old)):
+            self._tour, self._finishes = tour, finishes
+
+    def _search(self, task: Task, depth: int) -> tuple[list[int], bool]:
+        """Return a tour of at most ``depth`` steps and whether it finishes; up to its last gain if it does not."""
+        if not task.unseen.any():
+            return [], False
+        sights = self.sights
+        terrain = Terrain(sights.views, sights.passages, sights.soon, self._around, self._keys, task.weights)
+        style = self._style._replace(depth=min(depth, self._style.depth))
+        cells, finishes = shortest_tour(task.cell, task.unseen, terrain, task.rest, style)
+        tour = cells.tolist()
+        return (tour, True) if finishes else (self._upto_last_gain(tour, task.unseen), False)
+
+    def _wanted(
+        self, belief: Belief, unseen: Bits, share: NDArray[np.float64] | None
+    ) -> tuple[NDArray[np.float64], float]:
+        """Return the weights of cells (C,) and what weight of them may stay unseen.
+
+        What may be spared is spared until only that is left; then the teammates' part is wanted too, and in the end
+        every cell, however likely an obstacle.
+        """
+        open_cells = unpacked(unseen, belief.size)
+        chances = np.where(open_cells, self._prior.free_chances(belief), 0.0)
+        total = np.count_nonzero(belief == FREE) + chances.sum()
+        rest = (1.0 - self._goal) * total + CERTAINTY
+        own = chances if share is None else chances * share
+        for weights, most in ((own, max(rest, self._spare * total)), (own, rest), (chances, rest)):
+            if weights.sum() > most:
+                return weights, most
+        return open_cells.astype(np.float64), 0.5
+
+    def _cost(self, task: Task, tour: list[int]) -> tuple[int, float] | None:
+        """Return the steps until a tour shows enough and its delay; None if it never does or is blocked.
+
+        The delay is the weight of what is still unseen, summed over these steps.
+        """
+        cell, unseen, delay = task.cell, task.unseen, 0.0
+        for steps, following in enumerate(tour, 1):
+            if following not in self.sights.passages[cell]:
+                return None
+            cell, unseen = following, unseen & ~self.sights.views[following]
+            left = float(task.weights[unpacked(unseen, task.weights.size)].sum())
+            delay += left
+            if left <= task.rest:
+                return steps, round(delay, 6)
+        return None
+
+    def _is_open(self, task: Task) -> bool:
+        """Tell whether the old tour can be flown as far as is known."""
+        steps = zip([task.cell, *self._tour], self._tour, strict=False)
+        return all(after in self.sights.passages[before] for before, after in steps)
+
+    def _upto_last_gain(self, tour: list[int], unseen: Bits) -> list[int]:
+        last = 0
+        for steps, cell in enumerate(tour, 1):
+            if (unseen & self.sights.views[cell]).any():
+                last, unseen = steps, unseen & ~self.sights.views[cell]
+        return tour[:last]

@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import InputError, Policy, make_policy, scenario
+from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.planners.horizon.beam import Style
+from indoor_explorers.planners.horizon.cellsets import unpacked
+from indoor_explorers.planners.horizon.horizon import Horizon, HorizonPilot
+from indoor_explorers.planners.horizon.prior import OpenPrior
+from indoor_explorers.planners.horizon.sequences import SequencePilot
+from indoor_explorers.planners.horizon.tours import Tours
+from tests.planners import flights
+
+
+def mean_time(policy: Policy, task_name: str, metric: str, settings: dict[str, object] | None = None) -> float:
+    task = scenario(task_name).for_evaluation().with_settings(settings or {})
+    records = fly(policy, "it", task, [Task(task.name, 0, seed) for seed in range(10)])
+    return float(np.mean([record.metrics[metric] for record in records]))
+
+
+def test_rooms_take_far_fewer_steps_than_to_the_nearest_frontier() -> None:
+    nearest = make_policy("frontier-nearest")
+    for task in ("thesis-open", "thesis-obstacles", "thesis-team-4"):
+        assert mean_time(Horizon(), task, "t99") < 0.8 * mean_time(nearest, task, "t99")
+
+
+def test_it_aims_at_the_goal_that_it_is_told() -> None:
+    everything = mean_time(Horizon(), "thesis-open", "t90")
+    assert mean_time(Horizon(), "thesis-open", "t90", {"goal": 0.9}) < everything - 2
+
+
+@pytest.mark.parametrize("prior", ["source", "belief", "none"])
+def test_every_prior_completes_rooms(prior: str) -> None:
+    policy = make_policy("horizon", prior=prior)
+    (record,) = fly(policy, "it", scenario("thesis-obstacles").for_evaluation(), [Task("thesis-obstacles", 0, 4)])
+    assert record.outcome == "complete"
+
+
+def test_a_tour_is_legal_and_kept_while_it_stands() -> None:
+    tours = Tours((10, 12), 3.0, OpenPrior(), Style(8.0, 0.02, 0.0, 100, 80), goal=1.0, spare=0.0)
+    belief = np.zeros((10, 12), np.uint8)
+    belief[:3, :3], belief[5, 2:9] = 1, 2
+    cell, length = 0, 0
+    for step in range(60):
+        tours.plan(belief, cell)
+        assert step == 0 or tours.length <= length - 1
+        length, following = tours.length, tours.following(cell)
+        if following is None:
+            break
+        assert following in tours.sights.passages[cell]
+        cell = following
+        belief = np.where(unpacked(tours.sights.views[cell], 120).reshape(10, 12) & (belief == 0), 1, belief)
+        belief = belief.astype(np.uint8)
+    assert not (belief == 0).any()
+
+
+def test_large_maps_are_flown_by_clusters() -> None:
+    flight = flights.fly(Horizon(room=50), flights.rooms(2, 4, 1))
+    assert flight.complete
+    assert isinstance(flight.pilots[0], SequencePilot)
+    assert isinstance(flights.fly(Horizon(), flights.rooms(2, 4, 1)).pilots[0], HorizonPilot)
+
+
+def test_bad_parameters_are_refused() -> None:
+    with pytest.raises(InputError, match="expected width of at least 1"):
+        Horizon(width=0)
+    with pytest.raises(InputError, match="expected prior to be source, belief or none"):
+        make_policy("horizon", prior="truth")
