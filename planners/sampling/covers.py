@@ -19,18 +19,22 @@ def _new(bits: np.ndarray, left: np.ndarray) -> int:
 
 
 @kernel()
-def _leaders(bits: np.ndarray, left: np.ndarray, bounds: np.ndarray, leaders: np.ndarray, least: int) -> int:
-    """Fill ``leaders`` with the rows that add most, the best first; return how many add ``least`` or more.
+def _leaders(
+    bits: np.ndarray, weights: np.ndarray, left: np.ndarray, bounds: np.ndarray, leaders: np.ndarray, least: int
+) -> int:
+    """Fill ``leaders`` with the rows that add most, the best first; return how many there are.
 
-    ``bounds`` (K,) holds what each row added at most and is brought up to date where that matters.
+    Rows that add fewer than ``least`` are none. ``bounds`` (K,) holds what each row added at most, times its weight,
+    and is brought up to date where that matters.
     """
     found, size = 0, leaders.shape[0]
     for k in range(bits.shape[0]):
-        worst = max(least, bounds[leaders[size - 1]] + 1) if found == size else least
-        if bounds[k] < worst:
+        worst = bounds[leaders[size - 1]] if found == size else 0.0
+        if bounds[k] <= worst:
             continue
-        bounds[k] = _new(bits[k], left)
-        if bounds[k] < worst:
+        added = _new(bits[k], left)
+        bounds[k] = weights[k] * added if added >= least else 0.0
+        if bounds[k] <= worst:
             continue
         place = min(found, size - 1)
         while place > 0 and bounds[leaders[place - 1]] < bounds[k]:
@@ -42,43 +46,43 @@ def _leaders(bits: np.ndarray, left: np.ndarray, bounds: np.ndarray, leaders: np
 
 
 @kernel()
-def greedy_cover(bits: np.ndarray, ranks: np.ndarray, least: int) -> tuple[np.ndarray, np.ndarray]:
+def greedy_cover(bits: np.ndarray, weights: np.ndarray, ranks: np.ndarray, least: int) -> tuple[np.ndarray, np.ndarray]:
     """Pick rows of (K, words) ``bits`` until no other adds ``least`` ones; return the picks and what each added.
 
-    Round k takes, of the ``ranks.max() + 1`` rows that add most, the one whose place is ``ranks[k]``, the last when
-    there are fewer; there are at most as many rounds as ``ranks``.
+    Round k takes, of the ``ranks.max() + 1`` rows whose new ones times their (K,) positive ``weights`` are most, the
+    one whose place is ``ranks[k]``, the last when there are fewer; there are at most as many rounds as ``ranks``.
     """
     left = np.zeros(bits.shape[1], np.uint64)
     for k in range(bits.shape[0]):
         left |= bits[k]
-    bounds = np.full(bits.shape[0], 64 * bits.shape[1], np.int64)
-    leaders = np.zeros(ranks.max() + 1, np.int64)
+    bounds = np.full(bits.shape[0], np.inf)
+    leaders = np.zeros(ranks.max() + 1 if ranks.shape[0] > 0 else 1, np.int64)
     picks, added = np.empty(ranks.shape[0], np.int64), np.empty(ranks.shape[0], np.int64)
     size = 0
     while size < ranks.shape[0]:
-        found = _leaders(bits, left, bounds, leaders, least)
+        found = _leaders(bits, weights, left, bounds, leaders, least)
         if found == 0:
             break
         pick = leaders[min(ranks[size], found - 1)]
-        picks[size], added[size] = pick, bounds[pick]
+        picks[size], added[size] = pick, _new(bits[pick], left)
         left &= ~bits[pick]
         size += 1
     return picks[:size], added[:size]
 
 
 @kernel()
-def _burden(costs: np.ndarray, shares: np.ndarray, order: np.ndarray, patience: float) -> float:
-    arrival, waiting = 0.0, 0.0
+def _merit(costs: np.ndarray, worths: np.ndarray, order: np.ndarray, rate: float) -> float:
+    arrival, merit = 0.0, 0.0
     for k in range(1, order.shape[0]):
         arrival += costs[order[k - 1], order[k]]
-        waiting += shares[order[k]] * arrival
-    return arrival + patience * waiting
+        merit += worths[order[k]] * np.exp(-rate * arrival)
+    return merit if rate > 0.0 else -arrival
 
 
 @kernel()
-def _settle(costs: np.ndarray, shares: np.ndarray, order: np.ndarray, patience: float) -> float:
+def _settle(costs: np.ndarray, worths: np.ndarray, order: np.ndarray, rate: float) -> float:
     count = order.shape[0]
-    least, trial = _burden(costs, shares, order, patience), order.copy()
+    most, trial = _merit(costs, worths, order, rate), order.copy()
     better = True
     while better:
         better = False
@@ -89,20 +93,21 @@ def _settle(costs: np.ndarray, shares: np.ndarray, order: np.ndarray, patience: 
                 for k in range(i, j, step):
                     trial[k] = order[k + step]
                 trial[j] = order[i]
-                burden = _burden(costs, shares, trial, patience)
-                if burden < least - 1e-9:
-                    least, better = burden, True
+                merit = _merit(costs, worths, trial, rate)
+                if merit > most + 1e-9 * abs(most):
+                    most, better = merit, True
                     order[:] = trial
-    return least
+    return most
 
 
 def settled(
-    costs: NDArray[np.float64], shares: NDArray[np.float64], order: NDArray[np.int64], patience: float
+    costs: NDArray[np.float64], worths: NDArray[np.float64], order: NDArray[np.int64], rate: float
 ) -> tuple[NDArray[np.int64], float]:
-    """Move places of an open tour while that lightens its burden; return the order and the burden.
+    """Move places of an open tour while that adds to its merit; return the order and the merit.
 
-    The burden is the tour's length plus ``patience`` times the mean time at which a thing is reached of which place k
-    holds ``shares[k]``, (K,), in the units of the (K, K) ``costs``. ``order`` is (K,), the start in front.
+    The merit is the sum of the (K,) ``worths`` of the places, discounted by e^(-rate t) for a place that is reached
+    at t in the units of the (K, K) ``costs``; with a rate of 0 it is the tour's length, negative. ``order`` is (K,),
+    the start in front.
     """
     order = order.copy()
-    return order, float(_settle(costs, shares, order, float(patience)))
+    return order, float(_settle(costs, worths, order, float(rate)))
