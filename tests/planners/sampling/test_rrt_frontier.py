@@ -8,7 +8,8 @@ from indoor_explorers.env.lidar import view_gain
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.view import View
 from indoor_explorers.planners.gains import unclaimed_gains
-from indoor_explorers.planners.sampling.rrt_frontier import border_cells, merged
+from indoor_explorers.planners.sampling.rrt_frontier import merged
+from indoor_explorers.planners.sampling.samples import border_cells
 from tests.planners.flights import fly, maze
 
 

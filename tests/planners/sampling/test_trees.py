@@ -19,8 +19,9 @@ belief[np.random.default_rng(1).random((30, 40)) < 0.1] = 2
 belief[0, 0] = 1
 for seed in map(int, sys.argv[1:]):
     samples = np.random.default_rng(seed).random((200, 2)) * (30, 40)
-    tree = grow_tree(belief, (0.5, 0.5), samples, 4.0)
-    print(seed, hashlib.sha256(tree.vertices.tobytes() + tree.parents.tobytes()).hexdigest())
+    for optimal in (False, True):
+        tree = grow_tree(belief, (0.5, 0.5), samples, 4.0, optimal=optimal)
+        print(seed, optimal, hashlib.sha256(tree.vertices.tobytes() + tree.parents.tobytes()).hexdigest())
 """
 
 
@@ -31,9 +32,9 @@ def some_belief() -> Belief:
     return belief
 
 
-def some_tree(seed: int = 0) -> Tree:
+def some_tree(seed: int = 0, *, optimal: bool = False) -> Tree:
     samples = np.random.default_rng(seed).random((200, 2)) * (30, 40)
-    return grow_tree(some_belief(), (0.5, 0.5), samples, 4.0)
+    return grow_tree(some_belief(), (0.5, 0.5), samples, 4.0, optimal=optimal)
 
 
 def test_trees_do_not_depend_on_process_or_order() -> None:
@@ -43,9 +44,9 @@ def test_trees_do_not_depend_on_process_or_order() -> None:
         return set(done.stdout.splitlines()), done.stderr
 
     first, errors = digests(1, 2, 3)
-    second, _ = digests(3, 1, 2)
+    second, _ = digests(3, 1, 2, 2)
     assert first == second
-    assert len(first) == 3
+    assert len(first) == 6
     assert errors == ""
 
 
@@ -68,8 +69,9 @@ sys.exit(0)
     assert (done.stdout, done.stderr) == ("", "")
 
 
-def test_edges_are_short_and_clear() -> None:
-    belief, tree = some_belief(), some_tree()
+@pytest.mark.parametrize("optimal", [False, True])
+def test_edges_are_short_and_clear(optimal: bool) -> None:
+    belief, tree = some_belief(), some_tree(optimal=optimal)
     assert tree.parents[0] == -1
     assert tree.vertices[0].tolist() == [0.5, 0.5]
     assert len(tree.vertices) > 50
@@ -78,9 +80,28 @@ def test_edges_are_short_and_clear() -> None:
         assert fly(belief, *tree.vertices[parent], *vertex) != BLOCKED
 
 
-def test_parents_come_first() -> None:
-    tree = some_tree()
+@pytest.mark.parametrize("optimal", [False, True])
+def test_parents_come_first(optimal: bool) -> None:
+    tree = some_tree(optimal=optimal)
     assert (tree.parents < np.arange(len(tree.parents))).all()
+
+
+def test_a_star_reaches_the_same_points_by_shorter_ways() -> None:
+    plain, star = some_tree(), some_tree(optimal=True)
+    assert {*map(tuple, plain.vertices.tolist())} == {*map(tuple, star.vertices.tolist())}
+    length = dict(zip(map(tuple, plain.vertices.tolist()), plain.lengths().tolist(), strict=True))
+    ways = list(zip(map(tuple, star.vertices.tolist()), star.lengths().tolist(), strict=True))
+    assert all(way <= length[vertex] + 1e-9 for vertex, way in ways)
+    assert sum(way for _, way in ways) < 0.95 * sum(length.values())
+
+
+def test_a_tree_can_keep_to_known_cells() -> None:
+    belief = some_belief()
+    belief[:, 15:18] = 0
+    samples = np.random.default_rng(3).random((300, 2)) * (30, 40)
+    known = grow_tree(belief, (0.5, 0.5), samples, 4.0, into_unknown=False)
+    assert known.vertices[:, 1].max() < 15
+    assert grow_tree(belief, (0.5, 0.5), samples, 4.0).vertices[:, 1].max() > 18
 
 
 def test_other_samples_make_another_tree() -> None:

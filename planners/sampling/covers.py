@@ -1,0 +1,113 @@
+"""Greedy covers: few viewpoints that together see all that any of many sees, and the order to visit them in."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.compiled import kernel
+from indoor_explorers.planners.gains import bit_count
+
+
+@kernel()
+def _new(bits: np.ndarray, left: np.ndarray) -> int:
+    """Count the ones of a row of words that are also in ``left``."""
+    count = np.uint64(0)
+    for word in range(bits.shape[0]):
+        count += bit_count(bits[word] & left[word])
+    return int(count)
+
+
+@kernel()
+def _leaders(
+    bits: np.ndarray, weights: np.ndarray, left: np.ndarray, bounds: np.ndarray, leaders: np.ndarray, least: int
+) -> int:
+    """Fill ``leaders`` with the rows that add most, the best first; return how many there are.
+
+    Rows that add fewer than ``least`` are none. ``bounds`` (K,) holds what each row added at most, times its weight,
+    and is brought up to date where that matters.
+    """
+    found, size = 0, leaders.shape[0]
+    for k in range(bits.shape[0]):
+        worst = bounds[leaders[size - 1]] if found == size else 0.0
+        if bounds[k] <= worst:
+            continue
+        added = _new(bits[k], left)
+        bounds[k] = weights[k] * added if added >= least else 0.0
+        if bounds[k] <= worst:
+            continue
+        place = min(found, size - 1)
+        while place > 0 and bounds[leaders[place - 1]] < bounds[k]:
+            leaders[place] = leaders[place - 1]
+            place -= 1
+        leaders[place] = k
+        found = min(found + 1, size)
+    return found
+
+
+@kernel()
+def greedy_cover(bits: np.ndarray, weights: np.ndarray, ranks: np.ndarray, least: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pick rows of (K, words) ``bits`` until no other adds ``least`` ones; return the picks and what each added.
+
+    Round k takes, of the ``ranks.max() + 1`` rows whose new ones times their (K,) positive ``weights`` are most, the
+    one whose place is ``ranks[k]``, the last when there are fewer; there are at most as many rounds as ``ranks``.
+    """
+    left = np.zeros(bits.shape[1], np.uint64)
+    for k in range(bits.shape[0]):
+        left |= bits[k]
+    bounds = np.full(bits.shape[0], np.inf)
+    leaders = np.zeros(ranks.max() + 1 if ranks.shape[0] > 0 else 1, np.int64)
+    picks, added = np.empty(ranks.shape[0], np.int64), np.empty(ranks.shape[0], np.int64)
+    size = 0
+    while size < ranks.shape[0]:
+        found = _leaders(bits, weights, left, bounds, leaders, least)
+        if found == 0:
+            break
+        pick = leaders[min(ranks[size], found - 1)]
+        picks[size], added[size] = pick, _new(bits[pick], left)
+        left &= ~bits[pick]
+        size += 1
+    return picks[:size], added[:size]
+
+
+@kernel()
+def _merit(costs: np.ndarray, worths: np.ndarray, order: np.ndarray, rate: float) -> float:
+    arrival, merit = 0.0, 0.0
+    for k in range(1, order.shape[0]):
+        arrival += costs[order[k - 1], order[k]]
+        merit += worths[order[k]] * np.exp(-rate * arrival)
+    return merit if rate > 0.0 else -arrival
+
+
+@kernel()
+def _settle(costs: np.ndarray, worths: np.ndarray, order: np.ndarray, rate: float) -> float:
+    count = order.shape[0]
+    most, trial = _merit(costs, worths, order, rate), order.copy()
+    better = True
+    while better:
+        better = False
+        for i in range(1, count):
+            for j in range(1, count):
+                trial[:] = order
+                step = 1 if j > i else -1
+                for k in range(i, j, step):
+                    trial[k] = order[k + step]
+                trial[j] = order[i]
+                merit = _merit(costs, worths, trial, rate)
+                if merit > most + 1e-9 * abs(most):
+                    most, better = merit, True
+                    order[:] = trial
+    return most
+
+
+def settled(
+    costs: NDArray[np.float64], worths: NDArray[np.float64], order: NDArray[np.int64], rate: float
+) -> tuple[NDArray[np.int64], float]:
+    """Move places of an open tour while that adds to its merit; return the order and the merit.
+
+    The merit is the sum of the (K,) ``worths`` of the places, discounted by e^(-rate t) for a place that is reached
+    at t in the units of the (K, K) ``costs``; with a rate of 0 it is the tour's length, negative. ``order`` is (K,),
+    the start in front.
+    """
+    order = order.copy()
+    return order, float(_settle(costs, worths, order, float(rate)))

@@ -1,0 +1,144 @@
+"""Tours through viewpoints on a probabilistic roadmap, after TARE's local planner (Cao et al. 2021)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.grid import FREE, frontier_mask
+from indoor_explorers.env.policy import Pilot
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.gains import sights
+from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.sampling.covers import greedy_cover, settled
+from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
+from indoor_explorers.planners.sampling.samples import known_cells, points_in
+from indoor_explorers.planners.sampling.setting import Points
+from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
+from indoor_explorers.planners.tours import nearest_neighbour
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrmTour(ViewpointPolicy):
+    """Cover what can be seen with few milestones of a PRM*, and fly to the first one of a tour through them.
+
+    The milestones that together see all the unknown cells in view are picked greedily, at random among the best few,
+    several times. The tour wins whose stops promise most, each discounted by the way to it, or, with
+    ``as_published``, the shortest one. The last tour's milestones stand for election again, so that tours do not flip
+    while nothing better turns up.
+
+    C. Cao, H. Zhu, H. Choset, J. Zhang, "TARE: a hierarchical framework for efficiently exploring complex 3D
+    environments", RSS 2021, doi:10.15607/RSS.2021.XVII.018.
+    """
+
+    milestones: int = 200
+    """Milestones of the roadmap, half of them on the frontier where there are enough."""
+    restarts: int = 10
+    """Covers that are tried for each tour."""
+    choices: int = 3
+    """How many of the best milestones a cover draws from in each round."""
+    stops: int = 30
+    """The most stops of a tour."""
+    least: float = 0.002
+    """What a stop must add to the view at least, as a share of the lidar's disc."""
+    as_published: bool = False
+    """True for the shortest tour instead of the one that earns most early on."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        at_least(self, 1, "milestones", "restarts", "choices", "stops")
+        at_least(self, 0.0, "least")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return PrmTourPilot(briefing, self)
+
+
+class PrmTourPilot(ViewpointPilot):
+    """Keep milestones from roadmap to roadmap, and the stops of the tour."""
+
+    def __init__(self, briefing: Briefing, policy: PrmTour) -> None:
+        super().__init__(briefing, policy)
+        self._policy = policy
+        self._milestones: Points = np.empty((0, 2))
+        self._stops = np.empty(0, np.int32)
+        disc = np.pi * briefing.lidar_range**2
+        self._least = max(1, int(policy.least * disc))
+        self._rate = 0.0 if policy.as_published else policy.discount / briefing.lidar_range
+
+    def reconsider(self, view: View) -> bool:
+        """Keep to the first stop until it is spent."""
+        return False
+
+    def viewpoint(self, view: View) -> Cell | None:
+        """Return the first stop of the best tour."""
+        self._milestones = self._sampled(view)
+        start = np.array([[view.cell[0] + 0.5, view.cell[1] + 0.5]])
+        roadmap = grow_roadmap(view.belief, np.concatenate([start, self._milestones]))
+        cells = known_cells(view.belief, roadmap.points)
+        joined = np.isfinite(roadmap.lengths_from(0)[0])
+        viewpoints = self._unclaimed(view, self.judged(view, np.unique(cells[joined])))
+        if not len(viewpoints.cells):
+            return None
+        self._stops = self._tour(view, roadmap, np.where(joined, cells, -1), viewpoints)
+        return divmod(int(self._stops[0]), self.paths.width)
+
+    def _sampled(self, view: View) -> Points:
+        """Return the milestones: stops of the last tour, cells drawn from the frontier, and any free cells."""
+        width, count = self.paths.width, self._policy.milestones
+        free = (view.belief == FREE) & ~view.visited
+        frontier = np.flatnonzero(frontier_mask(view.belief))
+        drawn = self.rng.permutation(frontier)[: count // 2]
+        anywhere = self.rng.permutation(np.flatnonzero(view.belief == FREE))[: count - len(drawn)]
+        kept = self._stops[free.ravel()[self._stops]]
+        return points_in(np.union1d(np.union1d(kept, drawn), anywhere).astype(np.int32), width, self.rng)
+
+    def _unclaimed(self, view: View, viewpoints: Viewpoints) -> Viewpoints:
+        """Return the viewpoints that teammates leave more than half of, all when there are none."""
+        left = viewpoints.promises > 0.5 * self.promises.of(view.belief, viewpoints.cells)
+        return viewpoints.those(left) if left.any() else viewpoints
+
+    def _tour(
+        self, view: View, roadmap: Roadmap, cells: NDArray[np.int32], viewpoints: Viewpoints
+    ) -> NDArray[np.int32]:
+        """Return the stops of the best tour, (K,) flat cells."""
+        bits = sights(view.belief, viewpoints.cells, self.briefing.lidar_range)
+        weights = np.exp(-self._rate * viewpoints.steps)
+        covers = self._covers(bits, weights, np.flatnonzero(np.isin(viewpoints.cells, self._stops)))
+        place = {cell: k for k, cell in enumerate(cells.tolist())}
+        used = np.unique(np.concatenate([picks for picks, _ in covers]))
+        milestones = [0, *(place[cell] for cell in viewpoints.cells[used].tolist())]
+        costs = roadmap.lengths_from(*milestones)[:, milestones]
+        totals = np.bitwise_count(bits).sum(axis=1)
+        best, stops = -np.inf, used
+        for tried, (picks, added) in enumerate(covers):
+            those = np.concatenate([[0], 1 + np.searchsorted(used, picks)])
+            among = costs[np.ix_(those, those)]
+            worths = np.concatenate([[0.0], added / totals[picks] * viewpoints.promises[picks]])
+            order, merit = settled(among, worths, nearest_neighbour(among), self._rate)
+            if tried == 0:
+                merit *= self._policy.keep ** np.sign(merit)
+            if merit > best:
+                best, stops = merit, picks[order[1:] - 1]
+        return np.asarray(viewpoints.cells[stops], np.int32)
+
+    def _covers(
+        self, bits: NDArray[np.uint64], weights: NDArray[np.float64], kept: NDArray[np.int64]
+    ) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Return covers, each as its picks and what they add to the view; the first one has what is kept in front."""
+        policy = self._policy
+        least = self._least
+        none = np.zeros(policy.stops, np.int64)
+        first, gained = greedy_cover(bits[kept], weights[kept], none, least)
+        rest = bits & ~np.bitwise_or.reduce(bits[kept], axis=0)
+        more, added = (
+            greedy_cover(rest, weights, none[len(first) :], least) if len(first) < policy.stops else (none[:0],) * 2
+        )
+        covers = [(np.concatenate([kept[first], more]), np.concatenate([gained, added]))]
+        for _ in range(policy.restarts):
+            covers.append(greedy_cover(bits, weights, self.rng.integers(policy.choices, size=policy.stops), least))
+        covers = [cover for cover in covers if len(cover[0])]
+        return covers or [greedy_cover(bits, weights, none, 1)]

@@ -1,0 +1,74 @@
+"""Probabilistic roadmaps over known free space, made by OMPL from points that the caller has drawn.
+
+PRM and PRM* take their milestones from the valid-state sampler of the space, and a sampler of listed states hands
+them out in order. Only ``growRoadmap`` is called, until it has taken every point: ``solve`` and ``constructRoadmap``
+take turns by the clock with random bounces from old milestones, drawn from OMPL's generator, and would differ from
+run to run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from ompl import base, geometric
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from indoor_explorers.env.arrays import Belief
+from indoor_explorers.planners.sampling.setting import Points, plane_of, quiet, read_graph
+
+
+class Roadmap(NamedTuple):
+    """An undirected graph of K points."""
+
+    points: Points
+    """(K, 2) row and column in continuous cell coordinates, in the order they were given."""
+    edges: NDArray[np.int64]
+    """(E, 2) numbers of the points that each edge joins, the lower one first, in lexicographic order."""
+
+    def lengths_from(self, *sources: int) -> NDArray[np.float64]:
+        """Return the lengths of the shortest ways from S points to all, (S, K) cells, inf where there is none."""
+        first, second = self.edges.T
+        weights = np.hypot(*(self.points[first] - self.points[second]).T)
+        graph = csr_array((weights, (first, second)), shape=(len(self.points), len(self.points)))
+        return np.asarray(dijkstra(graph, directed=False, indices=list(sources)))
+
+
+class _Listed(base.ValidStateSampler):  # type: ignore[misc]  # ompl carries no types
+    """Hand out listed points, one a call."""
+
+    def __init__(self, information: Any, points: Iterator[list[float]]) -> None:
+        super().__init__(information)
+        self._points = points
+
+    def sample(self, state: Any) -> bool:
+        """Write the next point into ``state``; tell whether there was one."""
+        point = next(self._points, None)
+        if point is not None:
+            state[0], state[1] = point
+        return point is not None
+
+
+def grow_roadmap(belief: Belief, points: Points, *, optimal: bool = True) -> Roadmap:
+    """Join (K, 2) distinct ``points`` in known free space of a (H, W) ``belief`` to a roadmap.
+
+    Each point is joined to its nearest ones by every segment that stays in known free cells: to as many as make ways
+    asymptotically shortest (PRM*, Karaman & Frazzoli 2011), or to a few (PRM, Kavraki et al. 1996). The result
+    depends on the arguments alone.
+    """
+    with quiet():
+        information = plane_of(belief, into_unknown=False)
+        information.setValidStateSamplerAllocator(lambda owner: _Listed(owner, iter(points.tolist())))
+        information.setup()
+        planner = geometric.PRMstar(information) if optimal else geometric.PRM(information)
+        planner.setProblemDefinition(base.ProblemDefinition(information))
+        planner.setup()
+        planner.growRoadmapPtc(base.PlannerTerminationCondition(lambda: planner.milestoneCount() >= len(points)))
+        found, joined = read_graph(planner, information)
+        information.clearValidStateSamplerAllocator()
+    number = {(row, col): k for k, (row, col) in enumerate(points.tolist())}
+    edges = {tuple(sorted((number[found[k]], number[found[m]]))) for k, others in enumerate(joined) for m in others}
+    return Roadmap(points, np.array(sorted(edges), np.int64).reshape(-1, 2))

@@ -1,0 +1,98 @@
+"""Receding-horizon next-best-view planning on a random tree (Bircher et al. 2016)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.policy import Pilot
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.sampling.samples import box_around, known_cells, tree_samples
+from indoor_explorers.planners.sampling.setting import Points
+from indoor_explorers.planners.sampling.trees import Tree, grow_tree
+from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
+
+
+@dataclass(frozen=True, kw_only=True)
+class RrtNbv(ViewpointPolicy):
+    """Grow an RRT from the UAV, fly along the first edge of its best branch, and grow the next one from there.
+
+    A branch is worth the sum over its vertices of their promise, discounted by e^(-discount c / R): c the length
+    of the way along the tree and R the lidar range. The rest of the best branch is the seed of the next tree. Where
+    the tree sees nothing unknown the paper's planner is stuck; this one flies to the nearest frontier cell.
+
+    A. Bircher, M. Kamel, K. Alexis, H. Oleynikova, R. Siegwart, "Receding horizon 'next-best-view' planner for 3D
+    exploration", ICRA 2016, doi:10.1109/ICRA.2016.7487281.
+    """
+
+    samples: int = 200
+    """Samples for a tree, which has at most one vertex more."""
+    bias: float = 0.5
+    """Share of the samples drawn from unknown cells next to known free ones; the others are drawn anywhere."""
+    edge: float = 6.0
+    """Longest edge of a tree in cells."""
+    local_ranges: float = 2.0
+    """Half the side of the square around the UAV that the samples are drawn from, in lidar ranges."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        at_least(self, 1, "samples")
+        at_least(self, 0.5, "edge", "local_ranges")
+        at_least(self, 0.0, "bias")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return RrtNbvPilot(briefing, self)
+
+
+class RrtNbvPilot(ViewpointPilot):
+    """Keep the rest of the best branch from tree to tree."""
+
+    def __init__(self, briefing: Briefing, policy: RrtNbv) -> None:
+        super().__init__(briefing, policy)
+        self._policy = policy
+        self._branch: Points = np.empty((0, 2))
+
+    def viewpoint(self, view: View) -> Cell | None:
+        """Return the first cell on the best branch that the UAV has not been in."""
+        tree = self.grow(view)
+        cells = known_cells(view.belief, tree.vertices)
+        viewpoints = self.judged(view, np.unique(cells[cells >= 0]))
+        branch = best_branch(tree, self._values(tree, cells, viewpoints))
+        self._branch = tree.vertices[branch[1:]]
+        new = [cell for cell in cells[branch].tolist() if cell in viewpoints.cells]
+        return divmod(new[0], self.paths.width) if new else None
+
+    def grow(self, view: View) -> Tree:
+        """Grow a tree near the UAV, towards the rest of the last best branch first."""
+        policy = self._policy
+        low, high = box_around(view.cell, policy.local_ranges * self.briefing.lidar_range, view.belief.shape)
+        drawn = tree_samples(view.belief, low, high, policy.samples - len(self._branch), policy.bias, self.rng)
+        root = (view.cell[0] + 0.5, view.cell[1] + 0.5)
+        return grow_tree(view.belief, root, np.concatenate([self._branch, drawn]), policy.edge, into_unknown=False)
+
+    def _values(self, tree: Tree, cells: NDArray[np.int32], viewpoints: Viewpoints) -> NDArray[np.float64]:
+        """Return the discounted promise of each of (K,) vertices in known free cells, 0 for the others."""
+        promises = np.zeros(self.briefing.shape[0] * self.paths.width + 1)
+        promises[viewpoints.cells] = viewpoints.promises
+        rate = self._policy.discount / self.briefing.lidar_range
+        return np.asarray(promises[cells] * np.exp(-rate * tree.lengths()))
+
+
+def best_branch(tree: Tree, values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the vertices of the branch with the largest sum of (K,) ``values``, from the root on.
+
+    The branch ends at its last vertex that adds anything.
+    """
+    sums = values.copy()
+    parents = tree.parents.tolist()
+    for vertex, parent in enumerate(parents[1:], start=1):
+        sums[vertex] += sums[parent]
+    branch = [int(np.argmax(sums))]
+    while parents[branch[-1]] >= 0:
+        branch.append(parents[branch[-1]])
+    return np.array(branch[::-1], np.int64)

@@ -1,0 +1,64 @@
+"""Samples for trees and roadmaps, drawn from the pilot's own generator."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Belief, Cell
+from indoor_explorers.env.compiled import kernel
+from indoor_explorers.env.grid import FREE, UNKNOWN
+from indoor_explorers.planners.sampling.setting import Points
+
+
+def box_around(cell: Cell, half: float, shape: tuple[int, ...]) -> tuple[Points, Points]:
+    """Return the lower and upper corner, (2,) each, of the square around a cell's centre, cut off at the map's edge."""
+    centre = np.array(cell) + 0.5
+    return np.maximum(centre - half, 0.0), np.minimum(centre + half, np.array(shape, np.float64))
+
+
+def tree_samples(
+    belief: Belief, low: Points, high: Points, count: int, bias: float, rng: np.random.Generator
+) -> Points:
+    """Draw (count, 2) points between two corners, a share ``bias`` of them from unknown cells next to known free ones.
+
+    The others are drawn anywhere.
+    """
+    points = low + rng.random((count, 2)) * (high - low)
+    edge_of_unknown = border_cells(belief, low.astype(np.int64), np.ceil(high).astype(np.int64))
+    if len(edge_of_unknown):
+        biased = min(count, int(bias * count))
+        drawn = edge_of_unknown[rng.integers(len(edge_of_unknown), size=biased)]
+        points[:biased] = drawn + rng.random((biased, 2))
+        points = rng.permutation(points)
+    return points
+
+
+def points_in(cells: NDArray[np.int32], width: int, rng: np.random.Generator) -> Points:
+    """Draw one point in each of (K,) flat cells, (K, 2)."""
+    return np.stack(np.divmod(cells, width), axis=1) + rng.random((len(cells), 2))
+
+
+def known_cells(belief: Belief, points: Points) -> NDArray[np.int32]:
+    """Return the flat cells of (K, 2) points, (K,), -1 where they are not known to be free."""
+    rows, cols = np.minimum(np.floor(points).astype(np.int64), np.array(belief.shape) - 1).T
+    return np.where(belief[rows, cols] == FREE, rows * belief.shape[1] + cols, -1).astype(np.int32)
+
+
+@kernel()
+def border_cells(belief: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return the unknown cells 4-adjacent to known free ones between two corners, (K, 2) rows and columns."""
+    height, width = belief.shape
+    found = np.empty(((high[0] - low[0]) * (high[1] - low[1]), 2), np.int64)
+    size = 0
+    for row in range(low[0], high[0]):
+        for col in range(low[1], high[1]):
+            if belief[row, col] == UNKNOWN and (
+                (row > 0 and belief[row - 1, col] == FREE)
+                or (col > 0 and belief[row, col - 1] == FREE)
+                or (row + 1 < height and belief[row + 1, col] == FREE)
+                or (col + 1 < width and belief[row, col + 1] == FREE)
+            ):
+                found[size] = row, col
+                size += 1
+    return found[:size]

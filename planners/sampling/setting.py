@@ -1,0 +1,87 @@
+"""What OMPL's planners are given here: a plane of cells, exact flights over a belief map, and silence.
+
+OMPL draws from one generator per process that can be seeded once. So that an episode depends on its own seed
+alone, no planner of this package draws from it for anything that shows: RRT and RRT* take their samples from a goal
+region of listed states (:mod:`indoor_explorers.planners.sampling.trees`), PRM and PRM* from a sampler of listed
+states (:mod:`indoor_explorers.planners.sampling.roadmaps`), and all stop after a number of samples, never after a
+time. OMPL still draws when it sorts its nearest-neighbour trees, which answer the same whatever is drawn unless two
+points are equally far from a third; so samples are to be drawn from a continuum, not from cell centres.
+
+Every OMPL object lives inside one call. One that were still alive when the interpreter exits would make the
+binding print a report about leaks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from ompl import base, util
+
+from indoor_explorers.env.arrays import Belief
+from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, fly
+
+#: (K, 2) rows and columns in continuous cell coordinates: cell (r, c) covers [r, r + 1) x [c, c + 1).
+Points = NDArray[np.float64]
+
+
+class Flights(base.MotionValidator):  # type: ignore[misc]  # ompl carries no types
+    """Let OMPL ask for whole edges: exact, and one call from C++ instead of one for every state on the way."""
+
+    def __init__(self, information: Any, belief: Belief, into_unknown: bool) -> None:
+        super().__init__(information)
+        self._belief = belief
+        self._into_unknown = into_unknown
+
+    def checkMotion(self, start: Any, end: Any) -> bool:  # OMPL's name
+        """Tell whether the segment between two states meets no obstacle, and nothing unknown where that is asked."""
+        met = fly(self._belief, start[0], start[1], end[0], end[1])
+        return bool(met != BLOCKED if self._into_unknown else met == ALL_KNOWN)
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Keep OMPL from writing to the terminal."""
+    level = util.getLogLevel()
+    util.setLogLevel(util.LOG_NONE)
+    try:
+        yield
+    finally:
+        util.setLogLevel(level)
+
+
+def plane_of(belief: Belief, *, into_unknown: bool) -> Any:
+    """Return OMPL's space information for flights over a (H, W) belief, not yet set up."""
+    space = base.RealVectorStateSpace(2)
+    bounds = base.RealVectorBounds(2)
+    for axis, cells in enumerate(belief.shape):
+        bounds.setLow(axis, 0.0)
+        bounds.setHigh(axis, float(cells))
+    space.setBounds(bounds)
+    information = base.SpaceInformation(space)
+    information.setStateValidityChecker(_anywhere)
+    information.setMotionValidator(Flights(information, belief, into_unknown))
+    return information
+
+
+def after(calls: int) -> Any:
+    """Return a termination condition that is True from call ``calls`` + 1 on."""
+    left = iter(range(calls))
+    return base.PlannerTerminationCondition(lambda: next(left, None) is None)
+
+
+def read_graph(planner: Any, information: Any) -> tuple[list[tuple[float, float]], list[list[int]]]:
+    """Return the points of a planner's graph, and for each the numbers of those that edges lead to."""
+    data = base.PlannerData(information)
+    planner.getPlannerData(data)
+    count = data.numVertices()
+    states = [data.getVertex(k).getState() for k in range(count)]
+    return [(state[0], state[1]) for state in states], [list(data.getEdges(k)) for k in range(count)]
+
+
+def _anywhere(state: Any) -> bool:
+    """Accept every state: edges are what is checked."""
+    return True

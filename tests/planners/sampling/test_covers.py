@@ -1,0 +1,68 @@
+from __future__ import annotations
+
+from itertools import pairwise, permutations
+
+import numpy as np
+import pytest
+
+from indoor_explorers.planners.sampling.covers import greedy_cover, settled
+
+
+def some_sets(seed: int) -> list[set[int]]:
+    rng = np.random.default_rng(seed)
+    return [set(rng.choice(150, int(rng.integers(1, 40)), replace=False).tolist()) for _ in range(30)]
+
+
+def as_bits(sets: list[set[int]]) -> np.ndarray:
+    bits = np.zeros((len(sets), 3), np.uint64)
+    for k, members in enumerate(sets):
+        for member in members:
+            bits[k, member // 64] |= np.uint64(1) << np.uint64(member % 64)
+    return bits
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("least", [1, 4])
+def test_covers_take_the_ranked_pick_of_each_round(seed: int, least: int) -> None:
+    sets = some_sets(seed)
+    ranks = np.random.default_rng(seed).integers(3, size=60)
+    weights = np.random.default_rng(seed).random(len(sets)) + 0.1
+    picks, added = greedy_cover(as_bits(sets), weights, ranks, least)
+    left = set().union(*sets)
+    for place, (pick, gain) in enumerate(zip(picks.tolist(), added.tolist(), strict=True)):
+        gains = [len(members & left) for members in sets]
+        worth = sorted((w * count for w, count in zip(weights, gains, strict=True) if count >= least), reverse=True)
+        assert gain == gains[pick]
+        assert weights[pick] * gain == pytest.approx(worth[min(int(ranks[place]), len(worth) - 1)])
+        left -= sets[pick]
+    assert max(len(members & left) for members in sets) < least
+
+
+def test_a_cover_is_as_long_as_the_ranks() -> None:
+    assert len(greedy_cover(as_bits(some_sets(0)), np.ones(30), np.zeros(4, np.int64), 1)[0]) == 4
+
+
+def test_nothing_to_see_needs_no_picks() -> None:
+    picks, _ = greedy_cover(np.zeros((5, 2), np.uint64), np.ones(5), np.zeros(4, np.int64), 1)
+    assert len(picks) == 0
+
+
+def merit(costs: np.ndarray, worths: np.ndarray, order: tuple[int, ...], rate: float) -> float:
+    arrivals = np.cumsum([costs[a, b] for a, b in pairwise(order)])
+    return float((worths[list(order[1:])] * np.exp(-rate * arrivals)).sum()) if rate else -float(arrivals[-1])
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("rate", [0.0, 0.1])
+def test_settled_tours_are_near_the_best(seed: int, rate: float) -> None:
+    rng = np.random.default_rng(seed)
+    points, worths = rng.random((6, 2)) * 20, np.append(0.0, rng.random(5))
+    costs = np.hypot(*(points[:, None] - points[None]).T)
+    begun = np.arange(6)
+    order, found = settled(costs, worths, begun, rate)
+    assert sorted(order.tolist()) == begun.tolist()
+    assert order[0] == 0
+    assert found == pytest.approx(merit(costs, worths, tuple(order.tolist()), rate))
+    every = [merit(costs, worths, (0, *rest), rate) for rest in permutations(range(1, 6))]
+    assert max(every) - 0.25 * abs(max(every)) <= found <= max(every) + 1e-9
+    assert found >= merit(costs, worths, tuple(begun.tolist()), rate) - 1e-9
