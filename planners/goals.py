@@ -56,6 +56,10 @@ class GoalPilot(Pilot):
     def learned(self, view: View) -> None:  # a hook that most planners leave empty
         """Take note that the map has grown; called before anything is chosen."""
 
+    def spent(self, view: View, goal: Cell) -> bool:
+        """Tell whether a goal is one no longer: it is not on the frontier any more."""
+        return not on_frontier(view.belief, goal[0] * self.paths.width + goal[1])
+
     def reconsider(self, view: View) -> bool:
         """Tell whether to choose again although the goal is still good; asked at every step."""
         return False
@@ -105,7 +109,7 @@ class GoalPilot(Pilot):
     def _goal_is_due(self, view: View, changed: bool) -> bool:
         if self.goal is None:
             return changed
-        if not on_frontier(view.belief, self.goal[0] * self.paths.width + self.goal[1]):
+        if self.spent(view, self.goal):
             return True
         if view.step > self._deadline:
             self._guarded += 1
