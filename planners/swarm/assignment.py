@@ -1,21 +1,21 @@
-"""Who flies where: joint goal assignments of a group of UAVs, their fitness, and good ones to start from.
+"""Who flies where, and where then: joint plans of a group of UAVs, their fitness, and good ones to start from.
 
-An assignment is (N,) int: for each UAV the number of its goal among K candidates. Higher fitness is better.
+A plan is (N, L) int: for each UAV the numbers of the goals among K candidates that it visits one after the other, -1
+for none. An assignment is (N,), the first goals alone. Higher fitness is better.
 """
 
 from __future__ import annotations
 
-from math import pi
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.compiled import kernel
+from indoor_explorers.env.compiled import kernel, leaf
 from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.planners.gains import bit_count
 
 Assignment = NDArray[np.int64]
+Plan = NDArray[np.int64]
 
 
 class Task(NamedTuple):
@@ -23,64 +23,89 @@ class Task(NamedTuple):
 
     steps: NDArray[np.float64]
     """(N, K) path lengths in steps; ``UNREACHABLE`` where there is no path."""
-    points: NDArray[np.float64]
-    """(K, 2) row and column of the candidates."""
-    sights: NDArray[np.uint64]
-    """(K, words) unknown cells visible from each candidate, as bits."""
+    hops: NDArray[np.float64]
+    """(K, K) path lengths between candidates, in steps."""
+    gains: NDArray[np.float64]
+    """(K,) what is in view of each candidate."""
+    shared: NDArray[np.float64]
+    """(K, K) the share of the first one's view that is in view of the second one, too."""
+    favour: NDArray[np.float64]
+    """(N, K) factor of what UAV i counts candidate k for as its first goal."""
+    power: float
+    """Exponent of what is left of a view: below 1, small views count more of what large ones do."""
+    rate: float
+    """How fast a view loses its value, per step."""
+    trust: float
+    """Factor for every goal that comes before, as the map may turn out otherwise."""
     lidar_range: float
     """R, in cells."""
-    weights: NDArray[np.float64]
-    """(4,) weights of union view gain, mean distance, crowding and imbalance."""
+
+
+@leaf()
+def _by_arrival(task: Task, plan: np.ndarray, order: np.ndarray, times: np.ndarray) -> int:
+    """Sort the visits i L + turn of a plan by their times of arrival, in steps; return how many they are."""
+    length, count = plan.shape[1], 0
+    for i in range(plan.shape[0]):
+        time = 0.0
+        for turn in range(length):
+            if plan[i, turn] < 0:
+                break
+            time += task.hops[plan[i, turn - 1], plan[i, turn]] if turn else task.steps[i, plan[i, turn]]
+            place = count
+            while place > 0 and times[place - 1] > time:
+                times[place], order[place] = times[place - 1], order[place - 1]
+                place -= 1
+            times[place], order[place] = time, i * length + turn
+            count += 1
+    return count
+
+
+@leaf()
+def value(task: Task, plan: np.ndarray, order: np.ndarray, times: np.ndarray) -> float:
+    """Return the fitness; ``order`` int and ``times`` float are scratch, (N L,) each."""
+    length, total = plan.shape[1], 0.0
+    count = _by_arrival(task, plan, order, times)
+    for place in range(count):
+        i, turn = divmod(order[place], length)
+        goal = plan[i, turn]
+        gain = task.gains[goal]
+        for before in range(place):
+            gain *= 1.0 - task.shared[goal, plan[order[before] // length, order[before] % length]]
+        gain = gain**task.power * np.exp(-task.rate * times[place]) * task.trust**turn
+        if turn == 0:
+            gain *= task.favour[i, goal]
+        total += gain
+    return total
 
 
 @kernel()
-def _union(sights: np.ndarray, goals: np.ndarray) -> int:
-    """Count the cells visible from at least one of the goals."""
-    gain = 0
-    for word in range(sights.shape[1]):
-        joint = np.uint64(0)
-        for i in range(goals.shape[0]):
-            joint |= sights[goals[i], word]
-        gain += int(bit_count(joint))
-    return gain
+def fitness(task: Task, plan: np.ndarray) -> float:
+    """Return how good a (N, L) joint plan is: the union of all views, discounted by when they are seen.
 
-
-@kernel()
-def _crowding(points: np.ndarray, goals: np.ndarray, lidar_range: float) -> float:
-    """Sum over pairs of goals how much nearer than the lidar range they are, 0 to 1 a pair."""
-    crowding = 0.0
-    for i in range(goals.shape[0]):
-        for k in range(i):
-            rows = points[goals[i], 0] - points[goals[k], 0]
-            cols = points[goals[i], 1] - points[goals[k], 1]
-            crowding += max(0.0, 1.0 - np.sqrt(rows * rows + cols * cols) / lidar_range)
-    return crowding
-
-
-@kernel()
-def fitness(task: Task, goals: np.ndarray) -> float:
-    """Return how good it is that UAV i flies to candidate ``goals[i]``.
-
-    Union view gain / (pi R^2 N) - mean d / R - crowding - (max d - mean d) / R, each with its weight.
+    The sum over all visits of (gain x left)^power e^(-rate t) trust^k, t the time of arrival and k how many goals its
+    UAV visits before. What earlier visits have left of a view is the product of 1 - shared over them: the shares of
+    several are taken as independent.
     """
-    count, reach = goals.shape[0], task.lidar_range
-    total = longest = 0.0
-    for i in range(count):
-        steps = task.steps[i, goals[i]]
-        total += steps
-        longest = max(longest, steps)
-    mean = total / count
-    return float(
-        task.weights[0] * _union(task.sights, goals) / (pi * reach * reach * count)
-        - task.weights[1] * mean / reach
-        - task.weights[2] * _crowding(task.points, goals, reach)
-        - task.weights[3] * (longest - mean) / reach
-    )
+    return value(task, plan, np.empty(plan.size, np.int64), np.empty(plan.size))
 
 
-def options(task: Task) -> tuple[Assignment, Assignment]:
-    """Return each UAV's reachable candidates, nearest first, (N, K), and how many those are, (N,)."""
-    return np.argsort(task.steps, axis=1, kind="stable"), (task.steps < UNREACHABLE).sum(axis=1)
+def discounted(task: Task) -> NDArray[np.float64]:
+    """Return (N, K), what each candidate is worth to each UAV as its only goal; 0 where it cannot be reached."""
+    worth = task.favour * task.gains**task.power * np.exp(-task.rate * np.minimum(task.steps, 1e6))
+    return np.where(task.steps < UNREACHABLE, worth, 0.0)
+
+
+def choices(task: Task) -> tuple[Assignment, Assignment]:
+    """Return each UAV's reachable candidates, best first, (N, K), and how many those are, (N,)."""
+    reachable = task.steps < UNREACHABLE
+    ranks = np.argsort(np.where(reachable, -discounted(task), np.inf), axis=1, kind="stable")
+    return ranks, reachable.sum(axis=1)
+
+
+def followers(task: Task, most: int) -> Assignment:
+    """Return for each candidate the ``most`` best ones to fly to after it, best first, (K, most)."""
+    worth = (task.gains * (1.0 - task.shared.T)) ** task.power * np.exp(-task.rate * np.minimum(task.hops, 1e6))
+    return np.argsort(-worth, axis=1, kind="stable")[:, :most]
 
 
 def by_hungarian(task: Task) -> Assignment:
@@ -106,6 +131,17 @@ def by_minpos(task: Task) -> Assignment:
     rank = (nearer | first).sum(axis=1)
     rank[steps >= UNREACHABLE] = len(steps) + 1
     return np.array([np.lexsort((steps[i], rank[i]))[0] for i in range(len(steps))], np.int64)
+
+
+def by_greed(task: Task) -> Assignment:
+    """Return the assignment made pair by pair, always the UAV and candidate with the most discounted gain left."""
+    worth = discounted(task)
+    goals = np.full(len(worth), -1, np.int64)
+    for _ in range(len(worth)):
+        i, goal = divmod(int(np.where(goals[:, None] < 0, worth, -1.0).argmax()), worth.shape[1])
+        goals[i] = goal
+        worth = worth * (1.0 - task.shared[:, goal]) ** task.power
+    return reachable_or_nearest(task, goals)
 
 
 def reachable_or_nearest(task: Task, goals: Assignment) -> Assignment:

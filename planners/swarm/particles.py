@@ -1,30 +1,34 @@
-"""Particle swarm optimisation of joint assignments by random keys (Kennedy & Eberhart 1995; Bean 1994)."""
+"""Particle swarm optimisation of joint plans by random keys (Kennedy & Eberhart 1995; Bean 1994)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.compiled import kernel
+from indoor_explorers.env.compiled import kernel, leaf
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.swarm.assignment import Assignment, Task, fitness, options
+from indoor_explorers.planners.swarm.assignment import Assignment, Plan, Task, choices, followers, value
+
+#: How many of the best goals after another one a key chooses from.
+FOLLOWERS = 8
 
 
 @dataclass(frozen=True, kw_only=True)
 class Swarm:
-    """The parameters of a particle swarm. Positions are keys in [0, 1), one for each UAV.
+    """The parameters of a particle swarm. Positions are keys in [0, 1), one for each goal of each UAV.
 
     J. Kennedy, R. Eberhart, "Particle swarm optimization", ICNN 1995, doi:10.1109/ICNN.1995.488968;
     inertia that falls linearly as in Y. Shi, R. Eberhart, CEC 1998, doi:10.1109/ICEC.1998.699146.
     """
 
     particles: int = 20
-    """How many."""
+    """How many, those that start at seeds included."""
     rounds: int = 30
-    """At most."""
+    """At most; 0 picks the best of the first positions."""
     inertia: tuple[float, float] = (0.9, 0.4)
     """Share of its velocity that a particle keeps, in the first and in the last round."""
     cognitive: float = 1.5
@@ -34,24 +38,58 @@ class Swarm:
     largest_step: float = 0.3
     """Fastest change of a key in a round."""
     stagnation: int = 8
-    """Rounds without a better assignment after which the swarm stops."""
+    """Rounds without a better plan after which the swarm stops."""
 
     def __post_init__(self) -> None:
         at_least(self, 1, "particles", "stagnation")
         at_least(self, 0, "rounds", "cognitive", "social", "largest_step")
 
 
-@kernel()
-def _decode(keys: np.ndarray, choices: np.ndarray, counts: np.ndarray, out: np.ndarray) -> None:
+class Code(NamedTuple):
+    """How keys are read: the first of a UAV's picks one of its goals, each other one a goal to fly to next."""
+
+    choices: Assignment
+    """(N, K) each UAV's candidates, best first."""
+    counts: Assignment
+    """(N,) how many of these it can reach."""
+    followers: Assignment
+    """(K, M) the best candidates to fly to after each candidate, best first."""
+
+
+@leaf()
+def _next(code: Code, plan: np.ndarray, turn: int, key: float) -> int:
+    """Return the follower of a UAV's last goal that a key picks, of those not in its (L,) plan yet; -1 for none."""
+    options = code.followers[plan[turn - 1]]
+    pick, goal = min(int(key * FOLLOWERS), FOLLOWERS - 1), -1
+    for place in range(options.shape[0]):
+        taken = False
+        for before in range(turn):
+            taken |= plan[before] == options[place]
+        if not taken:
+            goal = options[place]
+            if pick == 0:
+                break
+            pick -= 1
+    return goal
+
+
+@leaf()
+def decode(keys: np.ndarray, code: Code, out: np.ndarray) -> None:
+    """Fill ``out`` (N, L) with the plan of (N, L) keys."""
     for i in range(keys.shape[0]):
-        out[i] = choices[i, min(int(keys[i] * counts[i]), counts[i] - 1)]
+        out[i, :] = -1
+        out[i, 0] = code.choices[i, min(int(keys[i, 0] * code.counts[i]), code.counts[i] - 1)]
+        for turn in range(1, keys.shape[1]):
+            out[i, turn] = _next(code, out[i], turn, keys[i, turn])
+            if out[i, turn] < 0:
+                break
 
 
-@kernel()
+@leaf()
 def _advance(
     keys: np.ndarray, speed: np.ndarray, best: np.ndarray, leader: np.ndarray, chance: np.ndarray, pull: np.ndarray
 ) -> None:
-    """Move one particle; ``chance`` is (2, N) in [0, 1), ``pull`` inertia, cognitive, social and largest step."""
+    """Move one particle; ``chance`` is (2, D) in [0, 1), ``pull`` inertia, cognitive, social and largest step."""
     for i in range(keys.shape[0]):
         change = (
             pull[0] * speed[i]
@@ -64,55 +102,66 @@ def _advance(
 
 @kernel()
 def _evolve(
-    task: Task,
-    choices: np.ndarray,
-    counts: np.ndarray,
-    keys: np.ndarray,
-    chances: np.ndarray,
-    pulls: np.ndarray,
-    stagnation: int,
+    task: Task, code: Code, keys: np.ndarray, length: int, chances: np.ndarray, pulls: np.ndarray, stagnation: int
 ) -> np.ndarray:
-    """Run the swarm from (S, N) ``keys``; ``chances`` is (T, S, 2, N) and ``pulls`` (T, 4). Return the best (N,)."""
-    particles, uavs = keys.shape
-    speeds = np.zeros((particles, uavs))
-    own, own_fitness = keys.copy(), np.full(particles, -np.inf)
-    goals, leader, leading = np.empty(uavs, np.int64), 0, -np.inf
-    idle = 0
+    """Run the swarm from (S, N L) ``keys``; ``chances`` is (T, S, 2, N L), ``pulls`` (T, 4). Return the best (N, L)."""
+    particles, size = keys.shape
+    speeds, own, own_value = np.zeros((particles, size)), keys.copy(), np.full(particles, -np.inf)
+    plan, order, times = np.empty((size // length, length), np.int64), np.empty(size, np.int64), np.empty(size)
+    leader, leading, idle = 0, -np.inf, 0
     for t in range(chances.shape[0] + 1):
         idle += 1
         for s in range(particles):
-            _decode(keys[s], choices, counts, goals)
-            value = fitness(task, goals)
-            if value > own_fitness[s]:
-                own_fitness[s], own[s] = value, keys[s]
-            if value > leading:
-                leading, leader, idle = value, s, 0
+            decode(keys[s].reshape(plan.shape), code, plan)
+            found = value(task, plan, order, times)
+            if found > own_value[s]:
+                own_value[s], own[s] = found, keys[s]
+            if found > leading:
+                leading, leader, idle = found, s, 0
         if t == chances.shape[0] or idle >= stagnation:
             break
         for s in range(particles):
             _advance(keys[s], speeds[s], own[s], own[leader], chances[t, s], pulls[t])
-    _decode(own[leader], choices, counts, goals)
-    return goals
+    decode(own[leader].reshape(plan.shape), code, plan)
+    return plan
 
 
-def keys_of(goals: Assignment, choices: Assignment, counts: Assignment) -> NDArray[np.float64]:
-    """Return the (N,) keys in the middle of what decodes to ``goals``."""
-    places = (choices == goals[:, None]).argmax(axis=1)
-    return np.asarray((places + 0.5) / counts, np.float64)
+def code_of(task: Task, length: int) -> Code:
+    """Return how keys of plans with ``length`` goals a UAV are read."""
+    return Code(*choices(task), followers(task, FOLLOWERS + length))
 
 
-def optimise(task: Task, swarm: Swarm, seeds: Sequence[Assignment], rng: np.random.Generator) -> Assignment:
-    """Return the best assignment that a swarm finds, never one of less fitness than any of ``seeds``.
+def keys_of(goals: Assignment, code: Code, length: int) -> NDArray[np.float64]:
+    """Return (N, L) keys that decode to ``goals`` first, then always to the best follower."""
+    keys = np.zeros((len(goals), length))
+    places = (code.choices == goals[:, None]).argmax(axis=1)
+    keys[:, 0] = (places + 0.5) / code.counts
+    return keys
 
-    UAV i's key picks among its reachable candidates in order of distance; one particle starts at each of the
-    seeds, which must be reachable, the others anywhere.
+
+def seeded(task: Task, length: int, seeds: Sequence[Assignment]) -> list[Plan]:
+    """Return the plans of ``length`` goals a UAV that the swarm starts at."""
+    code = code_of(task, length)
+    plans = [np.empty((len(task.steps), length), np.int64) for _ in seeds]
+    for plan, goals in zip(plans, seeds, strict=True):
+        decode(keys_of(goals, code, length), code, plan)
+    return plans
+
+
+def optimise(task: Task, length: int, swarm: Swarm, seeds: Sequence[Assignment], rng: np.random.Generator) -> Plan:
+    """Return the best plan of ``length`` goals a UAV that a swarm finds, (N, L).
+
+    A UAV's first key picks among its reachable candidates, best first, each other key among the best ones to go on
+    to. One particle starts at each of the ``seeds``, assignments that must be reachable, continued by best followers;
+    so the plan is never of less fitness than those. The others start anywhere, more of them near the best.
     """
-    choices, counts = options(task)
-    keys = rng.random((max(swarm.particles, len(seeds)), len(counts)))
+    code = code_of(task, length)
+    uavs = len(code.counts)
+    keys = rng.random((max(swarm.particles, len(seeds)), uavs * length)) ** 2
     for place, goals in enumerate(seeds):
-        keys[place] = keys_of(goals, choices, counts)
-    chances = rng.random((swarm.rounds, len(keys), 2, len(counts)))
+        keys[place] = keys_of(goals, code, length).ravel()
+    chances = rng.random((swarm.rounds, len(keys), 2, uavs * length))
     pulls = np.empty((swarm.rounds, 4))
     pulls[:, 0] = np.linspace(*swarm.inertia, swarm.rounds)
     pulls[:, 1:] = swarm.cognitive, swarm.social, swarm.largest_step
-    return np.asarray(_evolve(task, choices, counts, keys, chances, pulls, swarm.stagnation))
+    return np.asarray(_evolve(task, code, keys, length, chances, pulls, swarm.stagnation))

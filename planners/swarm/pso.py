@@ -1,80 +1,89 @@
-"""PSO: the linked group optimises jointly who flies where."""
+"""PSO: the linked group optimises jointly who flies where, and where then."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.arrays import Cell, Distances
 from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.env.lidar import optics, view_gain
 from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, Mate, View
-from indoor_explorers.planners.clusters import frontier_clusters, nearest_cells
-from indoor_explorers.planners.gains import sights
+from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.paths import frontier_cells, on_frontier
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
     Task,
+    by_greed,
     by_hungarian,
     by_minpos,
     reachable_or_nearest,
 )
+from indoor_explorers.planners.swarm.group import NOWHERE, Member, absentees, group, told
 from indoor_explorers.planners.swarm.particles import Swarm, optimise
-from indoor_explorers.planners.teammates import linked
+from indoor_explorers.planners.swarm.prospects import Cells, Interest, Table, frontiers, hops, surroundings, views
 
-#: Told instead of a goal by a UAV that has none.
-NOWHERE = (-1.0, -1.0)
+#: Goals this near to each other are taken for the same, in cells or in lidar ranges, whichever is more.
+SAME_CELLS, SAME_RANGES = 1.5, 0.2
+#: Paths between candidates are measured up to so many lidar ranges.
+HOP_RANGES = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pso(Policy):
-    """Assign frontiers to the linked group by a particle swarm over joint assignments.
+    """Assign goals to the linked group, several ahead, by a particle swarm over joint plans.
 
-    Linked UAVs hold the same map and know each other's cells and goals, so each computes the same joint
-    assignment, from a seed made of what all of them know, and flies to its own part of it. They do so together, when
-    the goal of one is no frontier any more or when two meet that hold different plans; between, goals are kept.
+    The fitness of a plan is all that the group would see, each view discounted by the time of arrival and counted
+    once; unknown cells count more where little is unknown around them and less deep inside the unknown. Linked UAVs
+    hold the same map and know each other's cells and messages, so each computes the same plan, from a seed made of what
+    all of them know, and flies to the first of its own goals. They do so together: when a goal is spent, when two meet
+    that hold different plans, and every few steps in which the map has grown; what they fly to is favoured then.
 
     The swarm: J. Kennedy, R. Eberhart, ICNN 1995, doi:10.1109/ICNN.1995.488968. The fitness is this project's.
     """
 
-    swarm: Swarm = field(default_factory=Swarm)
-    """The particle swarm."""
-    gain: float = 1.0
-    """Weight of the union view gain, as a share of N lidar discs."""
-    distance: float = 1.0
-    """Weight of the mean path length, in lidar ranges."""
-    crowding: float = 0.5
-    """Weight of a pair of goals in the same place."""
-    imbalance: float = 0.3
-    """Weight of the longest path's excess over the mean, in lidar ranges."""
-    hold: float = 1.0
-    """A goal that a UAV already has counts as so many cells nearer."""
-    candidates: int = 64
+    particles: int = 20
+    """Particles of the swarm, the four that start at the seeds included."""
+    rounds: int = 30
+    """The most rounds of the swarm; with 0, and 1 particle, the best of the seeds is flown."""
+    length: int = 3
+    """Goals of a UAV in a plan; only the first is flown to."""
+    power: float = 0.5
+    """Exponent of what is in view: 1 leaves small pockets behind for ever larger views, 0 flies to what is near."""
+    rate: float = 0.8
+    """How fast a view loses its value with the time of arrival, per lidar range."""
+    trust: float = 0.5
+    """Factor for every goal that a UAV visits before, as the map may turn out otherwise, 0 to 1."""
+    isolation: float = 8.0
+    """Extra weight of an unknown cell whose 5x5 is known otherwise; finishes pockets while near."""
+    fade: float = 0.5
+    """Depth inside the unknown at which a cell counts 1 / e, in lidar ranges."""
+    hold: float = 0.2
+    """Extra value of a first goal that is within .2 lidar ranges of the one that a UAV has."""
+    absence: float = 0.5
+    """Share of its value that a goal loses when a teammate out of contact was last known nearer to it, 0 to 1."""
+    period: float = 0.2
+    """Steps after which a plan is made again if the map has grown, in lidar ranges."""
+    candidates: int = 32
     """The most frontier clusters to choose from: the nearest to any UAV of the group."""
+    lookouts: int = 8
+    """The most other cells near each UAV to choose from, with a view of something unknown."""
+    near: int = 6
+    """How near these are, in steps."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "gain", "distance", "crowding", "imbalance", "hold")
-        at_least(self, 1, "candidates")
+        """Refuse negative weights and plans without goals."""
+        at_least(
+            self, 0.0, "rounds", "power", "rate", "trust", "isolation", "hold", "absence", "period", "lookouts", "near"
+        )
+        at_least(self, 1e-6, "fade")
+        at_least(self, 1, "candidates", "length", "particles")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV."""
         return PsoPilot(briefing, self)
-
-
-class Member(NamedTuple):
-    """One UAV of the linked group."""
-
-    agent: int
-    cell: Cell
-    goal: int
-    """Flat cell, -1 for none."""
-    plan: tuple[float, ...]
-    """The step of its last joint plan and the first agent of the group that made it."""
 
 
 class PsoPilot(GoalPilot):
@@ -83,80 +92,104 @@ class PsoPilot(GoalPilot):
     def __init__(self, briefing: Briefing, policy: Pso) -> None:
         super().__init__(briefing)
         self._policy = policy
+        self._swarm = Swarm(particles=policy.particles, rounds=policy.rounds)
+        self._range = float(briefing.lidar_range)
+        self._period = max(1, round(policy.period * self._range))
         self._plan: tuple[float, ...] = NOWHERE
-        self._weights = np.array([policy.gain, policy.distance, policy.crowding, policy.imbalance])
+        self._planned_on = -1
+        self._visited: set[Cell] = set()
+
+    def act(self, view: View) -> int:
+        """Follow the joint plan and tell the others of it."""
+        action = super().act(view)
+        self.message = told(view, self.briefing, self.goal, self._plan)
+        return action
+
+    def spent(self, view: View, goal: Cell) -> bool:
+        """Tell whether nothing unknown is in view of a goal, or this UAV has been there and seen what it could."""
+        if not super().spent(view, goal):
+            return False
+        if view.cell == goal:
+            self._visited.add(goal)
+        return goal in self._visited or view_gain(view.belief, goal, self._range) == 0
 
     def reconsider(self, view: View) -> bool:
-        """Tell whether linked UAVs hold different plans or one of their goals is spent."""
-        if not view.mates:
+        """Tell whether linked UAVs hold different plans, one of their goals is spent, or the plan is old."""
+        if self._known != self._planned_on and view.step - self._plan[0] >= self._period:
+            return True
+        if not any(mate.age == 0 for mate in view.mates):
             return False
-        return any(
-            mate.plan != self._plan or (mate.goal >= 0 and not on_frontier(view.belief, mate.goal))
-            for mate in map(self._member, linked(view))
+        members = [member for member in group(view, self.briefing, self.message) if member.goal]
+        return any(member.plan != self._plan for member in members) or any(
+            self.spent(view, member.goal) for member in members if member.goal
         )
 
     def choose(self, view: View) -> Cell | None:
         """Return this UAV's part of the joint plan, its nearest frontier cell when there is none for it."""
-        group = self.group(view)
-        self._plan = (float(view.step), float(group[0].agent))
-        goal = self.plan(view, group).get(self.briefing.agent)
-        if goal is None or self.shunned(view, self.paths.flat([goal])).any():
+        members = group(view, self.briefing, self.message)
+        self._plan = (float(view.step), float(members[0].agent))
+        self._planned_on = self._known
+        goal = self.plan(view, members).get(self.briefing.agent)
+        if goal is None or goal in self._visited or self.shunned(view, self.paths.flat([goal])).any():
             path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
             goal = path[-1] if path else None
-        told = (float(goal[0]), float(goal[1])) if goal else NOWHERE
-        self.message = told + self._plan
         return goal
 
-    def _member(self, mate: Mate) -> Member:
-        message = mate.message
-        if message is None or len(message) != 4:
-            return Member(mate.agent, mate.cell, -1, NOWHERE)
-        goal = int(message[0]) * self.paths.width + int(message[1]) if message[0] >= 0 else -1
-        return Member(mate.agent, mate.cell, goal, message[2:])
-
-    def group(self, view: View) -> list[Member]:
-        """Return the linked group, this UAV included, by number."""
-        goal = self.goal[0] * self.paths.width + self.goal[1] if self.goal else -1
-        own = Member(self.briefing.agent, view.cell, goal, self._plan)
-        return sorted([own, *map(self._member, linked(view))])
-
-    def plan(self, view: View, group: list[Member]) -> dict[int, Cell]:
-        """Return the goal of every UAV of the group that can reach a candidate, by number.
+    def plan(self, view: View, members: list[Member]) -> dict[int, Cell]:
+        """Return the next goal of every UAV of the group that can reach a candidate, by number.
 
         Every member works out the same from what all of them know.
         """
-        fields = np.stack([self.paths.field(view.belief, member.cell).ravel() for member in group])
-        goals = np.array([member.goal for member in group], np.int32)
-        goals = np.where((goals >= 0) & frontier_cells(view.belief, np.maximum(goals, 0)), goals, -1)
-        cells = self._candidate_cells(view, fields, goals)
-        able = np.asarray((fields[:, cells] < UNREACHABLE).any(axis=1))
-        if not able.any():
+        task, cells, able = self.task(view, members)
+        if task is None:
             return {}
-        held = [int(np.flatnonzero(cells == goal)[0]) if goal in cells else -1 for goal in goals[able].tolist()]
-        task = self._task(view, cells, fields[able], held)
-        seeds = [by_hungarian(task), by_minpos(task), reachable_or_nearest(task, np.array(held, np.int64))]
-        shared = np.random.default_rng([view.step, *(row * self.paths.width + col for _, (row, col), *_ in group)])
-        best: Assignment = optimise(task, self._policy.swarm, seeds, shared)
-        agents = [member.agent for member, can in zip(group, able.tolist(), strict=True) if can]
-        return {agent: divmod(int(cells[goal]), self.paths.width) for agent, goal in zip(agents, best, strict=True)}
+        held = np.where(task.favour.max(axis=1) > 1, task.favour.argmax(axis=1), -1)
+        seeds = [by_greed(task), by_hungarian(task), by_minpos(task), reachable_or_nearest(task, held)]
+        shared = np.random.default_rng([view.step, *self.paths.flat(member.cell for member in able).tolist()])
+        best = optimise(task, self._policy.length, self._swarm, seeds, shared)
+        first: Assignment = cells[best[:, 0]]
+        return {member.agent: divmod(int(cell), self.paths.width) for member, cell in zip(able, first, strict=True)}
 
-    def _candidate_cells(self, view: View, fields: NDArray[np.int32], goals: NDArray[np.int32]) -> NDArray[np.int32]:
-        """Return (K,) flat cells: each cluster's cell nearest to the group, and the goals that are held."""
-        clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
-        cells, steps = nearest_cells(fields.min(axis=0).reshape(view.belief.shape), clusters)
-        nearest = np.argsort(steps, kind="stable")[: self._policy.candidates]
-        reached = nearest[steps[nearest] < UNREACHABLE]
-        return np.union1d(cells[reached], goals[goals >= 0]).astype(np.int32)
+    def task(self, view: View, members: list[Member]) -> tuple[Task | None, Assignment, list[Member]]:
+        """Return the group's joint decision, the flat cells of its candidates, and the members that can reach one.
 
-    def _task(self, view: View, cells: NDArray[np.int32], fields: NDArray[np.int32], held: list[int]) -> Task:
-        steps = fields[:, cells].astype(np.float64)
-        for i, candidate in enumerate(held):
-            if candidate >= 0 and steps[i, candidate] < UNREACHABLE:
-                steps[i, candidate] = max(0.0, steps[i, candidate] - self._policy.hold)
-        return Task(
+        The task is None when nobody can.
+        """
+        policy, reach = self._policy, self._range
+        fields = np.stack([self.paths.field(view.belief, member.cell) for member in members])
+        cells = self._candidates(view, fields)
+        steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64)
+        can = np.asarray((steps < UNREACHABLE).any(axis=1))
+        if not can.any():
+            return None, cells.astype(np.int64), []
+        steps, able = steps[can], [member for member, some in zip(members, can.tolist(), strict=True) if some]
+        gains, shared = views(view.belief, cells, Interest(policy.isolation, policy.fade * reach), optics(reach))
+        for mate in absentees(members, self.briefing):
+            away = self.paths.field(view.belief, mate.cell).ravel()[cells]
+            gains = np.where(away < steps.min(axis=0), (1.0 - policy.absence) * gains, gains)
+        task = Task(
             steps=steps,
-            points=np.stack(np.divmod(cells, self.paths.width), axis=1).astype(np.float64),
-            sights=sights(view.belief, cells, self.briefing.lidar_range),
-            lidar_range=float(self.briefing.lidar_range),
-            weights=self._weights,
+            hops=hops(view.belief, cells, steps, int(HOP_RANGES * reach) + 1),
+            gains=gains,
+            shared=shared,
+            favour=np.stack([self._favour(member, cells) for member in able]),
+            power=policy.power,
+            rate=policy.rate / reach,
+            trust=policy.trust,
+            lidar_range=reach,
         )
+        return task, cells.astype(np.int64), able
+
+    def _candidates(self, view: View, fields: Distances) -> Cells:
+        policy, reach = self._policy, self._range
+        around = surroundings(view.belief, fields, reach, policy.near, policy.rate / reach, policy.lookouts)
+        ahead = frontiers(view.belief, fields, reach, policy.candidates)
+        return np.union1d(ahead, around).astype(np.int32)
+
+    def _favour(self, member: Member, cells: Cells) -> Table:
+        """Return (K,), what the candidates count for a UAV that is on its way to a goal."""
+        if member.goal is None:
+            return np.ones(len(cells))
+        rows, cols = np.divmod(cells, self.paths.width)
+        away = np.hypot(rows - member.goal[0], cols - member.goal[1])
+        return np.where(away <= max(SAME_CELLS, SAME_RANGES * self._range), 1.0 + self._policy.hold, 1.0)

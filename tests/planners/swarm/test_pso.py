@@ -1,40 +1,40 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from indoor_explorers.env import World, make_policy, scenario
-from indoor_explorers.env.lidar import view_gain
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.planners.gains import bit_count, sights
+from indoor_explorers.env.view import Mate
+from indoor_explorers.planners.swarm.group import NOWHERE, Member, absentees, group
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
+from tests.planners.flights import rooms
 
 
-def test_linked_uavs_compute_the_same_joint_plan() -> None:
-    settings = {"team": 4, "radio.model": "unlimited"}
+@pytest.mark.parametrize(("model", "reach"), [("unlimited", 0.0), ("disc", 6.0)])
+def test_linked_uavs_compute_the_same_joint_plan(model: str, reach: float) -> None:
+    settings = {"team": 4, "radio.model": model, "radio.range": reach}
     world = World(scenario("thesis-obstacles").with_settings(settings).for_evaluation())
-    policy = Pso()
-    for seed in range(5):
-        world.reset([seed])
+    policy, meetings = Pso(), 0
+    for seed in range(4):
+        world.begin(0, seed, floorplan=Floorplan.from_free(rooms(2, 6, seed), "rooms"))
         pilots = [PsoPilot(world.briefing(0, k), policy) for k in range(4)]
         while world.flying[0].any():
             views = [world.view(0, k) for k in range(4)]
-            plans = [pilot.plan(view, pilot.group(view)) for pilot, view in zip(pilots, views, strict=True)]
-            assert plans == plans[:1] * 4
+            groups = [group(view, pilot.briefing, pilot.message) for pilot, view in zip(pilots, views, strict=True)]
+            plans = [pilots[k].plan(views[k], groups[k]) for k in range(4)]
+            for k, members in enumerate(groups):
+                for member in members:
+                    assert plans[member.agent] == plans[k]
+                    meetings += member.agent != k
             actions = policy.act(pilots, views)
-            assert len({(pilot.message or ())[2:] for pilot in pilots}) == 1
+            for members in groups:
+                assert len({(pilots[member.agent].message or ())[2:4] for member in members}) == 1
             for k in range(4):
                 world.post(0, k, pilots[k].message)
             world.step(np.array([actions]))
         assert world.team_coverage[0] == 1.0
-
-
-def test_sights_are_the_visible_unknown_cells() -> None:
-    rng = np.random.default_rng(2)
-    belief = rng.choice([0, 1, 2], (20, 20), p=[0.5, 0.4, 0.1]).astype(np.uint8)
-    cells = np.flatnonzero(belief == 1).astype(np.int32)[:30]
-    for cell, bits in zip(cells.tolist(), sights(belief, cells, 4.0), strict=True):
-        gain = view_gain(belief, divmod(cell, 20), 4.0)
-        assert sum(int(bit_count(word)) for word in bits) == gain
+    assert meetings > 100
 
 
 def test_goals_are_spread() -> None:
@@ -43,3 +43,17 @@ def test_goals_are_spread() -> None:
     policy = make_policy("pso")
     pilots = [policy.pilot(world.briefing(0, k)) for k in range(2)]
     assert list(policy.act(pilots, [world.view(0, k) for k in range(2)])) == [1, 3]
+
+
+def test_the_latest_news_of_who_is_away_counts() -> None:
+    world = World(scenario("thesis-team-4"))
+    world.begin(0, 0)
+    old, new, gone = Mate(2, (1, 1), 9, None), Mate(2, (3, 3), 4, None), Mate(3, (5, 5), 61, None)
+    members = [
+        Member(0, (15, 15), None, NOWHERE, (old, gone)),
+        Member(1, (15, 14), None, NOWHERE, (new, Mate(0, (0, 0), 1, None))),
+    ]
+    assert absentees(members, world.briefing(0, 0)) == [new]
+    near = [member._replace(cell=(3, 4)) for member in members]
+    assert absentees(near, world.briefing(0, 0)) == [new]
+    assert absentees([near[0]._replace(absent=(new._replace(age=1),))], world.briefing(0, 0)) == []

@@ -1,0 +1,176 @@
+"""HEDAC: climb the steady heat that the unexplored gives off (Ivic, Crnkovic & Mezic 2017)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.compiled import inner, leaf
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid import MOVES, OCCUPIED, UNKNOWN
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.teammates import claims, remembered
+
+#: Temperatures below this are too near to the smallest floats to be climbed.
+COLD = 1e-280
+#: Sweeps before the first look whether the field can be climbed.
+FIRST_SWEEPS = 4
+#: In a heat field, the mark of a cell that is kept at u = 0.
+SINK = -1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hedac(Policy):
+    """Climb a potential: the steady temperature of known and unknown space, heated wherever it is unexplored.
+
+    At every passable cell u = (sum of the passable neighbours' u + s) / (n + loss), n their number and s the cell's
+    heat: 1 where it is unknown, less within the lidar range of what a teammate is flying to (the paper's cooling).
+    Walls insulate, and the cells of teammates are kept at 0 (its collision avoidance). A known cell is colder than its
+    warmest neighbour, so climbing the settled field ends at the unknown. Where it does is kept as a goal until it is
+    explored; climbing anew at every step was no better.
+
+    With a loss of 10, u falls by a factor of some 14 a cell, and floats end after 250 cells. Where the field is too
+    cold to climb, or has not settled within ``sweeps``, the UAV flies to its nearest frontier cell instead, so it never
+    freezes; the tally says how often (``cold_starts``). Weak spots: heat has no lines of sight, so a wide view counts
+    no more than a narrow one, and a pocket left behind gets colder with every step away from it.
+
+    S. Ivic, B. Crnkovic, I. Mezic, "Ergodicity-based cooperative multiagent area coverage via a potential field",
+    IEEE Transactions on Cybernetics 47(8), 2017, doi:10.1109/TCYB.2016.2634400; on grids that grow: B. Crnkovic,
+    S. Ivic, M. Zovko, "Fast algorithm for centralized multi-agent maze exploration", arXiv:2310.02121.
+    """
+
+    loss: float = 10.0
+    """Heat that a cell loses against what it gives one neighbour, the paper's alpha. The smaller, the farther heat is
+    felt; 1 was as good as the published 10, .1 and .01 were slower in rooms."""
+    sweeps: int = 100
+    """The most passes over the map for a decision. They go on from the last field and stop once it can be climbed."""
+    cooling: float = 0.9
+    """Share of the heat that a cell loses while a teammate is flying to look at it, 0 to 1."""
+
+    def __post_init__(self) -> None:
+        """Refuse parameters for which there is no field."""
+        at_least(self, 1e-6, "loss")
+        at_least(self, 1, "sweeps")
+        at_least(self, 0.0, "cooling")
+        if self.cooling > 1:
+            raise InputError(f"Hedac: expected cooling of at most 1, got {self.cooling!r}")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return HedacPilot(briefing, self)
+
+
+@leaf()
+def heat_up(
+    belief: np.ndarray, claims: np.ndarray, radius: float, kept: float, sinks: np.ndarray, out: np.ndarray
+) -> None:
+    """Fill ``out`` (H, W) with the heat of each cell, ``SINK`` at those of the (M, 2) ``sinks``.
+
+    Unknown cells within ``radius`` of one of the (C, 2) ``claims`` give off ``kept`` instead of 1.
+    """
+    height, width = belief.shape
+    for row in range(height):
+        for col in range(width):
+            out[row, col] = 1.0 if belief[row, col] == UNKNOWN else 0.0
+    for m in range(claims.shape[0]):
+        for row in range(max(0, int(claims[m, 0] - radius)), min(height, int(claims[m, 0] + radius) + 1)):
+            for col in range(max(0, int(claims[m, 1] - radius)), min(width, int(claims[m, 1] + radius) + 1)):
+                away = (row - claims[m, 0]) ** 2 + (col - claims[m, 1]) ** 2
+                if out[row, col] > 0.0 and away <= radius * radius:
+                    out[row, col] = kept
+    for m in range(sinks.shape[0]):
+        out[sinks[m, 0], sinks[m, 1]] = SINK
+
+
+@inner()
+def _settle(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float, row: int, col: int) -> None:
+    """Give a cell the temperature that its neighbours call for."""
+    height, width = belief.shape
+    if belief[row, col] == OCCUPIED or heat[row, col] == SINK:
+        u[row, col] = 0.0
+        return
+    total, count = heat[row, col], 0
+    for k in range(4):
+        r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+        if 0 <= r < height and 0 <= c < width and belief[r, c] != OCCUPIED:
+            total += u[r, c]
+            count += 1
+    u[row, col] = total / (count + loss)
+
+
+@leaf()
+def sweep(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float) -> None:
+    """Settle every cell of the (H, W) field ``u`` once forwards and once backwards (symmetric Gauss-Seidel)."""
+    height, width = belief.shape
+    for row in range(height):
+        for col in range(width):
+            _settle(u, belief, heat, loss, row, col)
+    for row in range(height - 1, -1, -1):
+        for col in range(width - 1, -1, -1):
+            _settle(u, belief, heat, loss, row, col)
+
+
+@leaf()
+def climb(u: np.ndarray, belief: np.ndarray, row: int, col: int) -> int:
+    """Return the flat known cell from which the steepest way up from (row, col) steps into the unknown, -1 for none."""
+    height, width = belief.shape
+    while True:
+        top, best = -1, max(u[row, col], COLD)
+        for k in range(4):
+            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+            if 0 <= r < height and 0 <= c < width and belief[r, c] != OCCUPIED and u[r, c] > best:
+                top, best = k, u[r, c]
+        if top < 0:
+            return -1
+        r, c = row + MOVES[top, 0], col + MOVES[top, 1]
+        if belief[r, c] == UNKNOWN:
+            return int(row * width + col)
+        row, col = r, c
+
+
+class HedacPilot(GoalPilot):
+    """Keep a temperature field up to date and fly to where its steepest ascent meets the unknown."""
+
+    def __init__(self, briefing: Briefing, policy: Hedac) -> None:
+        super().__init__(briefing)
+        self._policy = policy
+        self._field = np.zeros(briefing.shape)
+        self._heat = np.zeros(briefing.shape)
+        self._cold_starts = 0
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the frontier cell at the end of the ascent, the nearest one where there is no way up."""
+        end = self._ascent(view)
+        goal = divmod(end, self.paths.width) if end >= 0 else None
+        if goal is None or self.shunned(view, self.paths.flat([goal])).any():
+            path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
+            goal = path[-1] if path else None
+            self._cold_starts += goal is not None
+        self.message = (float(goal[0]), float(goal[1])) if goal else None
+        return goal
+
+    def tally(self) -> dict[str, float]:
+        """Return also how many goals were nearest frontiers because the field could not be climbed."""
+        return {**super().tally(), "cold_starts": float(self._cold_starts)}
+
+    def _ascent(self, view: View) -> int:
+        policy = self._policy
+        claimed, reach = claims(view, self.briefing), float(self.briefing.lidar_range)
+        heat_up(view.belief, claimed, reach, 1.0 - policy.cooling, self._sinks(view), self._heat)
+        for done in range(1, policy.sweeps + 1):
+            sweep(self._field, view.belief, self._heat, policy.loss)
+            if done >= min(FIRST_SWEEPS, policy.sweeps):
+                end = climb(self._field, view.belief, *view.cell)
+                if end >= 0:
+                    return end
+        return -1
+
+    def _sinks(self, view: View) -> NDArray[np.int64]:
+        cells = [mate.cell for mate in remembered(view, self.briefing) if mate.cell != view.cell]
+        return np.array(cells, np.int64).reshape(-1, 2)

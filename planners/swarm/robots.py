@@ -1,0 +1,183 @@
+"""Robotic PSO: every UAV is one particle of the swarm (Couceiro, Rocha & Ferreira 2011)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, hypot
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.grid import MOVES, OCCUPIED, UNREACHABLE, Action
+from indoor_explorers.env.lidar import view_gain
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.paths import count_known, on_frontier
+from indoor_explorers.planners.teammates import linked
+
+#: (2,) rows and columns.
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PsoRobots(Policy):
+    """Let each UAV be a particle: inertia, what it knows itself, what its group knows, walls and teammates.
+
+    velocity = inertia velocity + sum over the four pulls of weight x chance x direction; the UAV makes the legal move
+    that is most along it. The cognitive pull leads to its own nearest frontier, the social one to the best frontier
+    that the linked group has told, by view gain e^(-d / R). Both follow shortest known paths, not the bee-line, on
+    which plain robotic PSO sticks in corners. A particle that has found nothing new for a while, or swings to and fro,
+    is split off from the swarm, as the Darwinian variant does with a stagnant one: it flies straight to a nearest
+    frontier and comes back when that is explored (``splits``, ``split_off_steps`` in the tally). So all gets explored.
+
+    The social pull draws a linked group to the same place, and only repulsion within a lidar range holds it apart:
+    good for one known destination, as the thesis says, and weak for exploration; ``pso`` lets the swarm assign goals.
+
+    M. S. Couceiro, R. P. Rocha, N. M. F. Ferreira, "A novel multi-robot exploration approach based on particle swarm
+    optimization algorithms", SSRR 2011, doi:10.1109/SSRR.2011.6106751.
+    """
+
+    inertia: float = 0.6
+    """Share of its velocity that a particle keeps in a step."""
+    cognitive: float = 1.0
+    """Pull of the nearest frontier."""
+    social: float = 0.5
+    """Pull of the best frontier told in the linked group."""
+    obstacles: float = 0.2
+    """Push of known obstacles and edges of the map next to the UAV."""
+    mates: float = 0.5
+    """Push of a linked teammate next to the UAV; it falls to 0 at a lidar range."""
+    stagnation: int = 30
+    """Steps without anything new after which a particle is split off."""
+    candidates: int = 16
+    """Nearest frontier clusters among which a UAV looks for its best one."""
+
+    def __post_init__(self) -> None:
+        """Refuse negative weights and counts."""
+        at_least(self, 0.0, "inertia", "cognitive", "social", "obstacles", "mates")
+        at_least(self, 1, "stagnation", "candidates")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return ParticlePilot(briefing, self)
+
+
+class ParticlePilot(GoalPilot):
+    """Fly as a particle; when split off, to a nearest frontier."""
+
+    def __init__(self, briefing: Briefing, policy: PsoRobots) -> None:
+        super().__init__(briefing)
+        self._policy = policy
+        self._velocity: Vector = np.zeros(2)
+        self._nearest: Cell | None = None
+        self._seen = -1
+        self._news_at = 0
+        self._last: list[Cell] = []
+        self._alone = False
+        self._ways: dict[Cell, list[Cell]] = {}
+        self._splits = self._alone_steps = 0
+
+    def act(self, view: View) -> int:
+        """Fly on with the swarm, or alone after having been split off."""
+        known = count_known(view.belief)
+        fresh, self._seen = known != self._seen, known
+        if fresh:
+            self._news_at = view.step
+        if self._alone and (self.goal is None or not self._is_frontier(view, self.goal)):
+            self._alone = not fresh
+        if not self._alone and (self._swings(view) or view.step - self._news_at >= self._policy.stagnation):
+            self._split_off(view)
+        self._last = [*self._last[-1:], view.cell]
+        if self._alone:
+            self._alone_steps += 1
+            return super().act(view)
+        if fresh or self.message is None:
+            self._survey(view)
+        return self._drift(view)
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the nearest frontier cell, for a UAV on its own."""
+        path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
+        return path[-1] if path else None
+
+    def tally(self) -> dict[str, float]:
+        """Return also how often, and for how many steps in all, the UAV was split off."""
+        return {**super().tally(), "splits": float(self._splits), "split_off_steps": float(self._alone_steps)}
+
+    def _is_frontier(self, view: View, cell: Cell) -> bool:
+        return bool(on_frontier(view.belief, cell[0] * self.paths.width + cell[1]))
+
+    def _swings(self, view: View) -> bool:
+        return len(self._last) == 2 and self._last[0] == view.cell != self._last[1]
+
+    def _split_off(self, view: View) -> None:
+        self._alone, self._velocity, self.message = True, np.zeros(2), None
+        self._splits += 1
+        self._take(view, self.choose_again(view))
+
+    def _survey(self, view: View) -> None:
+        """Find the nearest and the best frontier, and tell the best."""
+        reach = self.briefing.lidar_range
+        cells, steps = nearest_cells(self.paths.field(view.belief, view.cell), frontier_clusters(view.belief, reach))
+        order = np.argsort(steps, kind="stable")[: self._policy.candidates]
+        near = [divmod(int(cells[k]), self.paths.width) for k in order if steps[k] < UNREACHABLE]
+        worth = [
+            view_gain(view.belief, cell, reach) * exp(-int(steps[k]) / reach)
+            for k, cell in zip(order, near, strict=False)
+        ]
+        self._nearest = near[0] if near else None
+        best = max(range(len(near)), key=worth.__getitem__, default=None)
+        self.message = None if best is None else (float(near[best][0]), float(near[best][1]), worth[best])
+
+    def _drift(self, view: View) -> int:
+        """Update the velocity and return the legal move most along it."""
+        policy = self._policy
+        pulls = (
+            (policy.cognitive, self._towards(view, self._nearest)),
+            (policy.social, self._towards(view, self._best_told(view))),
+            (policy.obstacles, self._from_walls(view)),
+            (policy.mates, self._from_mates(view)),
+        )
+        velocity = policy.inertia * self._velocity
+        for weight, direction in pulls:
+            velocity = velocity + weight * self.rng.random() * direction
+        self._velocity = velocity / max(1.0, hypot(*velocity))
+        along = np.where(view.legal[:4], MOVES[:4] @ self._velocity, -np.inf)
+        return int(along.argmax()) if view.legal[:4].any() else int(Action.STAY)
+
+    def _best_told(self, view: View) -> Cell | None:
+        told = [message for message in (self.message, *(mate.message for mate in linked(view))) if message]
+        worth = {(int(row), int(col)): value for row, col, value in told}
+        return max((cell for cell in worth if self._is_frontier(view, cell)), key=worth.__getitem__, default=None)
+
+    def _towards(self, view: View, goal: Cell | None) -> Vector:
+        """Return the first move of a shortest known path; a path is kept while the UAV stays on it."""
+        if goal is None or goal == view.cell:
+            return np.zeros(2)
+        way = self._ways.get(goal, [])
+        if view.cell not in way:
+            way = self.paths.to(view.belief, view.cell, goal) or [view.cell]
+        self._ways = {**dict(list(self._ways.items())[-1:]), goal: way[way.index(view.cell) :]}
+        following = self._ways[goal][1:2] or [view.cell]
+        return np.subtract(following[0], view.cell).astype(np.float64)
+
+    def _from_walls(self, view: View) -> Vector:
+        away, (height, width) = np.zeros(2), view.belief.shape
+        for row, col in MOVES[:4].tolist():
+            r, c = view.cell[0] + row, view.cell[1] + col
+            if not (0 <= r < height and 0 <= c < width) or view.belief[r, c] == OCCUPIED:
+                away -= (row, col)
+        return away
+
+    def _from_mates(self, view: View) -> Vector:
+        away, reach = np.zeros(2), self.briefing.lidar_range
+        for mate in linked(view):
+            apart = np.subtract(view.cell, mate.cell).astype(np.float64)
+            distance = hypot(*apart)
+            if 0 < distance < reach:
+                away += apart / distance * (1 - distance / reach)
+        return away
