@@ -61,7 +61,7 @@ def fly(
     task = scenario("thesis-open").with_settings(settings).for_evaluation().with_settings({"goal_of": goal_of})
     world = World(task)
     world.begin(0, seed, floorplan=Floorplan.from_free(free, "test"), spawns=spawns)
-    pilots = [policy.pilot(world.briefing(0, k)) for k in range(team)]
+    pilots = [policy.pilot(world.briefing(0, k, privileged=policy.privileged)) for k in range(team)]
     tracks: list[list[Cell]] = [[] for _ in range(team)]
     actions: list[list[int]] = []
     while world.flying[0].any():
