@@ -13,6 +13,7 @@ import numpy as np
 
 from indoor_explorers.env.compiled import kernel, leaf
 from indoor_explorers.env.randomness import draw
+from indoor_explorers.env.sights import Sights, unseen_from
 from indoor_explorers.planners.reference.routes import (
     Aims,
     Crew,
@@ -28,7 +29,6 @@ from indoor_explorers.planners.reference.routes import (
     reverse,
     take,
 )
-from indoor_explorers.planners.reference.sights import Sights, unseen_from
 
 #: Steps that a cell is worth that is missing at the end: so many that routes that miss some do not stay.
 PENALTY = 10.0

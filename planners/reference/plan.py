@@ -18,9 +18,9 @@ import numpy as np
 from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.lidar import optics
+from indoor_explorers.env.sights import Sights, look, sights_of, size_of
 from indoor_explorers.planners.reference.annealing import anneal
 from indoor_explorers.planners.reference.routes import Aims, Crew, Legs, tracks
-from indoor_explorers.planners.reference.sights import Sights, look, sights_of, size_of
 
 #: Coverage that the first part of a plan aims at.
 FIRST_AIM = 0.99

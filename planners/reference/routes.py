@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.compiled import kernel, leaf
-from indoor_explorers.planners.reference.sights import Sights, look
+from indoor_explorers.env.sights import Sights, look
 
 #: Steps to a cell that cannot be reached.
 FAR = np.int32(2**20)
