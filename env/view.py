@@ -68,3 +68,5 @@ class Briefing:
     """The pilot's own generator; nobody else draws from it."""
     truth: Belief | None = field(default=None, repr=False)
     """The true map (H, W) uint8, for privileged policies; None for everyone else."""
+    starts: tuple[Cell, ...] | None = field(default=None, repr=False)
+    """Where all UAVs start, by number, for privileged policies; None for everyone else."""

@@ -236,6 +236,7 @@ class World:
             scenario=self.scenario,
             rng=generator(self.seeds[episode], Stream.PILOT, agent),
             truth=read_only(self.state.truth[episode]) if privileged else None,
+            starts=tuple((row, col) for row, col in self.state.cell[episode].tolist()) if privileged else None,
         )
 
     @property

@@ -42,8 +42,8 @@ MEASURES: dict[str, Measure] = {
     "t99_to_bound": Measure(
         "T99 / bound",
         "",
-        "T99 / steps that no team can do without: (99 % of the counted cells - those within lidar range of the starts)"
-        " / (UAVs x (2 floor(range) + 1))",
+        "T99 / steps that no team can do without, whatever it knows: the largest of four bounds, by lidar range, sight,"
+        " distance, and places that must be looked at",
     ),
     "t99_to_reference": Measure(
         "T99 / reference", "", "T99 / T99 of the policy that knows the map, on the same map, spawns and seed"

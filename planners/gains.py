@@ -9,6 +9,7 @@ from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import UNKNOWN
 from indoor_explorers.env.lidar import Optics, new_scan, optics, visible_cells
+from indoor_explorers.env.sights import bit_count as bit_count  # planners count the bits of the sets made here
 
 
 @kernel()
@@ -67,12 +68,3 @@ def sights(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDAr
     Unknown cells are numbered in the order they are met; a set of bits ored together is a joint view.
     """
     return np.asarray(_sights(belief, cells, optics(float(lidar_range)))[0])
-
-
-@kernel(inline="always")
-def bit_count(word: np.uint64) -> np.uint64:
-    """Count the ones of a 64-bit word (Warren, Hacker's Delight, 5-1)."""
-    word -= (word >> np.uint64(1)) & np.uint64(0x5555555555555555)
-    word = (word & np.uint64(0x3333333333333333)) + ((word >> np.uint64(2)) & np.uint64(0x3333333333333333))
-    word = (word + (word >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
-    return (word * np.uint64(0x0101010101010101)) >> np.uint64(56)

@@ -466,6 +466,17 @@ def test_a_view_is_live_and_outlives_its_world():
     np.testing.assert_array_equal(belief, last)
 
 
+def test_only_privileged_briefings_tell_the_map_and_the_starts():
+    world = World(PRESETS["thesis-team-2"])
+    world.reset([3])
+    plain, privileged = world.briefing(0, 1), world.briefing(0, 1, privileged=True)
+    assert plain.truth is None
+    assert plain.starts is None
+    np.testing.assert_array_equal(privileged.truth, world.state.truth[0])
+    assert privileged.starts == tuple(world.view(0, agent).cell for agent in (0, 1))
+    assert "starts" not in repr(privileged)
+
+
 def test_views_are_read_only():
     world = World(PRESETS["thesis-open"])
     world.reset([0])

@@ -1,0 +1,1 @@
+"""The reference tour: a yardstick that knows the map."""

@@ -1,0 +1,201 @@
+"""Simulated annealing of a team's routes, each change judged by the time that sensing along the way really takes.
+
+S. Kirkpatrick, C. D. Gelatt, M. P. Vecchi, "Optimization by simulated annealing", Science 220, 1983,
+doi:10.1126/science.220.4598.671. The changes are those of vehicle routing: remove, insert, shift and exchange stops,
+reverse (2-opt) and move (Or-opt) a piece, exchange the rests of two routes.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from indoor_explorers.env.compiled import kernel, leaf
+from indoor_explorers.env.randomness import draw
+from indoor_explorers.env.sights import Sights, unseen_from
+from indoor_explorers.planners.reference.routes import (
+    Aims,
+    Crew,
+    Legs,
+    Routes,
+    cheapest_place,
+    copy,
+    cost,
+    count_stops,
+    cross,
+    find_steps,
+    put,
+    reverse,
+    take,
+)
+
+#: Steps that a cell is worth that is missing at the end: so many that routes that miss some do not stay.
+PENALTY = 10.0
+#: First temperature as a share of the first routes' steps, and the last one in steps.
+HOT, COLD = 0.005, 0.25
+#: Viewpoints looked at for each stop of the first routes.
+SAMPLES = 100
+#: Most stops in a piece that is moved.
+PIECE = 8
+
+
+@leaf()
+def roll(dice: np.ndarray, sides: int) -> int:
+    """Draw an integer from 0 to ``sides`` - 1; ``dice`` (2,) uint64 holds a key and a counter."""
+    dice[1] += np.uint64(1)
+    return int(np.int64(draw(dice[0], dice[1]) % np.uint64(sides)))  # signed: unsigned ones make floats of others
+
+
+@leaf()
+def _pick(routes: Routes, dice: np.ndarray) -> tuple[int, int]:
+    """Draw one of all stops: its route and place; there must be one."""
+    p = roll(dice, count_stops(routes))
+    n = 0
+    while p >= routes.sizes[n]:
+        p -= routes.sizes[n]
+        n += 1
+    return n, p
+
+
+@leaf()
+def _insert(sights: Sights, legs: Legs, routes: Routes, crew: Crew, point: int) -> bool:
+    find_steps(sights, legs, point)
+    _, n, p = cheapest_place(legs, routes, crew.starts, point)
+    return put(routes, n, p, point)
+
+
+@leaf()
+def _shift(sights: Sights, legs: Legs, routes: Routes, dice: np.ndarray) -> bool:
+    """Put a viewpoint a few random steps away in the place of a stop."""
+    n, p = _pick(routes, dice)
+    cell = legs.points[routes.stops[n, p]]
+    for _ in range(1 + roll(dice, 4)):
+        other = sights.near[cell, roll(dice, 4)]
+        cell = other if other >= 0 else cell
+    point = legs.nearest[cell]
+    if point == routes.stops[n, p]:
+        return False
+    find_steps(sights, legs, point)
+    routes.stops[n, p] = point
+    return True
+
+
+@leaf()
+def _relocate(sights: Sights, legs: Legs, routes: Routes, crew: Crew, dice: np.ndarray) -> bool:
+    """Move a stop to where it costs least, or anywhere."""
+    n, p = _pick(routes, dice)
+    point = take(routes, n, p)
+    if roll(dice, 2) == 0:
+        return _insert(sights, legs, routes, crew, point)
+    m = roll(dice, routes.sizes.shape[0])
+    return put(routes, m, roll(dice, routes.sizes[m] + 1), point)
+
+
+@leaf()
+def _move_piece(routes: Routes, dice: np.ndarray) -> bool:
+    """Move a few stops that follow one another to anywhere, the last one first in every other case."""
+    n, p = _pick(routes, dice)
+    m, size, turned = roll(dice, routes.sizes.shape[0]), 1 + roll(dice, PIECE), roll(dice, 2) == 0
+    size = min(size, routes.sizes[n] - p)
+    if turned:
+        reverse(routes, n, p, p + size - 1)
+    if m == n:  # two pieces that follow one another change places
+        left = routes.sizes[n] - p - size
+        if left == 0:
+            return turned and size > 1
+        other = 1 + roll(dice, left)
+        reverse(routes, n, p, p + size - 1)
+        reverse(routes, n, p + size, p + size + other - 1)
+        reverse(routes, n, p, p + size + other - 1)
+        return True
+    q = roll(dice, routes.sizes[m] + 1)
+    if not cross(routes, n, p, m, q):
+        return False
+    return cross(routes, n, p, m, q + size)
+
+
+@leaf()
+def _change(sights: Sights, legs: Legs, routes: Routes, crew: Crew, dice: np.ndarray) -> bool:
+    """Change routes in one random way; return False when nothing came of it."""
+    kind = roll(dice, 100)
+    if kind < 7 or count_stops(routes) == 0:
+        return _insert(sights, legs, routes, crew, roll(dice, legs.points.shape[0]))
+    if kind < 42:
+        return _shift(sights, legs, routes, dice)
+    if kind < 57:
+        return _relocate(sights, legs, routes, crew, dice)
+    if kind < 65:
+        return _move_piece(routes, dice)
+    n, p = _pick(routes, dice)
+    if kind < 80:
+        take(routes, n, p)
+        return True
+    if kind < 90:
+        q = roll(dice, routes.sizes[n])
+        reverse(routes, n, min(p, q), max(p, q))
+        return p != q
+    m, q = _pick(routes, dice)
+    if kind < 97 or m == n:
+        routes.stops[n, p], routes.stops[m, q] = routes.stops[m, q], routes.stops[n, p]
+        return n != m or p != q
+    return cross(routes, n, p, m, q)
+
+
+@leaf()
+def _construct(sights: Sights, legs: Legs, routes: Routes, crew: Crew, aims: Aims, dice: np.ndarray) -> None:
+    """Insert the best of some random viewpoints by new cells a step, until routes see enough or have no more room."""
+    samples = SAMPLES
+    left = cost(sights, legs, routes, crew, aims, math.inf)[1]
+    while left > 0:
+        best, most = -1, 0.0
+        for _ in range(samples):
+            point = roll(dice, legs.points.shape[0])
+            gain = min(unseen_from(sights, legs.points[point], crew.seen), left)
+            if gain > 0:
+                find_steps(sights, legs, point)
+                score = gain / (cheapest_place(legs, routes, crew.starts, point)[0] + 2.0)
+                if score > most:
+                    best, most = point, score
+        if best < 0:
+            samples *= 2
+        elif _insert(sights, legs, routes, crew, best):
+            left = cost(sights, legs, routes, crew, aims, math.inf)[1]
+        else:
+            return
+
+
+@kernel()
+def anneal(
+    sights: Sights, legs: Legs, crew: Crew, aims: Aims, key: np.uint64, changes: int, work: int
+) -> tuple[Routes, float]:
+    """Return the best routes found that reach the last aim, and their cost.
+
+    Tries so many ``changes``, fewer when they cost more than ``work`` joined words.
+    """
+    team, room = crew.starts.shape[0], 64 + sights.near.shape[0] // 8
+    dice = np.array([key, np.uint64(0)], np.uint64)
+    now = Routes(np.zeros((team, room), np.int32), np.zeros(team, np.int64))
+    _construct(sights, legs, now, crew, aims, dice)
+    best = Routes(now.stops.copy(), now.sizes.copy())
+    tried = Routes(now.stops.copy(), now.sizes.copy())
+    least, left = cost(sights, legs, now, crew, aims, math.inf)
+    value = least + PENALTY * left
+    hot, begun = max(HOT * value, COLD), crew.work[0]
+    for change in range(changes):
+        spent = max(change / changes, (crew.work[0] - begun) / work)
+        if spent >= 1.0:
+            break
+        copy(now, tried)
+        if not _change(sights, legs, tried, crew, dice):
+            continue
+        heat = hot * (COLD / hot) ** spent
+        bar = value - heat * math.log((roll(dice, 2**53) + 1) / 2**53)
+        steps, left = cost(sights, legs, tried, crew, aims, bar)
+        if steps + PENALTY * left <= bar:
+            value = steps + PENALTY * left
+            copy(tried, now)
+            if left == 0 and steps < least:
+                least = steps
+                copy(now, best)
+    return best, least

@@ -1,0 +1,243 @@
+"""Routes of a team through viewpoints: how long they take to see enough, and the ways to change them.
+
+A route is a list of viewpoints that one UAV flies to in turn, by shortest paths from its start, and it senses all
+along the way. All UAVs fly at the same time; what they see is joined.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.compiled import kernel, leaf
+from indoor_explorers.env.sights import Sights, look
+
+#: Steps to a cell that cannot be reached.
+FAR = np.int32(2**20)
+
+
+class Legs(NamedTuple):
+    """K viewpoints and the steps to them, worked out as they are needed."""
+
+    points: NDArray[np.int32]
+    """(K,) number of each viewpoint's cell."""
+    nearest: NDArray[np.int32]
+    """(M,) the viewpoint nearest to each cell."""
+    steps: NDArray[np.int32]
+    """(K, M) steps from each cell to each viewpoint."""
+    known: NDArray[np.bool_]
+    """(K,) whose steps are worked out."""
+    queue: NDArray[np.int32]
+    """(M,) scratch."""
+
+
+class Routes(NamedTuple):
+    """The routes of N UAVs."""
+
+    stops: NDArray[np.int32]
+    """(N, L) viewpoints in order."""
+    sizes: NDArray[np.int64]
+    """(N,) how many each route has."""
+
+
+class Aims(NamedTuple):
+    """What routes are to reach, and what steps cost."""
+
+    first: int
+    """Cells to see soon."""
+    last: int
+    """Cells to see in the end, as many or more."""
+    share: float
+    """What a step between the first aim and the last costs; before the first it costs 1."""
+
+
+class Crew(NamedTuple):
+    """Where N UAVs are while routes are flown, and what they see."""
+
+    starts: NDArray[np.int64]
+    """(N,) numbers of the cells where they start."""
+    cell: NDArray[np.int64]
+    """(N,) numbers of the cells where they are."""
+    stop: NDArray[np.int64]
+    """(N,) which stop of its route each one flies to."""
+    seen: NDArray[np.uint64]
+    """(T,) what is seen by now."""
+    work: NDArray[np.int64]
+    """(1,) words joined so far: what the search has cost, the same on every machine."""
+
+
+@leaf()
+def find_steps(sights: Sights, legs: Legs, point: int) -> None:
+    """Work out the steps to a viewpoint unless they are known."""
+    if legs.known[point]:
+        return
+    legs.known[point] = True
+    near, out, queue = sights.near, legs.steps[point], legs.queue
+    out[:] = FAR
+    out[legs.points[point]] = 0
+    queue[0] = legs.points[point]
+    head, tail = 0, 1
+    while head < tail:
+        cell = queue[head]
+        head += 1
+        for k in range(4):
+            other = near[cell, k]
+            if other >= 0 and out[other] == FAR:
+                out[other] = out[cell] + 1
+                queue[tail] = other
+                tail += 1
+
+
+@leaf()
+def start(sights: Sights, crew: Crew) -> int:
+    """Put the UAVs at their starts; return how many cells their first scans show."""
+    crew.seen[:] = 0
+    new = 0
+    for n in range(crew.starts.shape[0]):
+        crew.cell[n], crew.stop[n] = crew.starts[n], 0
+        new += look(sights, crew.starts[n], crew.seen)
+    return new
+
+
+@leaf()
+def fly_on(sights: Sights, legs: Legs, routes: Routes, crew: Crew) -> int:
+    """Move every UAV one step along its route; return how many cells that shows, -1 when all routes are flown."""
+    new = -1
+    for n in range(crew.cell.shape[0]):
+        cell = crew.cell[n]
+        while crew.stop[n] < routes.sizes[n]:
+            steps = legs.steps[routes.stops[n, crew.stop[n]]]
+            if 0 < steps[cell] < FAR:
+                break
+            crew.stop[n] += 1
+        if crew.stop[n] == routes.sizes[n]:
+            continue
+        for k in range(4):
+            other = sights.near[cell, k]
+            if other >= 0 and steps[other] < steps[cell]:
+                crew.cell[n] = other
+                break
+        crew.work[0] += sights.first[other + 1] - sights.first[other]
+        new = max(new, 0) + look(sights, crew.cell[n], crew.seen)
+    return new
+
+
+@leaf()
+def cost(sights: Sights, legs: Legs, routes: Routes, crew: Crew, aims: Aims, limit: float) -> tuple[float, int]:
+    """Fly routes to their ends, the last aim, or a cost above ``limit``; return the cost and how many cells miss.
+
+    A step costs 1 before the first aim is reached and ``aims.share`` after it.
+    """
+    seen, spent = start(sights, crew), 0.0
+    while seen < aims.last and spent <= limit:
+        new = fly_on(sights, legs, routes, crew)
+        if new < 0:
+            break
+        spent += 1.0 if seen < aims.first else aims.share
+        seen += new
+    return spent, max(aims.last - seen, 0)
+
+
+@kernel()
+def tracks(sights: Sights, legs: Legs, routes: Routes, crew: Crew, aims: Aims) -> np.ndarray:
+    """Return the numbers of the cells that the UAVs are in up to the last aim, (steps + 1, N)."""
+    seen, steps = start(sights, crew), 0
+    out = np.empty((1024, crew.cell.shape[0]), np.int64)
+    out[0] = crew.cell
+    while seen < aims.last:
+        new = fly_on(sights, legs, routes, crew)
+        if new < 0:
+            break
+        seen, steps = seen + new, steps + 1
+        if steps == out.shape[0]:
+            out = np.concatenate((out, np.empty_like(out)))
+        out[steps] = crew.cell
+    return out[: steps + 1]
+
+
+@leaf()
+def copy(source: Routes, target: Routes) -> None:
+    """Copy routes."""
+    for n in range(source.sizes.shape[0]):
+        target.sizes[n] = source.sizes[n]
+        for p in range(source.sizes[n]):
+            target.stops[n, p] = source.stops[n, p]
+
+
+@leaf()
+def count_stops(routes: Routes) -> int:
+    """Count the stops of all routes."""
+    count = 0
+    for n in range(routes.sizes.shape[0]):
+        count += routes.sizes[n]
+    return count
+
+
+@leaf()
+def put(routes: Routes, n: int, p: int, point: int) -> bool:
+    """Insert a viewpoint as stop ``p`` of route ``n``; return False where there is no room for it."""
+    size = routes.sizes[n]
+    if size == routes.stops.shape[1]:
+        return False
+    for q in range(size, p, -1):
+        routes.stops[n, q] = routes.stops[n, q - 1]
+    routes.stops[n, p] = point
+    routes.sizes[n] += 1
+    return True
+
+
+@leaf()
+def take(routes: Routes, n: int, p: int) -> int:
+    """Take stop ``p`` out of route ``n`` and return it."""
+    point = routes.stops[n, p]
+    for q in range(p, routes.sizes[n] - 1):
+        routes.stops[n, q] = routes.stops[n, q + 1]
+    routes.sizes[n] -= 1
+    return int(point)
+
+
+@leaf()
+def reverse(routes: Routes, n: int, low: int, high: int) -> None:
+    """Turn stops ``low`` to ``high`` of route ``n`` round."""
+    stops = routes.stops[n]
+    while low < high:
+        stops[low], stops[high] = stops[high], stops[low]
+        low, high = low + 1, high - 1
+
+
+@leaf()
+def cross(routes: Routes, n: int, p: int, m: int, q: int) -> bool:
+    """Exchange what follows in route ``n`` from stop ``p`` and in route ``m`` from stop ``q``."""
+    one, other = routes.sizes[n] - p, routes.sizes[m] - q
+    if max(p + other, q + one) > routes.stops.shape[1]:
+        return False
+    for k in range(max(one, other)):
+        a, b = (
+            routes.stops[n, min(p + k, routes.stops.shape[1] - 1)],
+            routes.stops[m, min(q + k, routes.stops.shape[1] - 1)],
+        )
+        if k < other:
+            routes.stops[n, p + k] = b
+        if k < one:
+            routes.stops[m, q + k] = a
+    routes.sizes[n], routes.sizes[m] = p + other, q + one
+    return True
+
+
+@leaf()
+def cheapest_place(legs: Legs, routes: Routes, starts: np.ndarray, point: int) -> tuple[int, int, int]:
+    """Return where a viewpoint, its steps known, lengthens a route least: the steps more, the route, the stop."""
+    least, best, at = np.int64(FAR) * 4, 0, 0
+    for n in range(routes.sizes.shape[0]):
+        cell = starts[n]
+        for p in range(routes.sizes[n] + 1):
+            more = np.int64(legs.steps[point, cell])
+            if p < routes.sizes[n]:
+                after = legs.steps[routes.stops[n, p]]
+                more += np.int64(after[legs.points[point]]) - np.int64(after[cell])
+                cell = legs.points[routes.stops[n, p]]
+            if more < least:
+                least, best, at = more, n, p
+    return int(least), best, at

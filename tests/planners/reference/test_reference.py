@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import InputError, World, make_policy, scenario
+from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.lidar import scan
+from indoor_explorers.planners.reference import plan as planning
+from indoor_explorers.planners.reference.plan import Effort, Task, plan, untangled
+from tests.planners.flights import fly, maze, rooms
+
+EFFORT = Effort(1, 3000, 10**8)
+
+
+def task_of(free: np.ndarray, starts: tuple[Cell, ...], lidar: float = 3.0, goal: float = 1.0) -> Task:
+    truth = np.where(free, 1, 2).astype(np.uint8)
+    return Task(truth.tobytes(), truth.shape, starts, (lidar, "exact"), False, goal)
+
+
+def seen_by(task: Task, tracks: tuple[tuple[Cell, ...], ...]) -> float:
+    truth = np.frombuffer(task.truth, np.uint8).reshape(task.shape)
+    seen = np.zeros(task.shape, np.bool_)
+    for cell in {cell for track in tracks for cell in track}:
+        seen |= scan(truth, cell, task.lidar[0]) == 1
+    return float(seen.sum() / (truth == 1).sum())
+
+
+@pytest.mark.parametrize("starts", [((1, 1),), ((1, 1), (1, 2), (3, 1))])
+@pytest.mark.parametrize("goal", [0.8, 1.0])
+def test_plans_are_ways_that_see_enough(starts: tuple[Cell, ...], goal: float) -> None:
+    for free in (maze(5, 6, 1), rooms(2, 4, 1)):
+        task = task_of(free, tuple(start for start in starts if free[start]), goal=goal)
+        tracks = plan(task, EFFORT)
+        assert tuple(track[0] for track in tracks) == task.starts
+        for track in tracks:
+            assert all(free[cell] for cell in track)
+            assert all(abs(a[0] - b[0]) + abs(a[1] - b[1]) == 1 for a, b in pairwise(track))
+        assert seen_by(task, tracks) >= goal
+
+
+def test_a_corridor_is_flown_straight() -> None:
+    corridor = np.ones((1, 30), np.bool_)
+    assert plan(task_of(corridor, ((0, 0),)), EFFORT) == (tuple((0, col) for col in range(27)),)
+    left, right = plan(task_of(corridor, ((0, 14), (0, 15))), EFFORT)
+    assert {left[-1], right[-1]} == {(0, 3), (0, 26)}
+    assert max(len(left), len(right)) == 12
+
+
+def test_the_same_task_gives_the_same_plan_and_more_effort_no_worse_ones() -> None:
+    task = task_of(rooms(3, 4, 2), ((1, 1),))
+    first = plan(task, EFFORT)
+    plan.cache_clear()
+    assert plan(task, EFFORT) == first
+    assert len(plan(task, Effort(4, 20_000, 10**8))[0]) <= len(plan(task, Effort(1, 1, 10**8))[0])
+
+
+def test_work_bounds_the_search() -> None:
+    task = task_of(rooms(3, 4, 2), ((1, 1),))
+    assert plan(task, Effort(1, 10**9, 10_000))
+
+
+def test_with_few_viewpoints_everything_is_seen_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(planning, "TABLE", 600)
+    plan.cache_clear()
+    task = task_of(maze(6, 7, 3), ((1, 1),), lidar=2.0)
+    assert seen_by(task, plan(task, EFFORT)) == 1.0
+    plan.cache_clear()
+
+
+def test_uavs_that_would_pass_through_each_other_exchange_their_ways() -> None:
+    assert untangled([[1, 2, 3, 4], [4, 3, 2, 1]]) == [[1, 2, 1], [4, 3, 4]]
+    assert untangled([[1, 2, 3], [5, 6, 7]]) == [[1, 2, 3], [5, 6, 7]]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_exchanged_ways_visit_the_same_cells(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    flown = [np.cumsum([start, *rng.choice([-1, 1], 30)]).tolist() for start in (0, 5, 9, 14)]
+    found = untangled(flown)
+    assert {cell for way in found for cell in way} == {cell for way in flown for cell in way}
+    assert all(abs(a - b) == 1 for way in found for a, b in pairwise(way))
+    assert [way[0] for way in found] == [0, 5, 9, 14]
+
+
+def test_it_beats_planners_that_do_not_know_the_map() -> None:
+    for seed in range(3):
+        free = rooms(3, 5, seed)
+        steps = {name: fly(make_policy(name), free, seed=seed).steps for name in ("reference", "frontier-nearest")}
+        assert steps["reference"] < 0.9 * steps["frontier-nearest"]
+
+
+def test_it_needs_the_true_map() -> None:
+    world = World(scenario("thesis-open"))
+    world.begin(0, 0)
+    with pytest.raises(InputError, match="true map and all starts"):
+        make_policy("reference").pilot(world.briefing(0, 0))
+
+
+def test_too_little_effort_is_refused() -> None:
+    with pytest.raises(InputError, match="expected restarts of at least 1"):
+        make_policy("reference", restarts=0)
