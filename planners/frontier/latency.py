@@ -24,6 +24,8 @@ from indoor_explorers.planners.teammates import remembered
 
 #: Every so many lidar ranges along a cluster a cell of it is looked at.
 STRIDE = 0.3
+#: An order is kept for so many lidar ranges of flight, unless its first place is dealt with before.
+KEEP = 0.1
 #: Cells within so many lidar ranges of the last goal count as that goal.
 SAME = 0.2
 #: A cluster is left to others when its factor is this share of the best one or less.
@@ -46,14 +48,12 @@ class FrontierLatency(Policy):
     """Distance at which an unknown cell counts 1 / e of a near one, in lidar ranges."""
     isolation: float = 8.0
     """How much more an unknown cell surrounded by known ones counts than one in the open."""
-    discount: float = 1.2
+    discount: float = 2.4
     """Loss of gain per lidar range of distance, when the cell of a cluster is chosen."""
     latency: float = 16.0
     """Weight of the mean waiting time beside the length of the order."""
-    worth: float = 0.75
+    worth: float = 0.5
     """Exponent of gains as weights of waiting times; 0 counts all clusters alike."""
-    spread: float = 1.0
-    """A cluster is split while a cell of it is further than this from its mean, in lidar ranges."""
     hold: float = 0.2
     """What an order that begins elsewhere has to save, in lidar ranges."""
     clusters: int = 12
@@ -61,7 +61,7 @@ class FrontierLatency(Policy):
 
     def __post_init__(self) -> None:
         at_least(self, 0.0, "isolation", "discount", "latency", "worth", "hold")
-        at_least(self, 0.01, "depth", "spread")
+        at_least(self, 0.01, "depth")
         at_least(self, 1, "clusters")
 
     def pilot(self, briefing: Briefing) -> Pilot:
@@ -91,18 +91,19 @@ class LatencyPilot(GoalPilot):
         self._range = briefing.lidar_range
         self._gains = WeightedGains(briefing.shape, self._range, policy.depth, policy.isolation)
         self._is_due = True
+        self._next_order = 0
 
     def learned(self, view: View) -> None:
         """Order the clusters again, as the map has grown."""
         self._is_due = True
 
     def reconsider(self, view: View) -> bool:
-        """Tell whether the map has grown since the last order."""
-        return self._is_due
+        """Tell whether the map has grown since the last order and that was some steps ago."""
+        return self._is_due and view.step >= self._next_order
 
     def choose(self, view: View) -> Cell | None:
         """Return the place with which the cheapest order begins."""
-        self._is_due = False
+        self._is_due, self._next_order = False, view.step + round(KEEP * self._range)
         places = self._places(view)
         if len(places.cells) == 0:
             return None
@@ -120,7 +121,7 @@ class LatencyPilot(GoalPilot):
 
     def _places(self, view: View) -> Places:
         """Return the best places of the best clusters that can be reached."""
-        clusters = frontier_clusters(view.belief, 2.0 * self._policy.spread * self._range)
+        clusters = frontier_clusters(view.belief, self._range)
         field = self.paths.field(view.belief, view.cell)
         nearest, _ = nearest_cells(field, clusters)
         cells, owner = lookouts(clusters, nearest, STRIDE * self._range)
