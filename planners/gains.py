@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import UNKNOWN
-from indoor_explorers.env.lidar import Optics, new_scan, optics, visible_cells
+from indoor_explorers.env.lidar import Optics, Scan, new_scan, optics, visible_cells
 from indoor_explorers.env.sights import bit_count as bit_count  # planners count the bits of the sets made here
 
 
@@ -68,3 +70,93 @@ def sights(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDAr
     Unknown cells are numbered in the order they are met; a set of bits ored together is a joint view.
     """
     return np.asarray(_sights(belief, cells, optics(float(lidar_range)))[0])
+
+
+#: Half the side of the square around an unknown cell in which known cells make it isolated.
+NEIGHBOURHOOD = 2
+#: A gain that has to be computed.
+STALE = -1.0
+
+
+@kernel()
+def _isolation(belief: np.ndarray, row: int, col: int) -> float:
+    """Return which share of the cells around an unknown one is known or off the map."""
+    height, width = belief.shape
+    side = 2 * NEIGHBOURHOOD + 1
+    unknown = 0
+    for r in range(max(0, row - NEIGHBOURHOOD), min(height, row + NEIGHBOURHOOD + 1)):
+        for c in range(max(0, col - NEIGHBOURHOOD), min(width, col + NEIGHBOURHOOD + 1)):
+            unknown += belief[r, c] == UNKNOWN
+    return (side * side - unknown) / (side * side - 1)
+
+
+@kernel()
+def _weighted(belief: np.ndarray, cell: int, depths: np.ndarray, isolation: float, lens: Optics, scan: Scan) -> float:
+    width = belief.shape[1]
+    middle = depths.shape[0] // 2
+    row, col = divmod(cell, width)
+    gain = 0.0
+    for place in range(visible_cells(belief, row, col, lens, scan)):
+        r, c = divmod(scan.cells[place], width)
+        if belief[r, c] == UNKNOWN:
+            gain += depths[r - row + middle, c - col + middle] * (1.0 + isolation * _isolation(belief, r, c))
+    return gain
+
+
+@kernel()
+def _forget_changed(old: np.ndarray, new: np.ndarray, reach: int, gains: np.ndarray) -> None:
+    """Bring ``old`` up to date and make gains stale within ``reach`` of the box around all that has changed."""
+    height, width = new.shape
+    top, bottom, left, right = height, -1, width, -1
+    for r in range(height):
+        for c in range(width):
+            if old[r, c] != new[r, c]:
+                old[r, c] = new[r, c]
+                top, bottom, left, right = min(top, r), r, min(left, c), max(right, c)
+    if bottom >= 0:
+        gains[max(0, top - reach) : bottom + reach + 1, max(0, left - reach) : right + reach + 1] = STALE
+
+
+@kernel()
+def _kept_gains(
+    belief: np.ndarray, cells: np.ndarray, depths: np.ndarray, isolation: float, lens: Optics, gains: np.ndarray
+) -> np.ndarray:
+    width = belief.shape[1]
+    scan = new_scan(lens)
+    out = np.empty(cells.shape[0])
+    for k in range(cells.shape[0]):
+        row, col = divmod(cells[k], width)
+        if gains[row, col] == STALE:
+            gains[row, col] = _weighted(belief, cells[k], depths, isolation, lens, scan)
+        out[k] = gains[row, col]
+    return out
+
+
+class WeightedGains:
+    """Answer what a scan could reveal, near and isolated cells first, and keep what has not changed.
+
+    An unknown cell visible at distance r counts ``exp(-r / (depth R)) (1 + isolation k)``, R the lidar range and k
+    the share of the 24 cells around it that are known or off the map: what lies deep is likely to be hidden behind a
+    wall yet unseen, and what is nearly surrounded would cost a way back later.
+
+    Args:
+        shape: (H, W) of the map.
+        lidar_range: in cells.
+        depth: distance at which a cell counts 1 / e, in lidar ranges; infinite to count all alike.
+        isolation: how much more a surrounded cell counts.
+
+    """
+
+    def __init__(self, shape: tuple[int, int], lidar_range: float, depth: float = inf, isolation: float = 0.0) -> None:
+        away = np.arange(-int(lidar_range + 1), int(lidar_range + 1) + 1)
+        self._depths = np.exp(-np.hypot(away[:, None], away) / (depth * lidar_range))
+        self._isolation = float(isolation)
+        self._lens = optics(float(lidar_range))
+        self._reach = int(lidar_range + 1) + NEIGHBOURHOOD
+        self._belief = np.zeros(shape, np.uint8)
+        self._gains = np.full(shape, STALE)
+
+    def at(self, belief: Belief, cells: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Return the gains of (K,) flat cells, (K,)."""
+        _forget_changed(self._belief, belief, self._reach, self._gains)
+        return np.asarray(_kept_gains(belief, cells, self._depths, self._isolation, self._lens, self._gains))

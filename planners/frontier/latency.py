@@ -1,0 +1,195 @@
+"""Frontier clusters visited in the order that serves them soonest, weighted by what each could reveal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Cell, Distances
+from indoor_explorers.env.compiled import kernel
+from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.planners.frontier.minpos import ranks
+from indoor_explorers.planners.frontier.orders import costs_of_first, distances_between
+from indoor_explorers.planners.gains import WeightedGains
+from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.straight import straight_path
+from indoor_explorers.planners.teammates import remembered
+
+#: Every so many lidar ranges along a cluster a cell of it is looked at.
+STRIDE = 0.3
+#: An order is kept for so many lidar ranges of flight, unless its first place is dealt with before.
+KEEP = 0.1
+#: Cells within so many lidar ranges of the last goal count as that goal.
+SAME = 0.2
+#: A cluster is left to others when its factor is this share of the best one or less.
+LEFT_TO_OTHERS = 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontierLatency(Policy):
+    """Go first to the cluster with which the best order of all clusters begins.
+
+    In every cluster the cell with the largest discounted gain ``g exp(-discount d / R)`` is the place to go to, d its
+    distance and R the lidar range (the gain of H. H. Gonzalez-Banos and J.-C. Latombe, IJRR 2002,
+    doi:10.1177/0278364902021010834, in cells, with those near by and nearly surrounded counting more). The order of
+    these places is the cheapest of a travelling repairman: when the last is reached, plus ``latency`` times the mean
+    waiting time weighted by gains. It is found anew when the map has changed; another cluster must save ``hold``.
+    Paths are the straightest of the shortest.
+    """
+
+    depth: float = 0.5
+    """Distance at which an unknown cell counts 1 / e of a near one, in lidar ranges."""
+    isolation: float = 8.0
+    """How much more an unknown cell surrounded by known ones counts than one in the open."""
+    discount: float = 2.4
+    """Loss of gain per lidar range of distance, when the cell of a cluster is chosen."""
+    latency: float = 16.0
+    """Weight of the mean waiting time beside the length of the order."""
+    worth: float = 0.5
+    """Exponent of gains as weights of waiting times; 0 counts all clusters alike."""
+    hold: float = 0.2
+    """What an order that begins elsewhere has to save, in lidar ranges."""
+    clusters: int = 12
+    """The most clusters to order: those with the largest discounted gains."""
+
+    def __post_init__(self) -> None:
+        at_least(self, 0.0, "isolation", "discount", "latency", "worth", "hold")
+        at_least(self, 0.01, "depth")
+        at_least(self, 1, "clusters")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV."""
+        return LatencyPilot(briefing, self)
+
+
+class Places(NamedTuple):
+    """One place for each of K clusters."""
+
+    cells: NDArray[np.int32]
+    """(K,) flat cells."""
+    steps: Distances
+    """(K,) distances of the UAV."""
+    gains: NDArray[np.float64]
+    """(K,) what a scan there is worth, the share of teammates in it taken off."""
+    kept: NDArray[np.bool_]
+    """(K,) bool, which of them are at the last goal."""
+
+
+class LatencyPilot(GoalPilot):
+    """Order the clusters whenever the map has changed and fly to the first."""
+
+    def __init__(self, briefing: Briefing, policy: FrontierLatency) -> None:
+        super().__init__(briefing)
+        self._policy = policy
+        self._range = briefing.lidar_range
+        self._gains = WeightedGains(briefing.shape, self._range, policy.depth, policy.isolation)
+        self._is_due = True
+        self._next_order = 0
+
+    def learned(self, view: View) -> None:
+        """Order the clusters again, as the map has grown."""
+        self._is_due = True
+
+    def reconsider(self, view: View) -> bool:
+        """Tell whether the map has grown since the last order and that was some steps ago."""
+        return self._is_due and view.step >= self._next_order
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the place with which the cheapest order begins."""
+        self._is_due, self._next_order = False, view.step + round(KEEP * self._range)
+        places = self._places(view)
+        if len(places.cells) == 0:
+            return None
+        costs = self._costs(view, places) - self._policy.hold * places.kept
+        return divmod(int(places.cells[np.argmin(costs)]), self.paths.width)
+
+    def factors(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
+        """Return what teammates leave of the gains of (K,) flat cells, (K,) in [0, 1].
+
+        Every teammate that is nearer halves a gain (after the ranks of Bautin et al. 2012).
+        """
+        mates = remembered(view, self.briefing)
+        others = [self.paths.field(view.belief, mate.cell).ravel()[cells] for mate in mates]
+        return np.asarray(0.5 ** ranks(steps, others, [mate.agent < self.briefing.agent for mate in mates]))
+
+    def _places(self, view: View) -> Places:
+        """Return the best places of the best clusters that can be reached."""
+        clusters = frontier_clusters(view.belief, self._range)
+        field = self.paths.field(view.belief, view.cell)
+        nearest, _ = nearest_cells(field, clusters)
+        cells, owner = lookouts(clusters, nearest, STRIDE * self._range)
+        steps = field.ravel()[cells]
+        fine = (steps < UNREACHABLE) & ~self.shunned(view, cells)
+        cells, owner, steps = cells[fine], owner[fine], steps[fine]
+        factors = self.factors(view, cells, steps)
+        fine = factors > LEFT_TO_OTHERS * factors.max(initial=0.0)
+        cells, owner, steps, factors = cells[fine], owner[fine], steps[fine], factors[fine]
+        gains = factors * self._gains.at(view.belief, cells)
+        scores = np.log(np.maximum(gains, 1e-9)) - self._policy.discount * steps / self._range
+        kept = self._near_goal(cells)
+        best = first_of_each(owner, scores + self._policy.hold * kept)
+        best = best[np.argsort(-scores[best], kind="stable")][: self._policy.clusters]
+        return Places(cells[best], steps[best], gains[best], kept[best])
+
+    def _costs(self, view: View, places: Places) -> NDArray[np.float64]:
+        """Return what the best order that begins with each place costs, in lidar ranges, (K,)."""
+        if len(places.cells) == 1:
+            return np.zeros(1)
+        worth = np.maximum(places.gains, 1e-9) ** self._policy.worth
+        between = distances_between(view.belief, places.cells) / self._range
+        return np.asarray(
+            costs_of_first(places.steps / self._range, between, worth / worth.sum(), self._policy.latency)
+        )
+
+    def _near_goal(self, cells: NDArray[np.int32]) -> NDArray[np.bool_]:
+        if self.goal is None:
+            return np.zeros(len(cells), np.bool_)
+        rows, cols = np.divmod(cells, self.paths.width)
+        away = np.maximum(np.abs(rows - self.goal[0]), np.abs(cols - self.goal[1]))
+        return np.asarray(away <= max(1.0, SAME * self._range))
+
+    def _route(self, view: View, barred: list[Cell] | None = None) -> None:
+        """Take the straightest of the shortest paths."""
+        self._path, self._at = straight_path(view.belief, view.cell, self.goal) if self.goal else [], 0
+
+
+@kernel()
+def _lookouts(cells: np.ndarray, ends: np.ndarray, nearest: np.ndarray, stride: float) -> tuple[np.ndarray, np.ndarray]:
+    count = ends.shape[0] - 1
+    out = np.empty(cells.shape[0] + count, np.int32)
+    owner = np.empty(cells.shape[0] + count, np.int64)
+    found = 0
+    for k in range(count):
+        size = ends[k + 1] - ends[k]
+        sampled = int(np.ceil(size / max(stride, 1.0)))
+        out[found], owner[found] = nearest[k], k
+        found += 1
+        for s in range(sampled):
+            cell = cells[ends[k] + (2 * s + 1) * size // (2 * sampled)]
+            if cell != nearest[k]:
+                out[found], owner[found] = cell, k
+                found += 1
+    return out[:found], owner[:found]
+
+
+def lookouts(
+    clusters: Clusters, nearest: NDArray[np.int32], stride: float
+) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+    """Return (cells, owner): each cluster's nearest cell and one of every ``stride`` others, and their clusters.
+
+    Both are (L,), the cells flat, in the order of the clusters.
+    """
+    return _lookouts(clusters.cells, clusters.ends, nearest, stride)
+
+
+def first_of_each(owner: NDArray[np.int64], scores: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return where the best score of each owner is, the first of equals; owners in rising order."""
+    order = np.lexsort((-scores, owner))
+    return np.asarray(order[np.r_[True, np.diff(owner[order]) > 0]] if len(order) else order)

@@ -1,0 +1,142 @@
+"""The order in which to visit places: a travelling repairman who also wants to be done early.
+
+The cost of an order is when its last place is reached plus a multiple of the mean waiting time of the places, each
+weighted by what it is worth. Without the second part this is the open travelling salesman problem, without the first
+the minimum latency problem (A. Blum et al., STOC 1994, doi:10.1145/195058.195125). Orders are improved by 2-opt and
+by moving single places.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.compiled import kernel
+from indoor_explorers.env.grid import FREE, MOVES, UNREACHABLE
+
+#: Rounds of improvement after which an order is good enough.
+ROUNDS = 8
+#: An order counts as better when it saves more than this, so that rounding does not turn it back and forth.
+LEAST_SAVING = 1e-9
+
+
+@kernel()
+def _cost(order: np.ndarray, start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float) -> float:
+    time = start[order[0]]
+    waiting = shares[order[0]] * time
+    for k in range(1, order.shape[0]):
+        time += between[order[k - 1], order[k]]
+        waiting += shares[order[k]] * time
+    return float(time + latency * waiting)
+
+
+@kernel()
+def _by_nearest(first: int, between: np.ndarray) -> np.ndarray:
+    """Return an order from ``first`` on that always goes to the nearest place left."""
+    count = between.shape[0]
+    order = np.arange(count)
+    order[0], order[first] = first, 0
+    for k in range(1, count - 1):
+        best = k
+        for j in range(k + 1, count):
+            if between[order[k - 1], order[j]] < between[order[k - 1], order[best]]:
+                best = j
+        order[k], order[best] = order[best], order[k]
+    return order
+
+
+@kernel()
+def _reverse(order: np.ndarray, i: int, j: int) -> None:
+    """Turn the places from ``i`` to ``j``, both included, round."""
+    while i < j:
+        order[i], order[j] = order[j], order[i]
+        i, j = i + 1, j - 1
+
+
+@kernel()
+def _move(order: np.ndarray, i: int, j: int) -> None:
+    """Take the place at ``i`` out and put it in at ``j``."""
+    place, step = order[i], 1 if j > i else -1
+    while i != j:
+        order[i] = order[i + step]
+        i += step
+    order[j] = place
+
+
+@kernel()
+def _improved(order: np.ndarray, start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float) -> float:
+    """Improve an order in place, its first place aside; return its cost."""
+    count = order.shape[0]
+    cost = _cost(order, start, between, shares, latency)
+    for _ in range(ROUNDS):
+        before = cost
+        for i in range(1, count):
+            for j in range(1, count):
+                if i < j:
+                    _reverse(order, i, j)
+                    new = _cost(order, start, between, shares, latency)
+                    if new < cost - LEAST_SAVING:
+                        cost = new
+                    else:
+                        _reverse(order, i, j)
+                if i != j:
+                    _move(order, i, j)
+                    new = _cost(order, start, between, shares, latency)
+                    if new < cost - LEAST_SAVING:
+                        cost = new
+                    else:
+                        _move(order, j, i)
+        if cost == before:
+            break
+    return cost
+
+
+@kernel()
+def costs_of_first(start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float) -> np.ndarray:
+    """Return for each of K places the cost of the best order found that begins there, (K,).
+
+    ``start`` (K,) are the distances from where the UAV is, ``between`` (K, K) those between the places; ``shares``
+    (K,) add up to one; ``latency`` is what the mean waiting time counts beside the length.
+    """
+    count = start.shape[0]
+    costs = np.empty(count)
+    for first in range(count):
+        costs[first] = _improved(_by_nearest(first, between), start, between, shares, latency)
+    return costs
+
+
+@kernel()
+def _distances(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    height, width = belief.shape
+    count = cells.shape[0]
+    between = np.full((count, count), UNREACHABLE, np.int32)
+    steps, mark = np.zeros(belief.size, np.int32), np.full(belief.size, -1, np.int32)
+    queue, wanted = np.empty(belief.size, np.int32), np.zeros(belief.size, np.bool_)
+    wanted[cells] = True
+    for source in range(count):
+        queue[0], head, tail, missing = cells[source], 0, 1, count
+        mark[cells[source]], steps[cells[source]] = source, 0
+        while head < tail and missing > 0:
+            cell = queue[head]
+            head += 1
+            missing -= wanted[cell]
+            row, col = divmod(cell, width)
+            for k in range(4):
+                r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+                if 0 <= r < height and 0 <= c < width and belief[r, c] == FREE and mark[r * width + c] != source:
+                    mark[r * width + c], steps[r * width + c] = source, steps[cell] + 1
+                    queue[tail] = r * width + c
+                    tail += 1
+        for target in range(count):
+            if mark[cells[target]] == source:
+                between[source, target] = steps[cells[target]]
+    return between
+
+
+def distances_between(belief: Belief, cells: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Return the steps between (K,) different flat free cells over known free cells, (K, K).
+
+    Cells that cannot be reached from each other are ``UNREACHABLE`` apart.
+    """
+    return np.asarray(_distances(belief, cells))

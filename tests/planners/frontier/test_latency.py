@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import InputError, Mate, World, make_policy, scenario
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.view import View
+from indoor_explorers.planners.clusters import Clusters
+from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot, first_of_each, lookouts
+from tests.planners.flights import fly, rooms
+
+
+def test_it_needs_fewer_steps_than_the_nearest_frontier() -> None:
+    halls = [rooms(3, 9, seed) for seed in range(4)]
+    maps = [*halls, *(np.ones((16, 16), np.bool_),) * 4]
+    steps = {
+        name: [fly(make_policy(name), free, seed=seed).steps for seed, free in enumerate(maps)]
+        for name in ("frontier-latency", "frontier-nearest")
+    }
+    assert sum(steps["frontier-latency"]) < 0.95 * sum(steps["frontier-nearest"])
+
+
+def test_lookouts_are_the_nearest_cell_and_some_others() -> None:
+    clusters = Clusters(np.array([4, 5, 6, 7, 8, 9, 20], np.int32), np.array([0, 6, 7]))
+    cells, owner = lookouts(clusters, np.array([4, 20], np.int32), 3.0)
+    assert cells.tolist() == [4, 5, 8, 20]
+    assert owner.tolist() == [0, 0, 0, 1]
+
+
+def test_the_first_of_equals_is_taken() -> None:
+    owner, scores = np.array([0, 0, 2, 2, 2]), np.array([1.0, 3.0, 5.0, 5.0, 4.0])
+    assert first_of_each(owner, scores).tolist() == [1, 2]
+    assert first_of_each(owner[:0], scores[:0]).tolist() == []
+
+
+def corridor(mates: tuple[Mate, ...]) -> tuple[LatencyPilot, View]:
+    """A UAV in column 8 of a corridor of which the columns 5 to 14 are known."""
+    world = World(scenario("thesis-team-2").with_settings({"radio.model": "disc", "radio.range": 4.0}))
+    world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((1, 20), np.bool_), "corridor"), spawns=[(0, 8), (0, 0)])
+    belief = np.zeros((1, 20), np.uint8)
+    belief[0, 5:15] = 1
+    view = View(belief, (0, 8), np.ones(5, np.bool_), 100, 400, mates, np.zeros(belief.shape, np.bool_))
+    return LatencyPilot(world.briefing(0, 0), FrontierLatency()), view
+
+
+def test_it_leaves_a_frontier_to_the_mate_that_is_nearer() -> None:
+    for mates, goal in [((), (0, 5)), ((Mate(1, (0, 6), 0, None),), (0, 14))]:
+        pilot, view = corridor(mates)
+        assert pilot.choose(view) == goal
+
+
+def test_every_mate_that_is_nearer_halves_a_gain() -> None:
+    pilot, view = corridor((Mate(1, (0, 6), 0, None),))
+    cells, steps = np.array([5, 14], np.int32), np.array([3, 6], np.int32)
+    assert pilot.factors(view, cells, steps).tolist() == [0.5, 1.0]
+
+
+@pytest.mark.parametrize("name", ["depth", "latency", "hold", "clusters"])
+def test_bad_parameters_are_refused(name: str) -> None:
+    with pytest.raises(InputError, match=f"expected {name} of at least"):
+        make_policy("frontier-latency", **{name: -1.0})
