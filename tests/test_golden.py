@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.runner import fly
 
 GOLDEN = Path(__file__).parent / "golden.json"
-POLICIES = ("random", "frontier-nearest", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
+POLICIES = ("random", "frontier-nearest", "frontier-coordinated", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
 SCENARIOS = ("thesis-open", "thesis-team-2")
 
 

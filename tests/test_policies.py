@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.runner import fly
 
 MAPS = Path(__file__).resolve().parents[2] / "shared" / "maps"
-SHIPPED = ("random", "frontier-nearest", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
+SHIPPED = ("random", "frontier-nearest", "frontier-coordinated", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
 PLANNERS = SHIPPED[1:]
 
 

@@ -10,7 +10,7 @@ from indoor_explorers.env.arrays import Mask
 
 from .flights import fly, maze, rooms
 
-PLANNERS = ["frontier-nearest", "frontier-minpos", "rrt-frontier", "pso"]
+PLANNERS = ["frontier-nearest", "frontier-coordinated", "frontier-minpos", "rrt-frontier", "pso"]
 RADIOS = [("none", 0.0), ("square", 3.0), ("disc", 5.0), ("unlimited", 0.0)]
 
 
