@@ -84,10 +84,10 @@ class WorkSplit:
         if self._briefing.team == 1 or clusters.size == 0:
             return np.ones(clusters.size)
         points = means(clusters, view.belief.shape[1])
-        known = {mate.agent: mate for mate in remembered(view, self._briefing)}
-        share = self._left_by_silent([m for m in known.values() if m.age > 0], clusters, own_steps, field_of)
+        known = remembered(view, self._briefing)
+        share = self._left_by_silent([mate for mate in known if mate.age > 0], clusters, own_steps, field_of)
         share *= self._left_by_unheard(view, points)
-        linked = [mate for mate in known.values() if mate.age == 0]
+        linked = [mate for mate in known if mate.age == 0]
         if linked:
             share *= self._left_by_linked(linked, clusters, points, own_steps, field_of, goal)
         return share
