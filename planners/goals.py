@@ -34,6 +34,8 @@ class GoalPilot(Pilot):
     that is reached is one no longer, and as long as a frontier cell can be reached there is a goal: so every
     reachable cell gets known. A goal that is not reached within ``max(8, 2 d)`` steps, d its distance at
     first, because teammates are in the way, is left alone for a while.
+
+    ``goal`` is the present goal, and ``map_grew`` tells whether this step's map holds more than the last one's.
     """
 
     def __init__(self, briefing: Briefing) -> None:
@@ -41,6 +43,7 @@ class GoalPilot(Pilot):
         self.rng = briefing.rng
         self.paths = Paths(briefing.shape)
         self.goal: Cell | None = None
+        self.map_grew = False
         self._path: list[Cell] = []
         self._at = 0
         self._known = -1
@@ -67,12 +70,12 @@ class GoalPilot(Pilot):
 
     def act(self, view: View) -> int:
         """Follow the path to the goal, choosing another goal when it is due."""
-        changed = self._map_changed(view)
-        if changed:
+        self._look(view)
+        if self.map_grew:
             self.learned(view)
-        if self._goal_is_due(view, changed):
+        if self._goal_is_due(view):
             self._take(view, self.choose_again(view))
-        elif changed or self._off_path(view):
+        elif self.map_grew or self._off_path(view):
             self._route(view)
         if self._yielding.should_make_way(view):
             self._make_way(view)
@@ -103,14 +106,13 @@ class GoalPilot(Pilot):
             goal = self.choose(view)
         return goal
 
-    def _map_changed(self, view: View) -> bool:
+    def _look(self, view: View) -> None:
         known = count_known(view.belief)
-        changed, self._known = known != self._known, known
-        return changed
+        self.map_grew, self._known = known != self._known, known
 
-    def _goal_is_due(self, view: View, changed: bool) -> bool:
+    def _goal_is_due(self, view: View) -> bool:
         if self.goal is None:
-            return changed
+            return self.map_grew
         if self.spent(view, self.goal):
             return True
         if view.step > self._deadline:

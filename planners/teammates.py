@@ -11,6 +11,8 @@ from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.scenario import Radio
 from indoor_explorers.env.view import Briefing, Mate, View
 
+#: No claims, (0, 2).
+NO_CLAIMS: NDArray[np.float64] = np.empty((0, 2))
 #: A teammate silent for longer is forgotten (Bautin 2012 keeps last-known positions for ever), in steps.
 MEMORY = 60
 #: A goal claimed by a teammate that has been silent for longer counts no more, in steps.
@@ -51,19 +53,29 @@ def remembered(view: View, briefing: Briefing) -> list[Mate]:
     ]
 
 
-def claims(view: View, briefing: Briefing) -> NDArray[np.float64]:
-    """Return the goals that teammates have told and not had time to forget, (M, 2) rows and columns.
+def told_goal(mate: Mate) -> Cell | None:
+    """Return the goal that a teammate has told and not had time to forget; None when there is none.
 
-    A message's first two numbers are the goal. Claims expire, so that a lost UAV does not keep its cells.
+    A message's first two numbers are the goal, negative ones for none. Claims expire, so that a lost UAV does not keep
+    its cells.
     """
-    told = [
-        mate.message[:2]
-        for mate in remembered(view, briefing)
-        if mate.message is not None and len(mate.message) >= 2 and mate.age <= CLAIM_STEPS
-    ]
+    message = mate.message
+    if message is None or len(message) < 2 or min(message[:2]) < 0 or mate.age > CLAIM_STEPS:
+        return None
+    return int(message[0]), int(message[1])
+
+
+def claims(view: View, briefing: Briefing) -> NDArray[np.float64]:
+    """Return the goals that the teammates to reckon with have told lately, (M, 2) rows and columns."""
+    told = [goal for mate in remembered(view, briefing) if (goal := told_goal(mate)) is not None]
     return np.array(told, np.float64).reshape(-1, 2)
 
 
 def linked(view: View) -> list[Mate]:
     """Return the teammates that are linked now, directly or through others."""
     return [mate for mate in view.mates if mate.age == 0]
+
+
+def whereabouts(mate: Mate) -> Cell:
+    """Return the cell around which a teammate is taken to work: its goal while it counts, else where it was."""
+    return told_goal(mate) or mate.cell

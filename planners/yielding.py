@@ -3,10 +3,11 @@
 Teammates are not in the map and without radio they are not known at all: the only sign is a commanded
 move that did not happen. Whoever flies in a convoy meets that sign too, so the first one is ignored.
 From the second on the UAV tosses a coin: push once more, or make way, which is to go round if that is not
-much longer, else to retreat to a random cell and to wait there a little. The longest reach of retreats
-doubles with every one that follows soon after another, so that of two UAVs head-on in a corridor one sooner
-or later leaves it, whatever the corridor's length; the reach itself is drawn, so that small jams in between
-stay small. Every UAV tosses its own coins.
+much longer, else to retreat to a place where the other can get past, and to wait there about as long as the
+way took. Whoever has no such place within reach, because it is on the blind side of the jam, mostly pushes on:
+the others can make way. The longest reach of retreats doubles with every one that follows soon after another,
+so that of two UAVs head-on in a corridor one sooner or later leaves it, whatever the corridor's length; the
+reach itself is drawn, so that small jams in between stay small. Every UAV tosses its own coins.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.grid import MOVES, Action
 from indoor_explorers.env.view import View
 from indoor_explorers.planners.paths import Paths
+from indoor_explorers.planners.refuges import path_to_refuge
 
 #: Moves in a row that must fail before anything is done about it.
 PATIENCE = 2
@@ -24,8 +26,10 @@ PATIENCE = 2
 BLOCKED_STEPS = 8
 #: A retreat is forgotten, and the next one short again, after this many times its reach in steps.
 MEMORY = 4
-#: A UAV waits at most so many steps at the end of a retreat.
-LONGEST_WAIT = 4
+#: A UAV waits less than so many times the steps of a retreat at its end, and less than so many steps.
+WAIT_FACTOR, LONGEST_WAIT = 2, 40
+#: How likely a UAV without a place to step aside backs off anyway, at most so many steps being waited then.
+BACK_OFF, SHORT_WAIT = 0.1, 4
 
 
 def target_of(cell: Cell, action: int) -> Cell:
@@ -79,9 +83,15 @@ class Yielding:
         self._reach = min(2 * self._reach, view.belief.size)
         self._forget_at = view.step + MEMORY * self._reach
         reach = 2 ** int(self._rng.integers(1, self._reach.bit_length()))
-        path = self._paths.to_anywhere(view.belief, view.cell, reach, self._rng, self.barred(view))
+        barred, longest_wait = self.barred(view), 0
+        path = path_to_refuge(self._paths, view.belief, view.cell, reach, self._rng, barred)
+        if path:
+            longest_wait = min(WAIT_FACTOR * len(path), LONGEST_WAIT) - 1
+        elif self._rng.random() < BACK_OFF:
+            path = self._paths.to_anywhere(view.belief, view.cell, reach, self._rng, barred)
+            longest_wait = min(self._reach, SHORT_WAIT) if path else 0
         self._retreat = path or []
-        self._wait = int(self._rng.integers(min(self._reach, LONGEST_WAIT) + 1)) if path else 0
+        self._wait = int(self._rng.integers(longest_wait + 1))
 
     def next_cell(self, view: View) -> Cell:
         """Return the next cell of the retreat; the UAV's own while it waits at its end."""
