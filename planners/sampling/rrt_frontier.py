@@ -37,9 +37,8 @@ class RrtFrontier(ViewpointPolicy):
     paper's ``gain_weight`` I h / R - d, weighed when a goal is spent: I the unknown cells visible from a candidate
     that are not near a teammate's claim, h the hysteresis, R the lidar range in cells and d the path length in steps.
     The paper counts I in square metres with an information radius of one metre; dividing by R is the same weight for
-    any range and cell size (without it, a long range makes every candidate worth a flight across the map). It loses
-    to the nearest frontier, for a long lidar sees so much from everywhere that d hardly counts, and what is left
-    over in passing is fetched in the end. Teammates are told the goal.
+    any range and cell size (without it, a long range makes every candidate worth a flight across the map).
+    Teammates are told the goal.
 
     H. Umari, S. Mukhopadhyay, "Autonomous robotic exploration based on multiple rapidly-exploring
     randomized trees", IROS 2017, doi:10.1109/IROS.2017.8202319.
