@@ -68,7 +68,11 @@ class _Cache(_FunctionCache):  # type: ignore[misc]  # a base class without type
         return (*super()._index_key(sig, codegen), _stamp(Path(__file__).parent), _stamp(_top(file.parent)))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        found = super().load_overload(sig, target_context)
+        try:
+            found = super().load_overload(sig, target_context)
+        except Exception:  # whatever unpickling raises: half a file, or a name that has moved since it was kept
+            self.flush()
+            found = None
         if found is None:
             _announce()
         return found

@@ -1,10 +1,13 @@
 """Machine code is kept for the present state of the sources, and compiling it is announced once."""
 
 import os
+import pickle
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+import numba
 
 import indoor_explorers.env
 from indoor_explorers.env.compiled import NOTICE, QUIET, _stamp, _top
@@ -28,6 +31,23 @@ def test_compiling_is_announced_once_and_not_at_all_when_the_code_was_kept(tmp_p
     assert run() == NOTICE
     assert run() == ""
     assert run(**{QUIET: "1"}) == ""
+
+
+def test_kept_code_that_cannot_be_read_any_more_is_compiled_again(tmp_path):
+    def run():
+        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+        return subprocess.run(
+            [sys.executable, "-P", "-c", CODE], env=environment, capture_output=True, text=True, check=True
+        ).stderr
+
+    run()
+    indexes = list(tmp_path.rglob("*largest_part*.nbi"))
+    for index in indexes:
+        version = pickle.dumps(numba.__version__)
+        index.write_bytes(version + b"cgone_module\nGone\n.")  # names a class of a module that is not there
+    assert indexes
+    assert run() == NOTICE
+    assert run() == ""
 
 
 def test_a_change_in_any_file_of_the_package_makes_kept_code_stale(tmp_path):
