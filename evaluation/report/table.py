@@ -19,29 +19,39 @@ HEADINGS = ("T90 [steps]", "T99 [steps]", "99 % reached", "failed", "AUC", "deci
 NARROW = ("T90", "T99", "99 %")
 #: Characters of a line from which on all columns fit beside a name.
 WIDE = 110
+#: The same with the ratio to a policy that knows the map.
+WIDEST = 135
 
 
 def headline_table(results: Results, width: int = WIDE) -> Table:
     """Return one row per scenario and policy: T90 and T99 with interval, success; failures, AUC and latency.
 
-    The last three are left out where lines have less than :data:`WIDE` characters.
+    The last three are left out where lines have less than :data:`WIDE` characters. Where a policy that knows the map
+    flew the same tasks, the mean ratio of T99 to it comes last.
     """
-    shown = HEADINGS if width >= WIDE else NARROW
+    known = knowing(results)
+    shown = HEADINGS if width >= (WIDEST if known else WIDE) else NARROW
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("policy", overflow="fold", min_width=min(24, max(map(len, results.policies), default=0)))
     for heading in shown:
         table.add_column(heading, justify="right", no_wrap=True)
+    if known:
+        table.add_column(f"T99 / {known}", justify="right", no_wrap=True)
     for scenario in results.scenarios:
         if len(results.scenarios) > 1:
             table.add_row(Text(scenario, "bold"))
-        for row in _rows(Comparison(results, scenario)):
-            table.add_row(*row[: 1 + len(shown)])
+        comparison = Comparison(results, scenario)
+        for policy in comparison.groups:
+            ratio = [Text(_ratio(comparison, policy))] if known else []
+            table.add_row(*_row(comparison, policy)[: 1 + len(shown)], *ratio)
         table.add_section()
     return table
 
 
-def _rows(comparison: Comparison) -> list[list[Text]]:
-    return [_row(comparison, policy) for policy in comparison.groups]
+def knowing(results: Results) -> str | None:
+    """Return the policy that ratios of T99 are taken to: the first one that knows the map and flew any task."""
+    names = [name for name, about in results.policies.items() if about.get("privileged")]
+    return next((name for name in names if any(policy == name for _, policy in results.groups)), None)
 
 
 def _row(comparison: Comparison, policy: str) -> list[Text]:
@@ -57,6 +67,13 @@ def _row(comparison: Comparison, policy: str) -> list[Text]:
         Text(fixed(comparison.estimate(policy, "auc").mean, 3)),
         Text(latency(comparison.estimate(policy, "latency_p50_us").mean)),
     ]
+
+
+def _ratio(comparison: Comparison, policy: str) -> str:
+    if comparison.privileged(policy):
+        return ""
+    estimate = comparison.results.estimates(comparison.scenario, policy).get("t99_to_reference")
+    return with_interval(estimate, 2) if estimate else ""
 
 
 def _steps(estimate: Estimate) -> str:

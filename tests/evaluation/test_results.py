@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from indoor_explorers.env import PRESETS
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.table import headline_table
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.runner import fly
 from indoor_explorers.evaluation.statistics import bootstrap_mean
@@ -55,3 +57,16 @@ def test_the_summary_the_page_and_the_statistics_give_one_interval(results):
             alone = bootstrap_mean(values, maps=results.maps(ROOM.name, policy))
             assert (row["mean"], row["low"], row["high"]) == pytest.approx(tuple(shown))
             assert tuple(shown) == pytest.approx(tuple(alone))
+
+
+@pytest.mark.parametrize("width", [90, 160])
+def test_the_terminal_shows_the_ratio_where_somebody_knows_the_map(results, width):
+    def printed(shown):
+        console = Console(width=width)
+        with console.capture() as capture:
+            console.print(headline_table(shown, width))
+        return capture.get()
+
+    assert "T99 / knows" in printed(results)
+    assert "2.33 [" in printed(results)
+    assert "T99 / " not in printed(replace(results, policies={"slow": {}, "knows": {}}))
