@@ -17,15 +17,13 @@ from indoor_explorers.env.grid import UNREACHABLE
 from indoor_explorers.env.view import Briefing, Mate, Message, View
 from indoor_explorers.planners.clusters import Clusters
 from indoor_explorers.planners.coordination.places import means, near_goal, sizes, steps_to
-from indoor_explorers.planners.coordination.sectors import Sectors
 from indoor_explorers.planners.coordination.turns import left_over
+from indoor_explorers.planners.coordination.unlinked import Unlinked
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.teammates import remembered, told_goal, whereabouts
+from indoor_explorers.planners.teammates import linked, told_goal
 
 #: A cluster with a cell so near to a goal, in cells, is the one that the goal belongs to.
 GOAL_RADIUS = 4.0
-#: The least that a silent teammate leaves of a cluster.
-LEAST = 1e-3
 #: Gives the (H, W) field of steps from a cell on the current map.
 FieldOf = Callable[[Cell], Distances]
 
@@ -40,8 +38,7 @@ class Sharing:
     """How a team shares the frontier.
 
     Linked teammates hold the same map and know each other's cells and goals, so each works out the same turns in which
-    they choose. Of a silent one only where it was is known: it is taken to work there. One that was never heard is
-    taken to keep to its sector of the map.
+    they choose. What is left to the others is :class:`Unlinked`'s.
     """
 
     discount: float = 2.5
@@ -69,7 +66,7 @@ class WorkSplit:
     def __init__(self, briefing: Briefing, sharing: Sharing) -> None:
         self._briefing = briefing
         self._sharing = sharing
-        self._sectors: Sectors | None = None
+        self._unlinked = Unlinked(briefing, silence=sharing.silence, sector=sharing.sector)
 
     def shares(
         self, view: View, clusters: Clusters, own_steps: Distances, field_of: FieldOf, goal: Cell | None
@@ -79,29 +76,25 @@ class WorkSplit:
         ``own_steps`` (K,) is how far they are from this UAV and ``goal`` the one it has told the teammates. Call it
         first where the UAV starts.
         """
-        if self._sectors is None:
-            self._sectors = Sectors.of(self._briefing, view.cell)
         if self._briefing.team == 1 or clusters.size == 0:
             return np.ones(clusters.size)
         points = means(clusters, view.belief.shape[1])
-        known = remembered(view, self._briefing)
-        share = self._left_by_silent([mate for mate in known if mate.age > 0], clusters, own_steps, field_of)
-        share *= self._left_by_unheard(view, points)
-        linked = [mate for mate in known if mate.age == 0]
-        if linked:
-            share *= self._left_by_linked(linked, clusters, points, own_steps, field_of, goal)
+        share = self._unlinked.factors(view, points, own_steps, lambda cell: steps_to(clusters, field_of(cell)))
+        mates = linked(view)
+        if mates:
+            share *= self._left_by_linked(mates, clusters, points, own_steps, field_of, goal)
         return share
 
     def _left_by_linked(
         self,
-        linked: list[Mate],
+        mates: list[Mate],
         clusters: Clusters,
         points: NDArray[np.float64],
         own_steps: Distances,
         field_of: FieldOf,
         goal: Cell | None,
     ) -> NDArray[np.float64]:
-        group = {mate.agent: (steps_to(clusters, field_of(mate.cell)), told_goal(mate)) for mate in linked}
+        group = {mate.agent: (steps_to(clusters, field_of(mate.cell)), told_goal(mate)) for mate in mates}
         group[self._briefing.agent] = (own_steps, goal)
         agents = sorted(group)
         worth = np.stack([self._worth(*group[agent], clusters) for agent in agents])
@@ -116,19 +109,3 @@ class WorkSplit:
             near = near_goal(clusters, goal, GOAL_RADIUS, self._briefing.shape[1])
             worth = np.where(near, self._sharing.hold * worth, worth)
         return np.where(steps < UNREACHABLE, worth, 0.0)
-
-    def _left_by_silent(
-        self, silent: list[Mate], clusters: Clusters, own_steps: Distances, field_of: FieldOf
-    ) -> NDArray[np.float64]:
-        share = np.ones(clusters.size)
-        for mate in silent:
-            ahead = np.maximum(0, own_steps - steps_to(clusters, field_of(whereabouts(mate))))
-            share *= np.maximum(LEAST, np.exp(-ahead / (self._sharing.silence * self._briefing.lidar_range)))
-        return share
-
-    def _left_by_unheard(self, view: View, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        unheard = self._briefing.team - 1 - len(view.mates)
-        if unheard == 0 or self._sectors is None:
-            return np.ones(len(points))
-        strength = self._sharing.sector * unheard / (self._briefing.team - 1)
-        return self._sectors.shares(points, self._briefing.agent, strength)

@@ -11,7 +11,8 @@ from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.grid import distance_field
 from indoor_explorers.planners.clusters import frontier_clusters
 from indoor_explorers.planners.coordination.places import steps_to
-from indoor_explorers.planners.coordination.split import LEAST, Sharing, WorkSplit, message_of
+from indoor_explorers.planners.coordination.split import Sharing, WorkSplit, message_of
+from indoor_explorers.planners.coordination.unlinked import LEAST
 from indoor_explorers.planners.teammates import CLAIM_STEPS, MEMORY
 
 #: A corridor from left to right through unknown land, open at both ends and known in between.
