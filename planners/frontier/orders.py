@@ -32,7 +32,7 @@ def _cost(order: np.ndarray, start: np.ndarray, between: np.ndarray, shares: np.
 
 
 @kernel()
-def _by_nearest(first: int, between: np.ndarray) -> np.ndarray:
+def by_nearest(first: int, between: np.ndarray) -> np.ndarray:
     """Return an order from ``first`` on that always goes to the nearest place left."""
     count = between.shape[0]
     order = np.arange(count)
@@ -65,7 +65,7 @@ def _move(order: np.ndarray, i: int, j: int) -> None:
 
 
 @kernel()
-def _improved(order: np.ndarray, start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float) -> float:
+def improved(order: np.ndarray, start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float) -> float:
     """Improve an order in place, its first place aside; return its cost."""
     count = order.shape[0]
     cost = _cost(order, start, between, shares, latency)
@@ -102,7 +102,7 @@ def costs_of_first(start: np.ndarray, between: np.ndarray, shares: np.ndarray, l
     count = start.shape[0]
     costs = np.empty(count)
     for first in range(count):
-        costs[first] = _improved(_by_nearest(first, between), start, between, shares, latency)
+        costs[first] = improved(by_nearest(first, between), start, between, shares, latency)
     return costs
 
 
