@@ -21,7 +21,7 @@ def a_task(rng: np.random.Generator, count: int, uavs: int = 1) -> Task:
         between=np.hypot(*(points[:, None] - points).transpose(2, 0, 1)),
         gains=10.0 * rng.random(count),
         shared=shared,
-        favour=1.0 + 0.2 * (rng.random((uavs, count)) < 0.2),
+        favour=np.where(rng.random((uavs, count)) < 0.2, 1.2, 1.0),
     )
 
 
