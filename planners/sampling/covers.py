@@ -19,6 +19,26 @@ def _new(bits: np.ndarray, left: np.ndarray) -> int:
 
 
 @kernel()
+def distinct(bits: np.ndarray, overlap: float, most: int) -> np.ndarray:
+    """Return the first ``most`` rows of (K, words) ``bits`` with few ones in common with each row returned before.
+
+    Few is a share of at most ``overlap`` of the row's own ones.
+    """
+    picks = np.empty(min(most, bits.shape[0]), np.int64)
+    size = 0
+    for k in range(bits.shape[0]):
+        if size == picks.shape[0]:
+            break
+        alike, few = False, overlap * _new(bits[k], bits[k])
+        for j in range(size):
+            alike |= _new(bits[k], bits[picks[j]]) > few
+        if not alike:
+            picks[size] = k
+            size += 1
+    return picks[:size]
+
+
+@kernel()
 def _leaders(
     bits: np.ndarray, weights: np.ndarray, left: np.ndarray, bounds: np.ndarray, leaders: np.ndarray, least: int
 ) -> int:

@@ -44,13 +44,15 @@ class PrmTour(ViewpointPolicy):
     """The most stops of a tour."""
     least: float = 0.002
     """What a stop must add to the view at least, as a share of the lidar's disc."""
+    keep: float = 1.2
+    """Factor on the merit of a tour that is like the last one."""
     as_published: bool = False
     """True for the shortest tour instead of the one that earns most early on."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         at_least(self, 1, "milestones", "restarts", "choices", "stops")
-        at_least(self, 0.0, "least")
+        at_least(self, 0.0, "least", "keep")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV."""
@@ -80,7 +82,7 @@ class PrmTourPilot(ViewpointPilot):
         roadmap = grow_roadmap(view.belief, np.concatenate([start, self._milestones]))
         cells = known_cells(view.belief, roadmap.points)
         joined = np.isfinite(roadmap.lengths_from(0)[0])
-        viewpoints = self._unclaimed(view, self.judged(view, np.unique(cells[joined])))
+        viewpoints = self.judged(view, np.unique(cells[joined])).unclaimed()
         if not len(viewpoints.cells):
             return None
         self._stops = self._tour(view, roadmap, np.where(joined, cells, -1), viewpoints)
@@ -95,11 +97,6 @@ class PrmTourPilot(ViewpointPilot):
         anywhere = self.rng.permutation(np.flatnonzero(view.belief == FREE))[: count - len(drawn)]
         kept = self._stops[free.ravel()[self._stops]]
         return points_in(np.union1d(np.union1d(kept, drawn), anywhere).astype(np.int32), width, self.rng)
-
-    def _unclaimed(self, view: View, viewpoints: Viewpoints) -> Viewpoints:
-        """Return the viewpoints that teammates leave more than half of, all when there are none."""
-        left = viewpoints.promises > 0.5 * self.promises.of(view.belief, viewpoints.cells)
-        return viewpoints.those(left) if left.any() else viewpoints
 
     def _tour(
         self, view: View, roadmap: Roadmap, cells: NDArray[np.int32], viewpoints: Viewpoints

@@ -27,12 +27,15 @@ class RrtAep(RrtNbv):
     The paper takes turns: receding-horizon next-best-view planning while the local tree promises enough, else an
     RRT* to the remembered viewpoint with the best g e^(-global_discount d / R), d the length of the way along the
     RRT*; ``take_turns`` does that. Without it all viewpoints, of the local tree, of one over the whole map and those
-    remembered, are compared by one score, which leaves fewer of them behind.
+    remembered, go into one order, the cheapest of a travelling repairman
+    (:mod:`indoor_explorers.planners.frontier.orders`), and the UAV flies to the first.
 
     M. Selin, M. Tiger, D. Duberg, F. Heintz, P. Jensfelt, "Efficient autonomous exploration planning of large-scale
     3-D environments", IEEE RA-L 4(2), 2019, doi:10.1109/LRA.2019.2897343.
     """
 
+    discount: float = 2.4
+    """How fast promises fade with the way to them: by a factor e for this share of a step per lidar range."""
     samples: int = 100
     """Samples for each tree."""
     take_turns: bool = False
@@ -41,10 +44,12 @@ class RrtAep(RrtNbv):
     """What a local tree must promise at least, and a viewpoint to be remembered, as a share of the lidar's disc."""
     global_discount: float = 0.6
     """How fast promises fade with the way along the RRT*: by a factor e for this share of a step per lidar range."""
+    latency: float = 16.0
+    """Weight of the mean waiting time beside the length of the order."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        at_least(self, 0.0, "threshold", "global_discount")
+        at_least(self, 0.0, "threshold", "global_discount", "latency")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV."""
@@ -70,7 +75,7 @@ class RrtAepPilot(RrtNbvPilot):
         good = viewpoints.promises > self._enough
         self._remembered = viewpoints.cells[good]
         if not self._aep.take_turns:
-            return self.best(viewpoints)
+            return self.best(view, viewpoints, self._aep.latency)
         near = np.isin(viewpoints.cells, found[1])
         if (good & near).any():
             return super().viewpoint(view)
@@ -96,6 +101,6 @@ class RrtAepPilot(RrtNbvPilot):
         cells, lengths = known_cells(view.belief, tree.vertices), tree.lengths()
         ways = np.array([np.min(lengths[cells == cell], initial=np.inf) for cell in viewpoints.cells])
         if not np.isfinite(ways).any():
-            return self.best(viewpoints)
+            return self.best(view, viewpoints, self._aep.latency)
         scores = viewpoints.promises * np.exp(-self._aep.global_discount / self.briefing.lidar_range * ways)
         return divmod(int(viewpoints.cells[np.argmax(scores)]), self.paths.width)

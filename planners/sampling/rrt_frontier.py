@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import UNREACHABLE
 from indoor_explorers.env.policy import Pilot
 from indoor_explorers.env.view import Briefing, View
@@ -16,7 +15,7 @@ from indoor_explorers.planners.gains import unclaimed_gains
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.paths import frontier_cells
-from indoor_explorers.planners.sampling.samples import box_around, tree_samples
+from indoor_explorers.planners.sampling.samples import box_around, merged, tree_samples
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy
@@ -31,11 +30,13 @@ class RrtFrontier(ViewpointPolicy):
     """Grow trees into the unknown and fly to where an edge first met it, at the best revenue.
 
     As in the paper a local tree, which finds the corners that the UAV is about to leave behind, and a global one
-    feed one list of candidates. They start afresh each time, for the map has changed under them.
+    feed one list of candidates. They start afresh each time, for the map has changed under them: the local one
+    whenever the map has grown, the global one when the goal is spent.
 
-    The revenue is the discounted promise, weighed again whenever the map has grown. With ``as_published`` it is the
-    paper's ``gain_weight`` I h / R - d, weighed when a goal is spent: I the unknown cells visible from a candidate
-    that are not near a teammate's claim, h the hysteresis, R the lidar range in cells and d the path length in steps.
+    The goal begins the cheapest order of the best candidates, found again whenever the map has grown. With
+    ``as_published`` it is the candidate with the paper's best revenue, ``gain_weight`` I h / R - d, weighed when a goal
+    is spent: I the unknown cells visible from a candidate that are not near a teammate's claim, h the hysteresis, R the
+    lidar range in cells and d the path length in steps.
     The paper counts I in square metres with an information radius of one metre; dividing by R is the same weight for
     any range and cell size (without it, a long range makes every candidate worth a flight across the map).
     Teammates are told the goal.
@@ -44,16 +45,20 @@ class RrtFrontier(ViewpointPolicy):
     randomized trees", IROS 2017, doi:10.1109/IROS.2017.8202319.
     """
 
+    discount: float = 2.4
+    """How fast promises fade with the way to them: by a factor e for this share of a step per lidar range."""
     local_samples: int = 150
     """Samples for the local tree, grown near the UAV whenever the map has."""
     global_samples: int = 150
-    """Samples for the global tree, grown all over the map when a goal is chosen."""
+    """Samples for the global tree, grown all over the map when a goal is spent."""
     bias: float = 0.5
     """Share of the samples drawn from unknown cells next to known free ones; the others are drawn anywhere."""
     edge: float = 4.0
     """Longest edge of a tree in cells."""
     local_ranges: float = 1.0
     """Half the side of the square around the UAV that the local tree stays in, in lidar ranges."""
+    latency: float = 16.0
+    """Weight of the mean waiting time beside the length of the order."""
     merge_distance: float = 3.0
     """Candidates are merged when they are nearer to each other, in cells."""
     as_published: bool = False
@@ -69,7 +74,7 @@ class RrtFrontier(ViewpointPolicy):
         super().__post_init__()
         at_least(self, 1, "local_samples", "global_samples")
         at_least(self, 0.5, "edge", "local_ranges")
-        at_least(self, 0.0, "bias", "merge_distance", "gain_weight", "hysteresis", "hysteresis_radius")
+        at_least(self, 0.0, "bias", "latency", "merge_distance", "gain_weight", "hysteresis", "hysteresis_radius")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV."""
@@ -103,21 +108,30 @@ class RrtFrontierPilot(ViewpointPilot):
         field = self.paths.field(view.belief, view.cell)
         cells = self._detected(view, field)
         if not self._policy.as_published:
-            return self.best(self.judged(view, cells))
-        cells = merged(cells, self._policy.merge_distance, self.paths.width)
+            return self.best(view, self.judged(view, cells), self._policy.latency)
+        cells = cells[merged(cells, self._policy.merge_distance, self.paths.width)]
         if not len(cells):
             return None
         return divmod(int(cells[np.argmax(self._revenue(view, cells, field))]), self.paths.width)
 
     def _detected(self, view: View, field: NDArray[np.int32]) -> NDArray[np.int32]:
-        """Grow a global tree, larger ones while nothing is found; return (K,) flat cells, the nearest first."""
+        """Return the candidates, (K,) flat cells, the nearest first.
+
+        A global tree is grown when the goal is spent, and larger ones while nothing is found.
+        """
+        found = self._reachable(view, field)
+        is_due = self.goal is None or self.spent(view, self.goal)
         for doubling in range(DOUBLINGS + 1):
-            self._grow(view, float(max(view.belief.shape)), self._policy.global_samples << doubling)
-            found = self._candidates[field.ravel()[self._candidates] < UNREACHABLE]
-            found = found[~self.shunned(view, found)]
-            if len(found):
+            if len(found) and (doubling or not is_due):
                 break
+            self._grow(view, float(max(view.belief.shape)), self._policy.global_samples << doubling)
+            found = self._reachable(view, field)
         return found[np.argsort(field.ravel()[found], kind="stable")]
+
+    def _reachable(self, view: View, field: NDArray[np.int32]) -> NDArray[np.int32]:
+        """Return the candidates that can be reached and are not left alone."""
+        found = self._candidates[field.ravel()[self._candidates] < UNREACHABLE]
+        return found[~self.shunned(view, found)]
 
     def _grow(self, view: View, half: float, samples: int) -> None:
         """Grow a tree in a square around the UAV; bring the candidates up to date."""
@@ -134,20 +148,3 @@ class RrtFrontierPilot(ViewpointPilot):
         weight = self._policy.gain_weight / self.briefing.lidar_range
         worth = weight * gains * np.where(near, self._policy.hysteresis, 1.0)
         return np.asarray(worth - field.ravel()[cells], np.float64)
-
-
-@kernel()
-def merged(cells: np.ndarray, distance: float, width: int) -> np.ndarray:
-    """Return (K,) flat cells without those nearer than ``distance`` cells to one before them that is kept."""
-    kept = np.empty(cells.shape[0], np.int32)
-    size = 0
-    for cell in cells:
-        row, col = divmod(cell, width)
-        apart = True
-        for k in range(size):
-            rows, cols = row - kept[k] // width, col - kept[k] % width
-            apart &= rows * rows + cols * cols >= distance * distance
-        if apart:
-            kept[size] = cell
-            size += 1
-    return kept[:size]

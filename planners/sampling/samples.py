@@ -62,3 +62,20 @@ def border_cells(belief: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.nd
                 found[size] = row, col
                 size += 1
     return found[:size]
+
+
+@kernel()
+def merged(cells: np.ndarray, distance: float, width: int) -> np.ndarray:
+    """Return the places of those of (K,) flat cells that are not nearer than ``distance`` to one before them kept."""
+    kept = np.empty(cells.shape[0], np.int64)
+    size = 0
+    for k in range(cells.shape[0]):
+        row, col = divmod(cells[k], width)
+        apart = True
+        for j in range(size):
+            rows, cols = row - cells[kept[j]] // width, col - cells[kept[j]] % width
+            apart &= rows * rows + cols * cols >= distance * distance
+        if apart:
+            kept[size] = k
+            size += 1
+    return kept[:size]

@@ -13,13 +13,31 @@ from indoor_explorers.env.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid import UNREACHABLE
 from indoor_explorers.env.policy import Policy
 from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.coordination.unlinked import Unlinked
+from indoor_explorers.planners.frontier.orders import costs_of_first
+from indoor_explorers.planners.gains import WeightedGains, sights
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.sampling.views import Promises
-from indoor_explorers.planners.teammates import claims, remembered
+from indoor_explorers.planners.sampling.covers import distinct
+from indoor_explorers.planners.sampling.samples import merged
+from indoor_explorers.planners.straight import straight_path
+from indoor_explorers.planners.swarm.prospects import hops
+from indoor_explorers.planners.teammates import linked, told_goal
 
 #: Viewpoints within this share of the lidar range of the goal are taken to be the same goal.
 SAME_PLACE = 0.2
+#: An order is made of so many viewpoints, drawn from so many that are best on their own.
+STOPS, CANDIDATES = 12, 48
+#: They are at least so far apart, in cells or in lidar ranges, whichever is more,
+APART_CELLS, APART_RANGES = 1.5, 0.15
+#: and each has at most this share of its view in common with a better one.
+OVERLAP = 0.3
+#: Ways between them are measured up to so many lidar ranges, longer ones by way of the UAV.
+HOP_RANGES = 3.0
+#: What is left to silent teammates and to those never heard, as :class:`Unlinked` has it.
+SILENCE, SECTOR = 0.3, 3.0
+#: Viewpoints that teammates leave less of, against the one they leave most of, are theirs.
+LEFT_TO_OTHERS = 0.3
 
 
 class Viewpoints(NamedTuple):
@@ -31,10 +49,16 @@ class Viewpoints(NamedTuple):
     """(K,) steps from the UAV."""
     promises: NDArray[np.float64]
     """(K,) what they promise, less what is left to the teammates."""
+    left: NDArray[np.float64]
+    """(K,) the share of it that the teammates leave."""
 
-    def those(self, chosen: Mask) -> Viewpoints:
-        """Return the viewpoints where (K,) ``chosen`` is True."""
-        return Viewpoints(self.cells[chosen], self.steps[chosen], self.promises[chosen])
+    def those(self, chosen: Mask | NDArray[np.int64]) -> Viewpoints:
+        """Return the viewpoints where (K,) ``chosen`` is True, or those it numbers."""
+        return Viewpoints(self.cells[chosen], self.steps[chosen], self.promises[chosen], self.left[chosen])
+
+    def unclaimed(self) -> Viewpoints:
+        """Return those that the teammates do not leave much less of than of others."""
+        return self.those(self.left > LEFT_TO_OTHERS * self.left.max(initial=0.0))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,13 +71,13 @@ class ViewpointPolicy(Policy):
     """What an unknown cell counts more when all of the 24 around it are known."""
     depth: float = 0.5
     """How far away, in lidar ranges, an unknown cell counts less by a factor e."""
-    keep: float = 1.2
-    """Factor on promises near the goal so far."""
+    hold: float = 0.2
+    """What a goal elsewhere than the one so far has to save, in lidar ranges."""
     share: float = 0.5
     """What each teammate that is nearer leaves of a promise."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "discount", "isolation", "keep", "share")
+        at_least(self, 0.0, "discount", "isolation", "hold", "share")
         at_least(self, 0.01, "depth")
 
 
@@ -68,7 +92,8 @@ class ViewpointPilot(GoalPilot):
     def __init__(self, briefing: Briefing, policy: ViewpointPolicy) -> None:
         super().__init__(briefing)
         self.weights = policy
-        self.promises = Promises(briefing.shape, briefing.lidar_range, policy.isolation, policy.depth)
+        self.promises = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
+        self._unlinked = Unlinked(briefing, silence=SILENCE, sector=SECTOR)
         self._grown = False
         self._fallbacks = 0
 
@@ -86,7 +111,7 @@ class ViewpointPilot(GoalPilot):
 
     def spent(self, view: View, goal: Cell) -> bool:
         """Tell whether the UAV has been at its goal or nothing unknown is in view from there any more."""
-        return bool(view.visited[goal] or self.promises.of(view.belief, self.paths.flat([goal]))[0] <= 0.0)
+        return bool(view.visited[goal] or self.promises.at(view.belief, self.paths.flat([goal]))[0] <= 0.0)
 
     def choose(self, view: View) -> Cell | None:
         """Return the viewpoint that the subclass wants, else the nearest frontier cell."""
@@ -104,40 +129,76 @@ class ViewpointPilot(GoalPilot):
         return super().tally() | {"fallbacks": float(self._fallbacks)}
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
-        """Return those of (K,) flat cells that can be reached, are not left alone for now and promise something.
-
-        A teammate that is nearer, or as near and of a lower number, leaves a share of a promise; its claim leaves
-        nothing where it is, and more with the distance, up to a lidar range.
-        """
+        """Return those of (K,) flat cells that can be reached, are not left alone for now and promise something."""
         field = self.paths.field(view.belief, view.cell)
         cells = cells[(field.ravel()[cells] < UNREACHABLE) & ~view.visited.ravel()[cells]]
         cells = cells[~self.shunned(view, cells)]
-        steps, promises = field.ravel()[cells], self.promises.of(view.belief, cells)
-        promises = promises * self._left(view, cells, steps)
-        return Viewpoints(cells, steps, promises).those(promises > 0.0)
+        steps, promises = field.ravel()[cells], self.promises.at(view.belief, cells)
+        left = self._left(view, cells, steps)
+        return Viewpoints(cells, steps, promises * left, left).those(promises * left > 0.0)
 
-    def best(self, viewpoints: Viewpoints) -> Cell | None:
-        """Return the viewpoint with the highest discounted promise, preferring those near the goal so far."""
+    def best(self, view: View, viewpoints: Viewpoints, latency: float) -> Cell | None:
+        """Return the viewpoint with which the cheapest order of the best ones begins.
+
+        An order costs, in lidar ranges, when its last viewpoint is reached plus ``latency`` times their mean waiting
+        time, weighted by the roots of their promises: pockets are finished while the UAV is near.
+        """
+        viewpoints = viewpoints.unclaimed()
         if not len(viewpoints.cells):
             return None
-        lidar_range = self.briefing.lidar_range
-        scores = viewpoints.promises * np.exp(-self.weights.discount / lidar_range * viewpoints.steps)
-        if self.goal is not None:
-            rows, cols = np.divmod(viewpoints.cells, self.paths.width)
-            away = np.maximum(np.abs(rows - self.goal[0]), np.abs(cols - self.goal[1]))
-            scores[away <= max(1.0, SAME_PLACE * lidar_range)] *= self.weights.keep
-        return divmod(int(viewpoints.cells[np.argmax(scores)]), self.paths.width)
+        some = viewpoints.those(self._few(view, viewpoints))
+        costs = self._costs(view, some, latency) - self.weights.hold * self._kept(some.cells)
+        return divmod(int(some.cells[np.argmin(costs)]), self.paths.width)
+
+    def _few(self, view: View, viewpoints: Viewpoints) -> NDArray[np.int64]:
+        """Return the places of the best of (K,) viewpoints that are apart and see different things."""
+        reach = self.briefing.lidar_range
+        scores = np.log(viewpoints.promises) - self.weights.discount * viewpoints.steps / reach
+        order = np.argsort(-scores - self.weights.hold * self._kept(viewpoints.cells), kind="stable")
+        apart = max(APART_CELLS, APART_RANGES * reach)
+        order = order[merged(viewpoints.cells[order], apart, self.paths.width)[:CANDIDATES]]
+        return np.asarray(order[distinct(sights(view.belief, viewpoints.cells[order], reach), OVERLAP, STOPS)])
+
+    def _costs(self, view: View, viewpoints: Viewpoints, latency: float) -> NDArray[np.float64]:
+        """Return what the best order costs that begins with each of (K,) viewpoints, in lidar ranges, (K,)."""
+        if len(viewpoints.cells) == 1:
+            return np.zeros(1)
+        reach, steps = self.briefing.lidar_range, viewpoints.steps.astype(np.float64)
+        between = hops(view.belief, viewpoints.cells, steps[None], int(HOP_RANGES * reach) + 1)
+        worth = np.sqrt(viewpoints.promises)
+        return np.asarray(costs_of_first(steps / reach, between / reach, worth / worth.sum(), latency))
+
+    def _kept(self, cells: NDArray[np.int32]) -> Mask:
+        """Return which of (K,) flat cells are at the goal so far, (K,) bool."""
+        if self.goal is None:
+            return np.zeros(len(cells), np.bool_)
+        rows, cols = np.divmod(cells, self.paths.width)
+        away = np.maximum(np.abs(rows - self.goal[0]), np.abs(cols - self.goal[1]))
+        return np.asarray(away <= max(1.0, SAME_PLACE * self.briefing.lidar_range))
+
+    def _route(self, view: View, barred: list[Cell] | None = None) -> None:
+        """Take the straightest of the shortest paths."""
+        self._path, self._at = straight_path(view.belief, view.cell, self.goal) if self.goal else [], 0
 
     def _left(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
-        """Return which share of the promises the teammates leave, (K,)."""
-        left = np.ones(len(cells))
-        if not view.mates:
-            return left
-        for mate in remembered(view, self.briefing):
-            theirs = self.paths.field(view.belief, mate.cell).ravel()[cells]
+        """Return which share of the promises the teammates leave, (K,) in [0, 1].
+
+        A linked one that is nearer, or as near and of a lower number, leaves a share; its claim leaves nothing where
+        it is, and more with the distance, up to a lidar range. The others are out of contact.
+        """
+        if self.briefing.team == 1:
+            return np.ones(len(cells))
+
+        def steps_from(cell: Cell) -> Distances:
+            return self.paths.field(view.belief, cell).ravel()[cells]
+
+        rows, cols = np.divmod(cells, self.paths.width)
+        left = self._unlinked.factors(view, np.stack([rows, cols], axis=1).astype(np.float64), steps, steps_from)
+        for mate in linked(view):
+            theirs = steps_from(mate.cell)
             nearer = (theirs <= steps) if mate.agent < self.briefing.agent else (theirs < steps)
             left *= np.where(nearer, self.weights.share, 1.0)
-        rows, cols = np.divmod(cells, self.paths.width)
-        for row, col in claims(view, self.briefing).tolist():
-            left *= np.minimum(1.0, np.hypot(rows - row, cols - col) / self.briefing.lidar_range)
+            goal = told_goal(mate)
+            if goal is not None:
+                left *= np.minimum(1.0, np.hypot(rows - goal[0], cols - goal[1]) / self.briefing.lidar_range)
         return left

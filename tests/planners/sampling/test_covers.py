@@ -5,7 +5,7 @@ from itertools import pairwise, permutations
 import numpy as np
 import pytest
 
-from indoor_explorers.planners.sampling.covers import greedy_cover, settled
+from indoor_explorers.planners.sampling.covers import distinct, greedy_cover, settled
 
 
 def some_sets(seed: int) -> list[set[int]]:
@@ -66,3 +66,14 @@ def test_settled_tours_are_near_the_best(seed: int, rate: float) -> None:
     every = [merit(costs, worths, (0, *rest), rate) for rest in permutations(range(1, 6))]
     assert max(every) - 0.25 * abs(max(every)) <= found <= max(every) + 1e-9
     assert found >= merit(costs, worths, tuple(begun.tolist()), rate) - 1e-9
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("overlap", [0.0, 0.3, 1.0])
+def test_distinct_views_have_little_in_common(seed: int, overlap: float) -> None:
+    sets, chosen = some_sets(seed), list[int]()
+    for k, members in enumerate(sets):
+        if all(len(members & sets[other]) <= overlap * len(members) for other in chosen):
+            chosen.append(k)
+    assert distinct(as_bits(sets), overlap, 30).tolist() == chosen
+    assert distinct(as_bits(sets), overlap, 3).tolist() == chosen[:3]

@@ -8,14 +8,13 @@ from indoor_explorers.env.lidar import view_gain
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.view import View
 from indoor_explorers.planners.gains import unclaimed_gains
-from indoor_explorers.planners.sampling.rrt_frontier import merged
-from indoor_explorers.planners.sampling.samples import border_cells
+from indoor_explorers.planners.sampling.samples import border_cells, merged
 from tests.planners.flights import fly, maze
 
 
 def test_near_candidates_are_merged() -> None:
     cells = np.array([0, 1, 2, 3, 4, 9, 30], np.int32)
-    assert merged(cells, 3.0, 10).tolist() == [0, 3, 9, 30]
+    assert cells[merged(cells, 3.0, 10)].tolist() == [0, 3, 9, 30]
     assert merged(cells[:0], 3.0, 10).tolist() == []
 
 
