@@ -31,11 +31,13 @@ def unpacked(bits: Bits, size: int) -> Mask:
 
 
 @lru_cache(maxsize=32)
-def around(shape: tuple[int, int]) -> NDArray[np.int32]:
-    """Return the up to eight cells around each cell of a (H, W) map, (H*W, 8) flat, -1 off the map."""
+def around(shape: tuple[int, int], radius: int = 1) -> NDArray[np.int32]:
+    """Return the cells of the square around each cell of a (H, W) map, (H*W, (2 radius + 1)^2 - 1), -1 off the map."""
+    side = range(-radius, radius + 1)
+    changes = [(down, right) for down in side for right in side if down or right]
     rows, cols = np.divmod(np.arange(shape[0] * shape[1]), shape[1])
-    cells = np.full((rows.size, 8), -1, np.int32)
-    for k, (down, right) in enumerate(AROUND):
+    cells = np.full((rows.size, len(changes)), -1, np.int32)
+    for k, (down, right) in enumerate(changes):
         r, c = rows + down, cols + right
         inside = (r >= 0) & (r < shape[0]) & (c >= 0) & (c < shape[1])
         cells[inside, k] = r[inside] * shape[1] + c[inside]

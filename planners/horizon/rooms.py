@@ -74,17 +74,25 @@ def _sweep(
 
 
 @kernel()
-def _free_share(belief: np.ndarray, covers: np.ndarray) -> np.ndarray:
-    """Return the share of chains in which each cell is free, (C,), of those that agree with the belief if any do."""
-    agreeing, everywhere = np.zeros(belief.shape[0]), np.zeros(belief.shape[0])
-    count = 0
+def _agreeing(belief: np.ndarray, covers: np.ndarray) -> np.ndarray:
+    """Return the chains whose room agrees with a flat belief."""
+    agree = np.empty(covers.shape[0], np.bool_)
     for k in range(covers.shape[0]):
         free = covers[k] == 0
-        everywhere += free
-        if not np.any((free & (belief == OCCUPIED)) | (~free & (belief == FREE))):
-            agreeing += free
-            count += 1
-    return agreeing / count if count > 0 else everywhere / covers.shape[0]
+        agree[k] = not np.any((free & (belief == OCCUPIED)) | (~free & (belief == FREE)))
+    return np.flatnonzero(agree)
+
+
+@kernel()
+def _free_share(belief: np.ndarray, covers: np.ndarray) -> np.ndarray:
+    """Return the share of chains in which each cell is free, (C,), of those that agree with the belief if any do."""
+    chains, share = _agreeing(belief, covers), np.zeros(belief.shape[0])
+    if chains.shape[0] == 0:
+        chains = np.arange(covers.shape[0])
+    for k in chains:
+        share += covers[k] == 0
+    mean: np.ndarray = share / chains.shape[0]
+    return mean
 
 
 def _places(source: ThesisMaps) -> list[list[int]]:
@@ -149,3 +157,8 @@ class RoomPrior:
             key = np.uint64(draw(np.uint64(self._key), np.uint64(self._updates)))
             _sweep(cells, self._places, self._covering, self._chains, self._covers, key)
         return np.asarray(_free_share(cells, self._covers))
+
+    def rooms(self, belief: Belief) -> Belief:
+        """Return the rooms sampled last that agree with a (H, W) belief, (K, H*W) with no cell unknown."""
+        covers = self._covers[_agreeing(belief.ravel(), self._covers)]
+        return np.where(covers > 0, np.uint8(OCCUPIED), np.uint8(FREE))

@@ -12,10 +12,15 @@ from indoor_explorers.env.grid import FREE, UNKNOWN
 from indoor_explorers.planners.horizon.beam import Style, Terrain, shortest_tour
 from indoor_explorers.planners.horizon.cellsets import Bits, around, hash_keys, packed, unpacked
 from indoor_explorers.planners.horizon.prior import Prior
+from indoor_explorers.planners.horizon.rehearsal import Rehearsal
 from indoor_explorers.planners.horizon.sights import Sights
 
 #: Free cells that may be missing when everything is wanted, as an expected number.
 CERTAINTY = 0.2
+#: Width of the beam that looks for alternatives, as a share of the usual.
+ALTERNATIVE_WIDTH = 0.4
+#: Alternatives that are longer than the tour by more steps are not rehearsed.
+SLACK = 6
 
 
 class Task(NamedTuple):
@@ -35,10 +40,18 @@ class Tours:
     """Plan tours that show the share ``goal`` of the free cells, first with a share ``spare`` of them left out."""
 
     def __init__(
-        self, shape: tuple[int, int], lidar_range: float, prior: Prior, style: Style, goal: float, spare: float
+        self,
+        shape: tuple[int, int],
+        lidar_range: float,
+        prior: Prior,
+        style: Style,
+        goal: float,
+        spare: float,
+        rehearsal: Rehearsal | None = None,
     ) -> None:
         self.sights = Sights(shape, lidar_range)
         self._prior, self._style, self._goal, self._spare = prior, style, goal, spare
+        self._rehearsal = rehearsal
         self._around, self._keys = around(shape), hash_keys(2 * shape[0] * shape[1])
         self._tour: list[int] = []
         self._finishes = False
@@ -59,50 +72,70 @@ class Tours:
         """Plan a tour from a flat cell, and keep the old one while it shows enough and is no worse.
 
         ``share`` (C,) is how much of each cell is this UAV's to see, 1 unless a teammate is to see it. A tour that
-        shows too little is kept while it can be flown and shows anything.
+        shows too little is kept while it can be flown and shows anything. With a rehearsal, and nobody to share
+        with, a tour with another first step takes its place where that is better in sampled rooms.
         """
         self.sights.update(belief)
         self.following(cell)
         unseen = packed(belief == UNKNOWN) & self.sights.attainable(cell)
-        task = Task(cell, unseen, *self._wanted(belief, unseen, share))
+        chances = np.where(unpacked(unseen, belief.size), self._prior.free_chances(belief), 0.0)
+        task = Task(cell, unseen, *self._wanted(belief, chances, unseen, share))
         old = self._cost(task, self._tour)
         if old is not None:
             self._tour = self._tour[: old[0]]
         elif self._finishes or not self._is_open(task) or not self._upto_last_gain(self._tour, unseen):
             self._tour = []
-        tour, finishes = self._search(task, old[0] if old else self._style.depth)
+        style = self._style
+        tour, finishes = self._search(task, style._replace(depth=min(style.depth, old[0]) if old else style.depth))
         new = self._cost(task, tour)
         if not self._tour or (new is not None and (old is None or new < old)):
             self._tour, self._finishes = tour, finishes
+        if self._rehearsal is not None and share is None and self._tour:
+            tours = [(self._tour, self._finishes), *self._alternatives(task)]
+            if len(tours) > 1:
+                best = self._rehearsal.best(belief, cell, self.sights, chances, [tour for tour, _ in tours])
+                self._tour, self._finishes = tours[best]
 
-    def _search(self, task: Task, depth: int) -> tuple[list[int], bool]:
-        """Return a tour of at most ``depth`` steps and whether it finishes; up to its last gain if it does not."""
+    def _alternatives(self, task: Task) -> list[tuple[list[int], bool]]:
+        """Return a tour for each other first step, and whether it finishes; none that is much longer."""
+        tours = []
+        width = max(1, round(ALTERNATIVE_WIDTH * self._style.width))
+        for cell in self.sights.passages[task.cell].tolist():
+            if cell < 0 or cell == self._tour[0]:
+                continue
+            after = task._replace(cell=cell, unseen=task.unseen & ~self.sights.views[cell])
+            rest, finishes = self._search(after, self._style._replace(width=width))
+            tour = [cell, *rest]
+            shows = finishes or self._upto_last_gain(tour, task.unseen)
+            if shows and not (finishes and self._finishes and len(tour) > len(self._tour) + SLACK):
+                tours.append((tour, finishes))
+        return tours
+
+    def _search(self, task: Task, style: Style) -> tuple[list[int], bool]:
+        """Return a tour and whether it finishes; up to its last gain if it does not."""
         if not task.unseen.any():
             return [], False
         sights = self.sights
         terrain = Terrain(sights.views, sights.passages, sights.soon, self._around, self._keys, task.weights)
-        style = self._style._replace(depth=min(depth, self._style.depth))
         cells, finishes = shortest_tour(task.cell, task.unseen, terrain, task.rest, style)
         tour = cells.tolist()
         return (tour, True) if finishes else (self._upto_last_gain(tour, task.unseen), False)
 
     def _wanted(
-        self, belief: Belief, unseen: Bits, share: NDArray[np.float64] | None
+        self, belief: Belief, chances: NDArray[np.float64], unseen: Bits, share: NDArray[np.float64] | None
     ) -> tuple[NDArray[np.float64], float]:
         """Return the weights of cells (C,) and what weight of them may stay unseen.
 
         What may be spared is spared until only that is left; then the teammates' part is wanted too, and in the end
         every cell, however likely an obstacle.
         """
-        open_cells = unpacked(unseen, belief.size)
-        chances = np.where(open_cells, self._prior.free_chances(belief), 0.0)
         total = np.count_nonzero(belief == FREE) + chances.sum()
         rest = (1.0 - self._goal) * total + CERTAINTY
         own = chances if share is None else chances * share
         for weights, most in ((own, max(rest, self._spare * total)), (own, rest), (chances, rest)):
             if weights.sum() > most:
                 return weights, most
-        return open_cells.astype(np.float64), 0.5
+        return unpacked(unseen, belief.size).astype(np.float64), 0.5
 
     def _cost(self, task: Task, tour: list[int]) -> tuple[int, float] | None:
         """Return the steps until a tour shows enough and its delay; None if it never does or is blocked.

@@ -1,0 +1,218 @@
+"""Rollouts: fly tours in sampled rooms to the end, to see which one obstacles upset least.
+
+A tour takes every unknown cell to be free. In each room that agrees with the belief, it is flown as long as it can
+be, for some steps at most, and then a quick policy takes over: the next step towards the cell with the greatest
+g e^(-decay d), where g is the weight in view, raised by the known cells around each unseen one, and d the steps to
+it. All tours are flown in the same rooms, so that their differences are little blurred by chance (rollouts: G. Tesauro
+and G. Galperin, NeurIPS 1996; D. P. Bertsekas and D. A. Castanon 1999, doi:10.1023/A:1009634810396).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.compiled import kernel
+from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.lidar import Optics, Scan, new_scan, visible_cells
+from indoor_explorers.planners.gains import bit_count
+
+#: Steps of a tour that are flown at most before the quick policy takes over.
+FOLLOWED = 12
+#: Extra weight of an unseen cell for each known one in the 5x5 around it, for the quick policy.
+ISOLATION = 1 / 3
+#: Rate at which the quick policy discounts steps.
+DECAY = 0.5
+#: Steps after which a flight is given up.
+LONGEST = 120
+_ONE = np.uint64(1)
+
+
+class Stage(NamedTuple):
+    """What is known before a rollout, C cells in W words."""
+
+    belief: NDArray[np.uint8]
+    """(H, W)."""
+    chances: NDArray[np.float64]
+    """(C,) chance of an unknown cell to be free and within reach, 0 for others."""
+    views: NDArray[np.uint64]
+    """(C, W) what is visible from a cell."""
+    passages: NDArray[np.int32]
+    """(C, 4) neighbours, -1 for none."""
+    surroundings: NDArray[np.int32]
+    """(C, 24) the 5x5 around a cell, -1 off the map."""
+
+
+class Flight(NamedTuple):
+    """Working arrays of one flight, (C,) each."""
+
+    belief: np.ndarray
+    weights: np.ndarray
+    """What seeing a cell is worth, 0 once it is known."""
+    visited: np.ndarray
+    steps: np.ndarray
+    """From the UAV, -1 where it is not known to reach."""
+    first: np.ndarray
+    """First cell on the way."""
+    queue: np.ndarray
+
+
+@kernel()
+def _new_flight(cells: int) -> Flight:
+    return Flight(
+        np.empty(cells, np.uint8),
+        np.empty(cells),
+        np.empty(cells, np.bool_),
+        np.empty(cells, np.int32),
+        np.empty(cells, np.int32),
+        np.empty(cells, np.int32),
+    )
+
+
+@kernel()
+def _weights(stage: Stage) -> np.ndarray:
+    """Return what seeing each cell is worth to the quick policy, (C,)."""
+    belief = stage.belief.ravel()
+    weights = np.zeros(belief.shape[0])
+    for cell in np.flatnonzero(belief == UNKNOWN):
+        known = 0
+        for near in stage.surroundings[cell]:
+            known += near < 0 or belief[near] != UNKNOWN
+        weights[cell] = stage.chances[cell] * (1 + ISOLATION * known)
+    return weights
+
+
+@kernel()
+def _reveal(flight: Flight, stage: Stage, cell: int, room: np.ndarray, lens: Optics, scan: Scan) -> int:
+    """Scan a (H, W) room from a flat cell; return how many free cells are new."""
+    height, width = room.shape
+    truth, found = room.reshape(height * width), 0
+    flight.visited[cell] = True
+    for k in range(visible_cells(room, cell // width, cell % width, lens, scan)):
+        seen = scan.cells[k]
+        if flight.belief[seen] == UNKNOWN:
+            flight.belief[seen], flight.weights[seen] = truth[seen], 0.0
+            found += truth[seen] == FREE
+            for near in stage.surroundings[seen]:
+                if near >= 0 and flight.belief[near] == UNKNOWN:
+                    flight.weights[near] += ISOLATION * stage.chances[near]
+    return found
+
+
+@kernel()
+def _gain(weights: np.ndarray, view: np.ndarray) -> float:
+    """Return the weight of the cells of a set (W,)."""
+    gain = 0.0
+    for w in range(view.shape[0]):
+        word = view[w]
+        while word != 0:
+            lowest = word & (~word + _ONE)
+            word ^= lowest
+            gain += weights[w * 64 + int(np.int64(bit_count(lowest - _ONE)))]
+    return gain
+
+
+@kernel()
+def _quick_step(flight: Flight, stage: Stage, start: int, most: float) -> int:
+    """Return the next cell of the quick policy, -1 when nothing is left to see; ``most`` bounds what a view gains."""
+    flight.steps[:] = -1
+    flight.steps[start], flight.queue[0] = 0, start
+    head, tail, best, following = 0, 1, 0.0, -1
+    while head < tail:
+        cell = flight.queue[head]
+        head += 1
+        fade = np.exp(-DECAY * flight.steps[cell])
+        if most * fade <= best:
+            break
+        if not flight.visited[cell] and cell != start:
+            worth = fade * _gain(flight.weights, stage.views[cell])
+            if worth > best:
+                best, following = worth, flight.first[cell]
+        for near in stage.passages[cell]:
+            if near >= 0 and flight.steps[near] < 0 and flight.belief[near] != OCCUPIED:
+                flight.steps[near] = flight.steps[cell] + 1
+                flight.first[near] = near if cell == start else flight.first[cell]
+                flight.queue[tail] = near
+                tail += 1
+    return int(following)
+
+
+@kernel()
+def _within_reach(room: np.ndarray, passages: np.ndarray, start: int) -> np.ndarray:
+    """Return the free cells of a flat room (C,) that can be reached from a cell."""
+    reached = np.zeros(room.shape[0], np.bool_)
+    reached[start], fresh = True, [np.int64(start)]
+    while len(fresh) > 0:
+        for near in passages[fresh.pop()]:
+            if near >= 0 and not reached[near] and room[near] == FREE:
+                reached[near] = True
+                fresh.append(np.int64(near))
+    return reached
+
+
+@kernel()
+def _fly(
+    flight: Flight, stage: Stage, start: int, tour: np.ndarray, room: np.ndarray, wanted: np.ndarray, lens: Optics
+) -> np.ndarray:
+    """Return after how many steps each number of new free cells in ``wanted`` (N,), rising, was seen, (N,)."""
+    scan, most = new_scan(lens), (lens.disc + 1) * (1 + 24 * ISOLATION)
+    steps = np.full(wanted.shape[0], LONGEST, np.int64)
+    cell, found, follows = start, 0, True
+    for step in range(1, LONGEST):
+        follows = follows and step <= min(tour.shape[0], FOLLOWED)
+        follows = follows and tour[step - 1] >= 0 and flight.belief[tour[step - 1]] != OCCUPIED
+        cell = tour[step - 1] if follows else _quick_step(flight, stage, cell, most)
+        if cell < 0 or room.reshape(room.size)[cell] == OCCUPIED:
+            break
+        found += _reveal(flight, stage, cell, room, lens, scan)
+        for n in range(wanted.shape[0]):
+            if found >= wanted[n]:
+                steps[n] = min(steps[n], step)
+        if found >= wanted[-1]:
+            break
+    return steps
+
+
+@kernel()
+def _fly_all(
+    start: int, stage: Stage, tours: np.ndarray, rooms: np.ndarray, shares: np.ndarray, lens: Optics
+) -> np.ndarray:
+    cells, weights, known = stage.belief.size, _weights(stage), stage.belief.ravel() == FREE
+    flight = _new_flight(cells)
+    steps = np.empty((tours.shape[0], rooms.shape[0], shares.shape[0]), np.int64)
+    for s in range(rooms.shape[0]):
+        reached = _within_reach(rooms[s], stage.passages, start)
+        wanted = shares * reached.sum() - (reached & known).sum()
+        for t in range(tours.shape[0]):
+            flight.belief[:] = stage.belief.ravel()
+            flight.weights[:] = weights
+            flight.visited[:] = False
+            steps[t, s] = _fly(flight, stage, start, tours[t], rooms[s].reshape(stage.belief.shape), wanted, lens)
+    return steps
+
+
+def steps_to_shares(
+    start: int,
+    stage: Stage,
+    tours: list[list[int]],
+    rooms: Belief,
+    shares: NDArray[np.float64],
+    lens: Optics,
+) -> NDArray[np.int64]:
+    """Return after how many steps flights show given shares of rooms, (T, S, N).
+
+    Args:
+        start: The UAV's flat cell.
+        stage: What it knows.
+        tours: T lists of flat cells, the start left out.
+        rooms: (S, C) rooms without unknown cells that agree with the belief.
+        shares: (N,) shares of a room's reachable cells, rising. What is never shown takes ``LONGEST`` steps.
+        lens: The lidar.
+    """
+    padded = np.full((len(tours), FOLLOWED), -1, np.int32)
+    for row, tour in zip(padded, tours, strict=True):
+        row[: len(tour)] = tour[:FOLLOWED]
+    return np.asarray(_fly_all(start, stage, padded, rooms, shares, lens))
