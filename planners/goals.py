@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Cell, Mask
-from indoor_explorers.env.grid import MOVES
+from indoor_explorers.env.grid import MOVES, OCCUPIED
 from indoor_explorers.env.policy import Pilot
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.paths import Paths, count_known, near_any, on_frontier
@@ -143,10 +143,30 @@ class GoalPilot(Pilot):
         return self._path[self._at + 1] if self._at + 1 < len(self._path) else view.cell
 
     def _make_way(self, view: View) -> None:
-        straight = len(self._path) - self._at
-        if self.goal and not self._yielding.retreating:
-            around = self.paths.to(view.belief, view.cell, self.goal, self._yielding.barred(view))
-            if around and len(around) <= DETOUR_FACTOR * straight + DETOUR_CELLS:
-                self._path, self._at = around, 0
-                return
+        """Go round whoever is in the way, or to another frontier on this side, or step aside."""
+        if self.goal and not self._yielding.retreating and (self._goes_round(view) or self._turns_away(view)):
+            return
         self._yielding.retreat(view)
+
+    def _goes_round(self, view: View) -> bool:
+        straight = len(self._path) - self._at
+        around = self.paths.to(view.belief, view.cell, self.goal, self._yielding.barred(view)) if self.goal else None
+        if not around or len(around) > DETOUR_FACTOR * straight + DETOUR_CELLS:
+            return False
+        self._path, self._at = around, 0
+        return True
+
+    def _turns_away(self, view: View) -> bool:
+        """Leave the goal alone for one on this side of whoever is in the way, at most a lidar range farther off."""
+        passable = view.belief.copy()
+        for row, col in self._yielding.barred(view):
+            passable[row, col] = OCCUPIED
+        farthest = len(self._path) - self._at + self.briefing.lidar_range
+        others = [*self.avoided(view), *([self.goal] if self.goal else [])]
+        path = self.paths.to_frontier(passable, view.cell, self.rng, others)
+        if not path or len(path) > farthest:
+            return False
+        self._bans.update(dict.fromkeys(others[-1:], view.step + BAN_STEPS))
+        self._take(view, path[-1])
+        self._path, self._at = path, 0
+        return True

@@ -4,8 +4,9 @@ Teammates are not in the map and without radio they are not known at all: the on
 move that did not happen. Whoever flies in a convoy meets that sign too, so the first one is ignored.
 From the second on the UAV tosses a coin: push once more, or make way, which is to go round if that is not
 much longer, else to retreat to a place where the other can get past, and to wait there about as long as the
-way took. Whoever has no such place within reach, because it is on the blind side of the jam, mostly pushes on:
-the others can make way. The longest reach of retreats doubles with every one that follows soon after another,
+way took; from a crossing any way out will do. Whoever has no such place within reach, because it is on the
+blind side of the jam, mostly pushes on: the others can make way. The longest reach of retreats doubles with
+every one that follows soon after another,
 so that of two UAVs head-on in a corridor one sooner or later leaves it, whatever the corridor's length; the
 reach itself is drawn, so that small jams in between stay small. Every UAV tosses its own coins.
 """
@@ -18,7 +19,7 @@ from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.grid import MOVES, Action
 from indoor_explorers.env.view import View
 from indoor_explorers.planners.paths import Paths
-from indoor_explorers.planners.refuges import path_to_refuge
+from indoor_explorers.planners.refuges import path_to_refuge, refuge_mask
 
 #: Moves in a row that must fail before anything is done about it.
 PATIENCE = 2
@@ -87,7 +88,7 @@ class Yielding:
         path = path_to_refuge(self._paths, view.belief, view.cell, reach, self._rng, barred)
         if path:
             longest_wait = min(WAIT_FACTOR * len(path), LONGEST_WAIT) - 1
-        elif self._rng.random() < BACK_OFF:
+        elif refuge_mask(view.belief)[view.cell] or self._rng.random() < BACK_OFF:
             path = self._paths.to_anywhere(view.belief, view.cell, reach, self._rng, barred)
             longest_wait = min(self._reach, SHORT_WAIT) if path else 0
         self._retreat = path or []

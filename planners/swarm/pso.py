@@ -11,6 +11,7 @@ from indoor_explorers.env.grid import UNREACHABLE
 from indoor_explorers.env.lidar import optics, view_gain
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.coordination.unlinked import Unlinked
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import (
@@ -71,6 +72,8 @@ class Pso(Policy):
     """Extra value of a first goal that is within .2 lidar ranges of the one that a UAV has."""
     absence: float = 0.5
     """Share of its value that a goal loses when a teammate out of contact was last known nearer to it, 0 to 1."""
+    sector: float = 3.0
+    """How strongly a UAV on its own keeps to its sector while teammates were never heard; see :class:`Unlinked`."""
     period: float = 0.2
     """Steps after which a plan is made again if the map has grown, in lidar ranges."""
     candidates: int = 32
@@ -85,6 +88,7 @@ class Pso(Policy):
         at_least(
             self, 0.0, "rounds", "power", "rate", "trust", "isolation", "hold", "absence", "period", "lookouts", "near"
         )
+        at_least(self, 0.0, "sector")
         at_least(self, 1e-6, "fade")
         at_least(self, 1, "candidates", "length", "particles")
 
@@ -101,6 +105,7 @@ class PsoPilot(GoalPilot):
         self._policy = policy
         self._swarm = Swarm(particles=policy.particles, rounds=policy.rounds)
         self._range = float(briefing.lidar_range)
+        self._unlinked = Unlinked(briefing, sector=policy.sector)
         self._period = max(1, round(policy.period * self._range))
         self._plan: tuple[float, ...] = NOWHERE
         self._planned_on = -1
@@ -171,13 +176,10 @@ class PsoPilot(GoalPilot):
             return None, cells.astype(np.int64), []
         steps, able = steps[can], [member for member, some in zip(members, can.tolist(), strict=True) if some]
         gains, shared = views(view.belief, cells, Interest(policy.isolation, policy.fade * reach), optics(reach))
-        for mate in absentees(members, self.briefing):
-            away = self.paths.field(view.belief, mate.cell).ravel()[cells]
-            gains = np.where(away < steps.min(axis=0), (1.0 - policy.absence) * gains, gains)
         task = Task(
             steps=steps,
             hops=hops(view.belief, cells, steps, int(HOP_RANGES * reach) + 1),
-            gains=gains,
+            gains=gains * self._left_by_others(view, members, cells, steps),
             shared=shared,
             favour=np.stack([self._favour(member, cells) for member in able]),
             power=policy.power,
@@ -192,6 +194,19 @@ class PsoPilot(GoalPilot):
         around = surroundings(view.belief, fields, reach, policy.near, policy.rate / reach, policy.lookouts)
         ahead = frontiers(view.belief, fields, reach, policy.candidates)
         return np.union1d(ahead, around).astype(np.int32)
+
+    def _left_by_others(self, view: View, members: list[Member], cells: Cells, steps: Table) -> Table:
+        """Return how much of the candidates, (N, K) steps away, teammates out of contact leave to the group, (K,).
+
+        Members may not have heard of the same teammates, so sectors count only for a UAV on its own.
+        """
+        left = self._unlinked.left_by_unheard(view, np.stack(np.divmod(cells, self.paths.width), axis=1).astype(float))
+        if len(members) > 1:
+            left = np.ones(len(cells))
+        for mate in absentees(members, self.briefing):
+            away = self.paths.field(view.belief, mate.cell).ravel()[cells]
+            left = np.where(away < steps.min(axis=0), (1.0 - self._policy.absence) * left, left)
+        return left
 
     def _favour(self, member: Member, cells: Cells) -> Table:
         """Return (K,), what the candidates count for a UAV that is on its way to a goal."""

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.view import Mate
 from indoor_explorers.planners.swarm.group import NOWHERE, Member, absentees, group
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
-from tests.planners.flights import rooms
+from tests.planners.flights import fly, rooms
 
 
 @pytest.mark.parametrize(("model", "reach"), [("unlimited", 0.0), ("disc", 6.0)])
@@ -57,3 +59,15 @@ def test_the_latest_news_of_who_is_away_counts() -> None:
     near = [member._replace(cell=(3, 4)) for member in members]
     assert absentees(near, world.briefing(0, 0)) == [new]
     assert absentees([near[0]._replace(absent=(new._replace(age=1),))], world.briefing(0, 0)) == []
+
+
+def test_sectors_drive_uavs_without_radio_apart() -> None:
+    spawns = [(20, 20), (20, 21), (21, 20), (21, 21)]
+
+    def spread(sector: float) -> float:
+        flight = fly(Pso(sector=sector), np.ones((41, 41), np.bool_), team=4, lidar=5.0, spawns=spawns, seed=3)
+        assert flight.complete
+        places = [track[18] for track in flight.tracks]
+        return float(np.mean([np.hypot(*np.subtract(*pair)) for pair in combinations(places, 2)]))
+
+    assert spread(3.0) > max(15.0, 1.2 * spread(0.0))
