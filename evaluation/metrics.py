@@ -98,10 +98,10 @@ OF_THE_MACHINE = ("latency_total_s", "latency_p50_us", "latency_p99_us")
 def excused(metric: str, team: int) -> int:
     """Return the most steps in a row that one of :data:`WASTED` may have in an episode of ``team`` UAVs.
 
-    In corridors one cell wide a UAV has to wait for those in front of it, at most some four steps for each; nobody has
+    In corridors one cell wide a UAV has to wait for those in front of it, at most some six steps for each; nobody has
     to fly to and fro for more than six.
     """
-    return 4 * team if metric == "longest_idle" else 6
+    return 6 * team if metric == "longest_idle" else 6
 
 
 def first_step(curve: NDArray[np.floating], level: float) -> int | None:

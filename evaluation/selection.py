@@ -11,7 +11,7 @@ from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.presets import named_scenario
 
 #: Compared when nothing else is asked for: chance and the four families.
-DEFAULT_POLICIES = ("random", "frontier-nearest", "frontier-minpos", "rrt-frontier", "pso", "dddqn")
+DEFAULT_POLICIES = ("random", "frontier-nearest", "frontier", "rrt", "pso", "dddqn")
 DEFAULT_SCENARIO = "thesis-obstacles"
 #: What the steps of all policies are divided by where nothing else is asked for.
 DEFAULT_BASELINE = "frontier-nearest"

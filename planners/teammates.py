@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.scenario import Radio
-from indoor_explorers.env.view import Briefing, Mate, View
+from indoor_explorers.env.view import Briefing, Mate, Message, View
 
 #: No claims, (0, 2).
 NO_CLAIMS: NDArray[np.float64] = np.empty((0, 2))
@@ -51,6 +51,11 @@ def remembered(view: View, briefing: Briefing) -> list[Mate]:
         for mate in view.mates
         if mate.age == 0 or (mate.age <= MEMORY and not should_be_linked(radio, view.cell, mate))
     ]
+
+
+def message_of(goal: Cell | None) -> Message:
+    """Return what teammates should be told about a goal: its row and column."""
+    return (float(goal[0]), float(goal[1])) if goal else None
 
 
 def told_goal(mate: Mate) -> Cell | None:

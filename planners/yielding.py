@@ -28,7 +28,7 @@ BLOCKED_STEPS = 8
 #: A retreat is forgotten, and the next one short again, after this many times its reach in steps.
 MEMORY = 4
 #: A UAV waits less than so many times the steps of a retreat at its end, and less than so many steps.
-WAIT_FACTOR, LONGEST_WAIT = 2, 40
+WAIT_FACTOR, LONGEST_WAIT = 2, 6
 #: How likely a UAV without a place to step aside backs off anyway, at most so many steps being waited then.
 BACK_OFF, SHORT_WAIT = 0.1, 4
 

@@ -12,7 +12,6 @@ from indoor_explorers.env.grid import UNREACHABLE
 from indoor_explorers.env.lidar import optics, view_gain
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.coordination.split import message_of
 from indoor_explorers.planners.coordination.unlinked import Unlinked
 from indoor_explorers.planners.frontier.group import Member, member_of
 from indoor_explorers.planners.frontier.sequences import Task, Worth, best_sequences, cost_of_rest
@@ -20,7 +19,7 @@ from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.straight import straight_path
 from indoor_explorers.planners.swarm.prospects import Interest, frontiers, hops, surroundings, views
-from indoor_explorers.planners.teammates import linked
+from indoor_explorers.planners.teammates import linked, message_of
 
 #: Places this near to a goal are taken for the same, in cells or in lidar ranges, whichever is more.
 SAME_CELLS, SAME_RANGES = 1.5, 0.2

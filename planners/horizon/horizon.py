@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -13,12 +13,12 @@ from indoor_explorers.env.grid import Action
 from indoor_explorers.env.maps.thesis import ThesisMaps
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.frontier.joint import FrontierJoint
 from indoor_explorers.planners.goals import action_between
 from indoor_explorers.planners.horizon.beam import Style
 from indoor_explorers.planners.horizon.prior import LearnedPrior, OpenPrior, Prior
 from indoor_explorers.planners.horizon.rehearsal import Rehearsal
 from indoor_explorers.planners.horizon.rooms import RoomPrior
-from indoor_explorers.planners.horizon.sequences import Outlook, SequencePilot
 from indoor_explorers.planners.horizon.tours import Tours
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.paths import Paths, count_known
@@ -33,14 +33,14 @@ PATIENCE = 8
 
 @dataclass(frozen=True, kw_only=True)
 class Horizon(Policy):
-    """Plan a tour of the unseen cells by beam search and keep it while it stands; on large maps, one of clusters.
+    """Plan a tour of all unseen cells by beam search and keep it while it stands; on large maps, fly to frontiers.
 
     In rooms of up to ``room`` cells the search is over (cell, unseen set), taking unknown cells to be free to fly
     through and transparent. It aims at the scenario's goal coverage. Cells count by their chance to be free:
     with ``prior`` "source" and a generator of random rooms, the chance is worked out from the generator's
     statistics (``briefing.scenario.map``: number, sizes and margins of obstacles; never the map); otherwise, and with
     "belief", it is learned during the flight from the UAV's own map. Beyond ``room`` cells, or where
-    no tour is found, frontier clusters are visited in the order that shows most, soonest.
+    no tour is found, ``beyond`` looks a few frontiers ahead instead.
 
     Receding-horizon exploration: A. Bircher et al., ICRA 2016, doi:10.1109/ICRA.2016.7487281; the search over whole
     tours is this project's.
@@ -70,22 +70,14 @@ class Horizon(Policy):
     """Sampled rooms in which tours with other first steps are tried before one is taken, with ``prior`` "source" and
     one UAV; 24 cost five times the time of a decision, 0 is none."""
     deference: float = 0.1
-    """Weight of a cell, or a cluster, for each teammate that is nearer to it."""
+    """Weight of a cell for each teammate that is nearer to it."""
     room: int = 600
     """Cells of the largest map that is planned cell by cell."""
-    decay: float = 0.6
-    """Large maps: rate at which gains lose worth, per lidar range flown before they are had."""
-    visits: int = 5
-    """Large maps: clusters that are planned ahead."""
-    candidates: int = 15
-    """Large maps: clusters to choose from."""
-    pockets: float = 10.0
-    """Large maps: extra weight of an unknown cell with nothing unknown around it."""
-    sequences: int = 30
-    """Large maps: orders of clusters kept after each visit."""
+    beyond: FrontierJoint = field(default_factory=FrontierJoint)
+    """What flies larger maps, and where there is no tour."""
 
     def __post_init__(self) -> None:
-        at_least(self, 1, "width", "depth", "chains", "sweeps", "visits", "candidates", "sequences")
+        at_least(self, 1, "width", "depth", "chains", "sweeps")
         at_least(
             self,
             0.0,
@@ -97,16 +89,13 @@ class Horizon(Policy):
             "spare",
             "deference",
             "room",
-            "decay",
-            "pockets",
         )
         if self.prior not in ("source", "belief", "none"):
             raise InputError(f"Horizon: expected prior to be source, belief or none, got {self.prior!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV."""
-        outlook = Outlook(self.decay, self.visits, self.candidates, self.sequences, self.deference, self.pockets)
-        beyond = SequencePilot(briefing, outlook)
+        beyond = self.beyond.pilot(briefing)
         if briefing.shape[0] * briefing.shape[1] > self.room:
             return beyond
         return HorizonPilot(briefing, self, beyond)
@@ -147,17 +136,20 @@ class HorizonPilot(Pilot):
         self._handed_over = 0
 
     def act(self, view: View) -> int:
-        """Follow the tour, planning again whenever the map has grown or the tour has ended."""
+        """Follow the tour, planning again whenever the map has grown or the tour has ended.
+
+        When a teammate stays in the way, the other pilot takes over until the map grows: it can make way.
+        """
         cell = view.cell[0] * self._paths.width + view.cell[1]
         following = self._next(view, cell)
         if self._yielding.should_make_way(view):
-            self._yielding.retreat(view)
-        if following is None and not self._yielding.retreating:
+            self._deadline = view.step - 1
+            following = None
+        if following is None:
             self._handed_over += 1
             self._yielding.expect(view.cell, Action.STAY)
             return self._beyond.act(view)
-        after = divmod(following, self._paths.width) if following is not None else view.cell
-        action = action_between(view.cell, self._yielding.next_cell(view) if self._yielding.retreating else after)
+        action = action_between(view.cell, divmod(following, self._paths.width))
         self._yielding.expect(view.cell, action)
         return action
 

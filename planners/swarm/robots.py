@@ -89,7 +89,8 @@ class ParticlePilot(GoalPilot):
             self._news_at = view.step
         if self._alone and (self.goal is None or not self._is_frontier(view, self.goal)):
             self._alone = not fresh
-        if not self._alone and (self._swings(view) or view.step - self._news_at >= self._policy.stagnation):
+        stagnant = view.step - self._news_at >= self._policy.stagnation
+        if not self._alone and (stagnant or self._swings(view) or self._is_blocked(view)):
             self._split_off(view)
         self._last = [*self._last[-1:], view.cell]
         if self._alone:
@@ -98,6 +99,10 @@ class ParticlePilot(GoalPilot):
         if fresh or self.message is None:
             self._survey(view)
         return self._drift(view)
+
+    def _is_blocked(self, view: View) -> bool:
+        """Tell whether it has not got away from its cell for two steps: a particle does not make way."""
+        return self._last == [view.cell, view.cell]
 
     def choose(self, view: View) -> Cell | None:
         """Return the nearest frontier cell, for a UAV on its own."""

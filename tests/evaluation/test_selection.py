@@ -109,7 +109,7 @@ def test_a_scenario_of_ones_own_is_flown_as_comparisons_are():
 @pytest.mark.parametrize("path", sorted(EXPERIMENTS.glob("*.toml")), ids=lambda path: path.stem)
 def test_shipped_experiments_can_be_planned(path):
     experiment = plan(experiment=path)
-    assert len(experiment.policies) >= 6
+    assert len(experiment.policies) >= 3
     assert all(scenario.goal_of == "team" for scenario in experiment.scenarios)
     told = 0.9 if path.stem.endswith("-90") else 1.0
     assert {scenario.goal for scenario in experiment.scenarios} == {told}

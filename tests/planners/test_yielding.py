@@ -30,7 +30,7 @@ def test_uavs_in_a_row_get_past_each_other(team: int, dead_ended: bool, radio: t
         first = 6 + length // 2 - team // 2
         spawns = np.random.default_rng(length).permutation([(3, first + k) for k in range(team)]).tolist()
         flight = fly(
-            make_policy("frontier-coordinated"),
+            make_policy("frontier-joint"),
             corridor(length, dead_ended),
             team=team,
             radio=radio,

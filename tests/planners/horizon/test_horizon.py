@@ -6,11 +6,11 @@ import pytest
 from indoor_explorers.env import InputError, Policy, make_policy, scenario
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.planners.frontier.joint import JointPilot
 from indoor_explorers.planners.horizon.beam import Style
 from indoor_explorers.planners.horizon.cellsets import unpacked
 from indoor_explorers.planners.horizon.horizon import Horizon, HorizonPilot
 from indoor_explorers.planners.horizon.prior import OpenPrior
-from indoor_explorers.planners.horizon.sequences import SequencePilot
 from indoor_explorers.planners.horizon.tours import Tours
 from tests.planners import flights
 
@@ -60,7 +60,7 @@ def test_a_tour_is_legal_and_kept_while_it_stands() -> None:
 def test_large_maps_are_flown_by_clusters() -> None:
     flight = flights.fly(Horizon(room=50), flights.rooms(2, 4, 1))
     assert flight.complete
-    assert isinstance(flight.pilots[0], SequencePilot)
+    assert isinstance(flight.pilots[0], JointPilot)
     assert isinstance(flights.fly(Horizon(), flights.rooms(2, 4, 1)).pilots[0], HorizonPilot)
 
 

@@ -11,7 +11,7 @@ def test_four_at_a_crossing_take_a_corridor_each() -> None:
     free = np.zeros((43, 43), np.bool_)
     free[21, 1:42] = free[1:42, 21] = True
     spawns = [(21, 21), (20, 21), (21, 20), (22, 21)]
-    flight = fly(make_policy("frontier-coordinated"), free, team=4, radio=("unlimited", 0.0), spawns=spawns)
+    flight = fly(make_policy("frontier-joint"), free, team=4, radio=("unlimited", 0.0), spawns=spawns)
     ends = {(int(np.sign(row - 21)), int(np.sign(col - 21))) for row, col in (track[-1] for track in flight.tracks)}
     assert ends == {(0, 1), (0, -1), (1, 0), (-1, 0)}
     assert flight.steps <= 25
@@ -19,7 +19,7 @@ def test_four_at_a_crossing_take_a_corridor_each() -> None:
 
 @pytest.mark.parametrize("radio", [("none", 0.0), ("disc", 4.0), ("unlimited", 0.0)], ids=lambda radio: radio[0])
 def test_nobody_idles(radio: tuple[str, float]) -> None:
-    flight = fly(make_policy("frontier-coordinated"), rooms(3, 5, 2), team=4, radio=radio)
+    flight = fly(make_policy("frontier-joint"), rooms(3, 5, 2), team=4, radio=radio)
     stays = sum(row.count(4) for row in flight.actions)
     assert flight.complete
     assert stays <= 0.05 * 4 * flight.steps
@@ -30,6 +30,6 @@ def test_without_radio_a_team_parts_ways() -> None:
     spawns = [(15, 15), (15, 16), (16, 15), (16, 16)]
     steps = {
         name: sum(fly(make_policy(name), free, team=4, spawns=spawns, seed=seed).steps for seed in range(3))
-        for name in ("frontier-nearest", "frontier-coordinated")
+        for name in ("frontier-nearest", "frontier-joint")
     }
-    assert steps["frontier-coordinated"] < 0.8 * steps["frontier-nearest"]
+    assert steps["frontier-joint"] < 0.8 * steps["frontier-nearest"]
