@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief
-from indoor_explorers.env.compiled import kernel
+from indoor_explorers.env.compiled import kernel, leaf
 from indoor_explorers.env.grid import UNKNOWN
 from indoor_explorers.env.lidar import Optics, Scan, new_scan, optics, visible_cells
-from indoor_explorers.env.sights import bit_count as bit_count  # planners count the bits of the sets made here
 
 
 @kernel()
@@ -74,20 +73,21 @@ def sights(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDAr
 
 #: Half the side of the square around an unknown cell in which known cells make it isolated.
 NEIGHBOURHOOD = 2
+#: The other cells of that square.
+AROUND = (2 * NEIGHBOURHOOD + 1) ** 2 - 1
 #: A gain that has to be computed.
 STALE = -1.0
 
 
-@kernel()
-def _isolation(belief: np.ndarray, row: int, col: int) -> float:
-    """Return which share of the cells around an unknown one is known or off the map."""
+@leaf()
+def known_around(belief: np.ndarray, row: int, col: int) -> int:
+    """Count the cells around an unknown one that are known or off the map, at most ``AROUND``."""
     height, width = belief.shape
-    side = 2 * NEIGHBOURHOOD + 1
     unknown = 0
     for r in range(max(0, row - NEIGHBOURHOOD), min(height, row + NEIGHBOURHOOD + 1)):
         for c in range(max(0, col - NEIGHBOURHOOD), min(width, col + NEIGHBOURHOOD + 1)):
             unknown += belief[r, c] == UNKNOWN
-    return (side * side - unknown) / (side * side - 1)
+    return AROUND + 1 - unknown
 
 
 @kernel()
@@ -99,7 +99,9 @@ def _weighted(belief: np.ndarray, cell: int, depths: np.ndarray, isolation: floa
     for place in range(visible_cells(belief, row, col, lens, scan)):
         r, c = divmod(scan.cells[place], width)
         if belief[r, c] == UNKNOWN:
-            gain += depths[r - row + middle, c - col + middle] * (1.0 + isolation * _isolation(belief, r, c))
+            gain += depths[r - row + middle, c - col + middle] * (
+                1.0 + isolation * (known_around(belief, r, c) / AROUND)
+            )
     return gain
 
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Cell, Mask
-from indoor_explorers.env.grid import MOVES, OCCUPIED
+from indoor_explorers.env.grid import MOVES
 from indoor_explorers.env.policy import Pilot
 from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.paths import Paths, count_known, near_any, on_frontier
+from indoor_explorers.planners.paths import Paths, count_known, near_any, on_frontier, without
+from indoor_explorers.planners.straight import straight_path
 from indoor_explorers.planners.yielding import Yielding
 
 #: Steps for which a goal that could not be reached is left alone.
@@ -37,6 +39,9 @@ class GoalPilot(Pilot):
 
     ``goal`` is the present goal, and ``map_grew`` tells whether this step's map holds more than the last one's.
     """
+
+    straight: ClassVar[bool] = False
+    """Whether to fly the straightest of the shortest paths (:mod:`indoor_explorers.planners.straight`)."""
 
     def __init__(self, briefing: Briefing) -> None:
         self.briefing = briefing
@@ -97,6 +102,11 @@ class GoalPilot(Pilot):
         """Return which of (K,) flat cells are too near to a goal that is left alone, (K,) bool."""
         return near_any(cells, self.paths.flat(self.avoided(view)), self.paths.width)
 
+    def nearest_frontier(self, view: View) -> Cell | None:
+        """Return the frontier cell with the shortest known path, drawn among equals; None when none is reachable."""
+        path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
+        return path[-1] if path else None
+
     def choose_again(self, view: View) -> Cell | None:
         """Choose a goal, one of those left alone when there is no other."""
         self._plans += 1
@@ -128,9 +138,13 @@ class GoalPilot(Pilot):
         if not kept or view.step > self._deadline:
             self._deadline = view.step + max(8, 2 * (len(self._path) - 1))
 
-    def _route(self, view: View, barred: list[Cell] | None = None) -> None:
-        path = self.paths.to(view.belief, view.cell, self.goal, barred or ()) if self.goal else None
-        self._path, self._at = path or [], 0
+    def _route(self, view: View) -> None:
+        self._path, self._at = self._shortest(view, self.goal) if self.goal else [], 0
+
+    def _shortest(self, view: View, goal: Cell) -> list[Cell]:
+        if self.straight:
+            return straight_path(view.belief, view.cell, goal)
+        return self.paths.to(view.belief, view.cell, goal) or []
 
     def _off_path(self, view: View) -> bool:
         path, at = self._path, self._at
@@ -158,9 +172,7 @@ class GoalPilot(Pilot):
 
     def _turns_away(self, view: View) -> bool:
         """Leave the goal alone for one on this side of whoever is in the way, at most a lidar range farther off."""
-        passable = view.belief.copy()
-        for row, col in self._yielding.barred(view):
-            passable[row, col] = OCCUPIED
+        passable = without(view.belief, self._yielding.barred(view))
         farthest = len(self._path) - self._at + self.briefing.lidar_range
         others = [*self.avoided(view), *([self.goal] if self.goal else [])]
         path = self.paths.to_frontier(passable, view.cell, self.rng, others)

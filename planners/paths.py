@@ -13,7 +13,7 @@ import numpy as np
 
 from indoor_explorers.env.arrays import Belief, Cell, Distances
 from indoor_explorers.env.compiled import kernel, leaf
-from indoor_explorers.env.grid import FREE, UNKNOWN, UNREACHABLE, distances_from, touches_unknown
+from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN, UNREACHABLE, distances_from, touches_unknown
 from indoor_explorers.env.randomness import draw
 from indoor_explorers.planners.searches import Cells, Scratch, bar, begin, complete, spread, traced
 
@@ -125,6 +125,14 @@ def count_known(belief: np.ndarray) -> int:
     for value in belief.reshape(belief.size):
         known += value != UNKNOWN
     return known
+
+
+def without(belief: Belief, barred: Iterable[Cell]) -> Belief:
+    """Return a copy of a (H, W) belief in which some cells are occupied, so that nothing leads through them."""
+    passable = belief.copy()
+    for row, col in barred:
+        passable[row, col] = OCCUPIED
+    return passable
 
 
 class Paths:

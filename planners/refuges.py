@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from indoor_explorers.env.arrays import Belief, Cell, Mask
-from indoor_explorers.env.grid import FREE, OCCUPIED
-from indoor_explorers.planners.paths import Paths
+from indoor_explorers.env.grid import FREE
+from indoor_explorers.planners.paths import Paths, without
 
 #: A refuge is drawn from so many of the nearest ones, for the nearest may be the mouth of the corridor itself.
 CHOICE = 12
@@ -29,10 +29,7 @@ def path_to_refuge(
     The path keeps off the cells of ``barred``.
     """
     barred = list(barred)
-    passable = belief.copy()
-    for row, col in barred:
-        passable[row, col] = OCCUPIED
-    steps = paths.field(passable, cell)
+    steps = paths.field(without(belief, barred), cell)
     found = np.flatnonzero(refuge_mask(belief) & (steps > 0) & (steps <= reach))
     if len(found) == 0:
         return None

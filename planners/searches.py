@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.compiled import inner, kernel, leaf
-from indoor_explorers.env.grid import FREE, UNREACHABLE
+from indoor_explorers.env.grid import FREE, MOVES, UNREACHABLE
 
 #: (K,) flat cells.
 Cells = NDArray[np.int32]
@@ -75,6 +75,29 @@ def traced(parent: np.ndarray, goal: int) -> np.ndarray:
         path[k] = cell
         cell = parent[cell]
     return path
+
+
+@kernel()
+def flood(belief: np.ndarray, start: int, target: int, limit: int, queue: np.ndarray, steps: np.ndarray) -> int:
+    """Write the steps from ``start`` to free cells into ``steps`` (H*W,), all ``UNREACHABLE`` before.
+
+    It ends at ``target``, -1 for none, and ``limit`` steps away. ``queue`` (H*W,) holds the cells reached; returned is
+    how many.
+    """
+    height, width = belief.shape
+    steps[start], queue[0] = 0, start
+    head, tail = 0, 1
+    while head < tail and steps[queue[head]] < limit and (target < 0 or steps[target] == UNREACHABLE):
+        row, col = divmod(queue[head], width)
+        distance = steps[queue[head]] + 1
+        head += 1
+        for k in range(4):
+            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+            if 0 <= r < height and 0 <= c < width and belief[r, c] == FREE and steps[r * width + c] == UNREACHABLE:
+                steps[r * width + c] = distance
+                queue[tail] = r * width + c
+                tail += 1
+    return tail
 
 
 @leaf()

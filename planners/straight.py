@@ -10,28 +10,8 @@ import numpy as np
 
 from indoor_explorers.env.arrays import Belief, Cell
 from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import FREE, MOVES, UNREACHABLE
-
-
-@kernel()
-def _flood_until(belief: np.ndarray, goal: int, start: int, steps: np.ndarray, queue: np.ndarray) -> bool:
-    """Write the distances to ``goal`` into ``steps`` (H*W,) until ``start`` has one; return whether it has."""
-    height, width = belief.shape
-    steps[:] = UNREACHABLE
-    steps[goal] = 0
-    queue[0] = goal
-    head, tail = 0, 1
-    while head < tail and steps[start] == UNREACHABLE:
-        row, col = divmod(queue[head], width)
-        distance = steps[queue[head]] + 1
-        head += 1
-        for k in range(4):
-            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-            if 0 <= r < height and 0 <= c < width and belief[r, c] == FREE and steps[r * width + c] == UNREACHABLE:
-                steps[r * width + c] = distance
-                queue[tail] = r * width + c
-                tail += 1
-    return bool(steps[start] < UNREACHABLE)
+from indoor_explorers.env.grid import MOVES, UNREACHABLE
+from indoor_explorers.planners.searches import flood
 
 
 @kernel()
@@ -57,8 +37,9 @@ def _descent(steps: np.ndarray, height: int, width: int, start: int, goal: int) 
 
 @kernel()
 def _straight(belief: np.ndarray, start: int, goal: int) -> np.ndarray:
-    steps, queue = np.empty(belief.size, np.int32), np.empty(belief.size, np.int32)
-    if not _flood_until(belief, goal, start, steps, queue):
+    steps, queue = np.full(belief.size, UNREACHABLE, np.int32), np.empty(belief.size, np.int32)
+    flood(belief, goal, start, int(UNREACHABLE), queue, steps)
+    if steps[start] == UNREACHABLE:
         return queue[:0]
     return _descent(steps, belief.shape[0], belief.shape[1], start, goal)
 

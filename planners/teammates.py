@@ -11,8 +11,6 @@ from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.scenario import Radio
 from indoor_explorers.env.view import Briefing, Mate, Message, View
 
-#: No claims, (0, 2).
-NO_CLAIMS: NDArray[np.float64] = np.empty((0, 2))
 #: A teammate silent for longer is forgotten (Bautin 2012 keeps last-known positions for ever), in steps.
 MEMORY = 60
 #: A goal claimed by a teammate that has been silent for longer counts no more, in steps.

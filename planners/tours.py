@@ -134,25 +134,6 @@ def _cheapest(costs: np.ndarray, order: np.ndarray, place: int) -> tuple[int, fl
 
 
 @kernel()
-def _insert(costs: np.ndarray, order: np.ndarray, places: np.ndarray) -> np.ndarray:
-    count = order.shape[0]
-    longer = np.empty(count + places.shape[0], np.int64)
-    longer[:count] = order
-    left = places.copy()
-    for inserted in range(places.shape[0]):
-        least, best, where = np.inf, 0, 0
-        for k in range(left.shape[0] - inserted):
-            at, extra = _cheapest(costs, longer[:count], left[k])
-            if extra < least:
-                least, best, where = extra, k, at
-        longer[where + 2 : count + 1] = longer[where + 1 : count].copy()
-        longer[where + 1] = left[best]
-        left[best:-1] = left[best + 1 :].copy()
-        count += 1
-    return longer
-
-
-@kernel()
 def _share_out(costs: np.ndarray, starts: int) -> np.ndarray:
     count = costs.shape[0] - starts
     owner, left = np.full(count, -1, np.int64), np.ones(count, np.bool_)
@@ -193,11 +174,6 @@ def improved(costs: Costs, order: Order) -> Order:
     better = np.array(order, np.int64)
     _improve(_float(costs), better)
     return better
-
-
-def with_inserted(costs: Costs, order: Order, places: Order) -> Order:
-    """Return an order with more places in it: the one that costs least goes first, each to where it costs least."""
-    return np.asarray(_insert(_float(costs), np.asarray(order, np.int64), np.asarray(places, np.int64)))
 
 
 def open_tour(costs: Costs, first: int = 0, restarts: int = 0, rng: np.random.Generator | None = None) -> Order:

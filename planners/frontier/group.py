@@ -18,7 +18,7 @@ from indoor_explorers.env.grid import UNREACHABLE
 from indoor_explorers.env.view import Briefing, Mate, View
 from indoor_explorers.planners.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.goals import GoalPilot
-from indoor_explorers.planners.teammates import CLAIM_STEPS, remembered
+from indoor_explorers.planners.teammates import message_of, remembered, told_goal
 
 #: At most so many clusters are considered: those nearest to any UAV of the group.
 CLUSTERS = 64
@@ -88,7 +88,7 @@ class GroupPilot(GoalPilot):
         if own[best] >= UNREACHABLE:
             best = int(own.argmin())
         goal = divmod(int(choices.cells[choices.me, best]), self.paths.width)
-        self.message = (float(goal[0]), float(goal[1]))
+        self.message = message_of(goal)
         return goal
 
     def members(self, view: View) -> list[Member]:
@@ -123,5 +123,4 @@ class GroupPilot(GoalPilot):
 
 def member_of(mate: Mate) -> Member:
     """Return a teammate as a member; its goal counts only for a while."""
-    told = mate.message if mate.age <= CLAIM_STEPS else None
-    return Member(mate.agent, mate.cell, (int(told[0]), int(told[1])) if told is not None else None)
+    return Member(mate.agent, mate.cell, told_goal(mate))

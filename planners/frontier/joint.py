@@ -17,8 +17,7 @@ from indoor_explorers.planners.frontier.group import Member, member_of
 from indoor_explorers.planners.frontier.sequences import Task, Worth, best_sequences, cost_of_rest
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.straight import straight_path
-from indoor_explorers.planners.swarm.prospects import Interest, frontiers, hops, surroundings, views
+from indoor_explorers.planners.prospects import Interest, frontiers, hops, surroundings, views
 from indoor_explorers.planners.teammates import linked, message_of
 
 #: Places this near to a goal are taken for the same, in cells or in lidar ranges, whichever is more.
@@ -91,6 +90,8 @@ class FrontierJoint(Policy):
 
 class JointPilot(GoalPilot):
     """Choose in turn with whoever is linked, a few steps after the map has grown."""
+
+    straight = True
 
     def __init__(self, briefing: Briefing, policy: FrontierJoint) -> None:
         super().__init__(briefing)
@@ -204,7 +205,3 @@ class JointPilot(GoalPilot):
         rows, cols = np.divmod(cells, self.paths.width)
         away = np.hypot(rows - goal[0], cols - goal[1])
         return np.where(away <= max(SAME_CELLS, SAME_RANGES * self._range), 1.0 + self._policy.hold, 1.0)
-
-    def _route(self, view: View, barred: list[Cell] | None = None) -> None:
-        """Take the straightest of the shortest paths."""
-        self._path, self._at = straight_path(view.belief, view.cell, self.goal) if self.goal else [], 0

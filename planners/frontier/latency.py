@@ -15,11 +15,10 @@ from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.frontier.minpos import ranks
-from indoor_explorers.planners.frontier.orders import costs_of_first, distances_between
+from indoor_explorers.planners.frontier.orders import costs_of_first
 from indoor_explorers.planners.gains import WeightedGains
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.straight import straight_path
 from indoor_explorers.planners.teammates import remembered
 
 #: Every so many lidar ranges along a cluster a cell of it is looked at.
@@ -85,6 +84,8 @@ class Places(NamedTuple):
 class LatencyPilot(GoalPilot):
     """Order the clusters whenever the map has changed and fly to the first."""
 
+    straight = True
+
     def __init__(self, briefing: Briefing, policy: FrontierLatency) -> None:
         super().__init__(briefing)
         self._policy = policy
@@ -143,7 +144,7 @@ class LatencyPilot(GoalPilot):
         if len(places.cells) == 1:
             return np.zeros(1)
         worth = np.maximum(places.gains, 1e-9) ** self._policy.worth
-        between = distances_between(view.belief, places.cells) / self._range
+        between = self.paths.matrix(view.belief, places.cells) / self._range
         return np.asarray(
             costs_of_first(places.steps / self._range, between, worth / worth.sum(), self._policy.latency)
         )
@@ -154,10 +155,6 @@ class LatencyPilot(GoalPilot):
         rows, cols = np.divmod(cells, self.paths.width)
         away = np.maximum(np.abs(rows - self.goal[0]), np.abs(cols - self.goal[1]))
         return np.asarray(away <= max(1.0, SAME * self._range))
-
-    def _route(self, view: View, barred: list[Cell] | None = None) -> None:
-        """Take the straightest of the shortest paths."""
-        self._path, self._at = straight_path(view.belief, view.cell, self.goal) if self.goal else [], 0
 
 
 @kernel()

@@ -28,5 +28,4 @@ class NearestPilot(GoalPilot):
 
     def choose(self, view: View) -> Cell | None:
         """Return the nearest frontier cell."""
-        path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
-        return path[-1] if path else None
+        return self.nearest_frontier(view)

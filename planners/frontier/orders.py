@@ -9,11 +9,8 @@ by moving single places.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import FREE, MOVES, UNREACHABLE
 
 #: Rounds of improvement after which an order is good enough.
 ROUNDS = 8
@@ -104,39 +101,3 @@ def costs_of_first(start: np.ndarray, between: np.ndarray, shares: np.ndarray, l
     for first in range(count):
         costs[first] = improved(by_nearest(first, between), start, between, shares, latency)
     return costs
-
-
-@kernel()
-def _distances(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    height, width = belief.shape
-    count = cells.shape[0]
-    between = np.full((count, count), UNREACHABLE, np.int32)
-    steps, mark = np.zeros(belief.size, np.int32), np.full(belief.size, -1, np.int32)
-    queue, wanted = np.empty(belief.size, np.int32), np.zeros(belief.size, np.bool_)
-    wanted[cells] = True
-    for source in range(count):
-        queue[0], head, tail, missing = cells[source], 0, 1, count
-        mark[cells[source]], steps[cells[source]] = source, 0
-        while head < tail and missing > 0:
-            cell = queue[head]
-            head += 1
-            missing -= wanted[cell]
-            row, col = divmod(cell, width)
-            for k in range(4):
-                r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-                if 0 <= r < height and 0 <= c < width and belief[r, c] == FREE and mark[r * width + c] != source:
-                    mark[r * width + c], steps[r * width + c] = source, steps[cell] + 1
-                    queue[tail] = r * width + c
-                    tail += 1
-        for target in range(count):
-            if mark[cells[target]] == source:
-                between[source, target] = steps[cells[target]]
-    return between
-
-
-def distances_between(belief: Belief, cells: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Return the steps between (K,) different flat free cells over known free cells, (K, K).
-
-    Cells that cannot be reached from each other are ``UNREACHABLE`` apart.
-    """
-    return np.asarray(_distances(belief, cells))

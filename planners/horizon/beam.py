@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from indoor_explorers.env.compiled import inner, kernel
-from indoor_explorers.planners.gains import bit_count
+from indoor_explorers.env.sights import bit_count
 from indoor_explorers.planners.horizon.cellsets import holds, meet, within
 
 _ONE = np.uint64(1)

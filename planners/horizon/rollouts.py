@@ -18,7 +18,7 @@ from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.lidar import Optics, Scan, new_scan, visible_cells
-from indoor_explorers.planners.gains import bit_count
+from indoor_explorers.env.sights import bit_count
 
 #: Steps of a tour that are flown at most before the quick policy takes over.
 FOLLOWED = 12

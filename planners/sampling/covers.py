@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.compiled import kernel
-from indoor_explorers.planners.gains import bit_count
+from indoor_explorers.env.sights import bit_count
 
 
 @kernel()

@@ -18,11 +18,10 @@ from indoor_explorers.planners.frontier.orders import costs_of_first
 from indoor_explorers.planners.gains import WeightedGains, sights
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.prospects import hops
 from indoor_explorers.planners.sampling.covers import distinct
 from indoor_explorers.planners.sampling.samples import merged
-from indoor_explorers.planners.straight import straight_path
-from indoor_explorers.planners.swarm.prospects import hops
-from indoor_explorers.planners.teammates import linked, told_goal
+from indoor_explorers.planners.teammates import linked, message_of, told_goal
 
 #: Viewpoints within this share of the lidar range of the goal are taken to be the same goal.
 SAME_PLACE = 0.2
@@ -34,8 +33,6 @@ APART_CELLS, APART_RANGES = 1.5, 0.15
 OVERLAP = 0.3
 #: Ways between them are measured up to so many lidar ranges, longer ones by way of the UAV.
 HOP_RANGES = 3.0
-#: What is left to silent teammates and to those never heard, as :class:`Unlinked` has it.
-SILENCE, SECTOR = 0.3, 3.0
 #: Viewpoints that teammates leave less of, against the one they leave most of, are theirs.
 LEFT_TO_OTHERS = 0.3
 
@@ -89,11 +86,13 @@ class ViewpointPilot(GoalPilot):
     left the frontier decides whether there is more to do. The goal is told to the teammates.
     """
 
+    straight = True
+
     def __init__(self, briefing: Briefing, policy: ViewpointPolicy) -> None:
         super().__init__(briefing)
         self.weights = policy
         self.promises = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
-        self._unlinked = Unlinked(briefing, silence=SILENCE, sector=SECTOR)
+        self._unlinked = Unlinked(briefing)
         self._grown = False
         self._fallbacks = 0
 
@@ -119,9 +118,8 @@ class ViewpointPilot(GoalPilot):
         goal = self.viewpoint(view)
         if goal is None:
             self._fallbacks += 1
-            path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
-            goal = path[-1] if path else None
-        self.message = (float(goal[0]), float(goal[1])) if goal else None
+            goal = self.nearest_frontier(view)
+        self.message = message_of(goal)
         return goal
 
     def tally(self) -> dict[str, float]:
@@ -175,10 +173,6 @@ class ViewpointPilot(GoalPilot):
         rows, cols = np.divmod(cells, self.paths.width)
         away = np.maximum(np.abs(rows - self.goal[0]), np.abs(cols - self.goal[1]))
         return np.asarray(away <= max(1.0, SAME_PLACE * self.briefing.lidar_range))
-
-    def _route(self, view: View, barred: list[Cell] | None = None) -> None:
-        """Take the straightest of the shortest paths."""
-        self._path, self._at = straight_path(view.belief, view.cell, self.goal) if self.goal else [], 0
 
     def _left(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
         """Return which share of the promises the teammates leave, (K,) in [0, 1].

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.compiled import kernel, leaf
 from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.planners.frontier.hungarian import matched
 
 Assignment = NDArray[np.int64]
 Plan = NDArray[np.int64]
@@ -109,18 +110,11 @@ def followers(task: Task, most: int) -> Assignment:
 
 
 def by_hungarian(task: Task) -> Assignment:
-    """Return the assignment of least total distance (Kuhn 1955).
+    """Return the assignment of least total distance, an extra lidar range for not being the first at a candidate.
 
-    With fewer candidates than UAVs every candidate takes ceil(N / K) of them, all but one at an extra
-    cost of R. A UAV that is left only what it cannot reach goes to its nearest candidate.
+    A UAV that is left only what it cannot reach goes to its nearest candidate.
     """
-    from scipy.optimize import linear_sum_assignment
-
-    uavs, candidates = task.steps.shape
-    copies = -(-uavs // candidates)
-    cost = np.concatenate([task.steps + (task.lidar_range if copy else 0.0) for copy in range(copies)], axis=1)
-    columns = linear_sum_assignment(cost)[1] % candidates
-    return reachable_or_nearest(task, np.asarray(columns, np.int64))
+    return reachable_or_nearest(task, matched(task.steps, task.lidar_range))
 
 
 def by_minpos(task: Task) -> Assignment:

@@ -15,7 +15,7 @@ from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.teammates import claims, remembered
+from indoor_explorers.planners.teammates import claims, message_of, remembered
 
 #: Temperatures below this are too near to the smallest floats to be climbed.
 COLD = 1e-280
@@ -149,10 +149,9 @@ class HedacPilot(GoalPilot):
         end = self._ascent(view)
         goal = divmod(end, self.paths.width) if end >= 0 else None
         if goal is None or self.shunned(view, self.paths.flat([goal])).any():
-            path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
-            goal = path[-1] if path else None
+            goal = self.nearest_frontier(view)
             self._cold_starts += goal is not None
-        self.message = (float(goal[0]), float(goal[1])) if goal else None
+        self.message = message_of(goal)
         return goal
 
     def tally(self) -> dict[str, float]:

@@ -14,6 +14,7 @@ from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.coordination.unlinked import Unlinked
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.prospects import Cells, Interest, Table, frontiers, hops, surroundings, views
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
     Task,
@@ -24,7 +25,6 @@ from indoor_explorers.planners.swarm.assignment import (
 )
 from indoor_explorers.planners.swarm.group import NOWHERE, Member, absentees, group, told
 from indoor_explorers.planners.swarm.particles import Swarm, optimise
-from indoor_explorers.planners.swarm.prospects import Cells, Interest, Table, frontiers, hops, surroundings, views
 
 #: Goals this near to each other are taken for the same, in cells or in lidar ranges, whichever is more.
 SAME_CELLS, SAME_RANGES = 1.5, 0.2
@@ -143,8 +143,7 @@ class PsoPilot(GoalPilot):
         self._planned_on = self._known
         goal = self.plan(view, members).get(self.briefing.agent)
         if goal is None or goal in self._visited or self.shunned(view, self.paths.flat([goal])).any():
-            path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
-            goal = path[-1] if path else None
+            goal = self.nearest_frontier(view)
         return goal
 
     def plan(self, view: View, members: list[Member]) -> dict[int, Cell]:

@@ -106,8 +106,7 @@ class ParticlePilot(GoalPilot):
 
     def choose(self, view: View) -> Cell | None:
         """Return the nearest frontier cell, for a UAV on its own."""
-        path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
-        return path[-1] if path else None
+        return self.nearest_frontier(view)
 
     def tally(self) -> dict[str, float]:
         """Return also how often, and for how many steps in all, the UAV was split off."""

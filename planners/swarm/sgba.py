@@ -83,8 +83,7 @@ class SgbaPilot(GoalPilot):
 
     def choose(self, view: View) -> Cell | None:
         """Return the nearest frontier cell."""
-        path = self.paths.to_frontier(view.belief, view.cell, self.rng, self.avoided(view))
-        return path[-1] if path else None
+        return self.nearest_frontier(view)
 
     def tally(self) -> dict[str, float]:
         """Return also for how many steps the UAV flew to nearest frontiers."""

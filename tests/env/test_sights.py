@@ -6,7 +6,7 @@ import pytest
 from indoor_explorers.env.grid import distance_field
 from indoor_explorers.env.lidar import optics, scan
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.sights import look, sights_of, size_of, unseen_from
+from indoor_explorers.env.sights import bit_count, look, sights_of, size_of, unseen_from
 
 
 def noise(seed):
@@ -41,3 +41,8 @@ def test_cells_are_numbered_by_their_distance_from_the_starts(seed):
     assert (np.diff(steps) >= 0).all()
     assert steps.max() < 2**30
     assert size_of(sights.all) == len(sights.cells)
+
+
+def test_bits_are_counted():
+    for word in (0, 1, 2**63, 2**64 - 1, 0xF0F0123456789ABC):
+        assert int(bit_count(np.uint64(word))) == word.bit_count()

@@ -5,9 +5,7 @@ from itertools import pairwise, permutations
 import numpy as np
 import pytest
 
-from indoor_explorers.env.arrays import Belief
-from indoor_explorers.env.grid import FREE, distance_field
-from indoor_explorers.planners.frontier.orders import costs_of_first, distances_between
+from indoor_explorers.planners.frontier.orders import costs_of_first
 
 
 def plain_cost(order: tuple[int, ...], start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float):
@@ -42,9 +40,3 @@ def test_small_things_on_the_way_wait_when_latency_counts() -> None:
     shares = np.array([0.1, 0.9])
     assert np.argmin(costs_of_first(start, between, shares, 0.0)) == 0
     assert np.argmin(costs_of_first(start, between, shares, 16.0)) == 1
-
-
-def test_distances_between_are_breadth_first_distances(belief: Belief) -> None:
-    cells = np.flatnonzero(belief == FREE).astype(np.int32)[::7]
-    fields = [distance_field(belief, divmod(cell, belief.shape[1])).ravel()[cells] for cell in cells.tolist()]
-    assert distances_between(belief, cells).tolist() == np.array(fields).tolist()

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.planners.gains import bit_count
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
     Plan,
@@ -159,8 +158,3 @@ def test_keys_decode_to_what_they_encode(seed: int) -> None:
     assert plan[:, 0].tolist() == by_minpos(task).tolist()
     for first, second, _ in plan.tolist():
         assert second == next(goal for goal in code.followers[first].tolist() if goal != first)
-
-
-def test_bits_are_counted() -> None:
-    for word in (0, 1, 2**63, 2**64 - 1, 0xF0F0123456789ABC):
-        assert int(bit_count(np.uint64(word))) == word.bit_count()

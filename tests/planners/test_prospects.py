@@ -7,7 +7,7 @@ import pytest
 from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.grid import FREE, UNKNOWN, UNREACHABLE, distance_field
 from indoor_explorers.env.lidar import optics, view_gain
-from indoor_explorers.planners.swarm.prospects import Interest, depths, frontiers, hops, surroundings, views, worth
+from indoor_explorers.planners.prospects import Interest, depths, frontiers, hops, surroundings, views, worth
 
 PLAIN = Interest(0.0, 1e9)
 

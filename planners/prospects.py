@@ -12,6 +12,8 @@ from indoor_explorers.env.compiled import kernel, leaf
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.lidar import Optics, Scan, new_scan, optics, unknown_in_view, visible_cells
 from indoor_explorers.planners.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.gains import AROUND, known_around
+from indoor_explorers.planners.searches import flood
 
 Cells = NDArray[np.int32]
 Table = NDArray[np.float64]
@@ -57,13 +59,9 @@ def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
 @leaf()
 def worth(belief: np.ndarray, depth: np.ndarray, cell: int, interest: Interest) -> float:
     """Return how much a flat unknown cell counts."""
-    height, width = belief.shape
-    row, col = divmod(cell, width)
-    near = 0
-    for r in range(row - 2, row + 3):
-        for c in range(col - 2, col + 3):
-            near += not (0 <= r < height and 0 <= c < width) or belief[r, c] != UNKNOWN
-    return float((1.0 + interest.isolation * near / 24.0) * np.exp(-depth[row, col] / interest.fade))
+    row, col = divmod(cell, belief.shape[1])
+    isolated = 1.0 + interest.isolation * known_around(belief, row, col) / AROUND
+    return float(isolated * np.exp(-depth[row, col] / interest.fade))
 
 
 @kernel()
@@ -112,25 +110,6 @@ def views(belief: np.ndarray, cells: np.ndarray, interest: Interest, lens: Optic
 
 
 @kernel()
-def _flood(belief: np.ndarray, start: int, limit: int, queue: np.ndarray, out: np.ndarray) -> int:
-    """Write the steps from ``start``, up to ``limit``, into ``out`` (H*W,); return how many cells were reached."""
-    height, width = belief.shape
-    out[start], queue[0] = 0, start
-    head, tail = 0, 1
-    while head < tail and out[queue[head]] < limit:
-        row, col = divmod(queue[head], width)
-        steps = out[queue[head]] + 1
-        head += 1
-        for k in range(4):
-            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-            if 0 <= r < height and 0 <= c < width and belief[r, c] == FREE and out[r * width + c] == UNREACHABLE:
-                out[r * width + c] = steps
-                queue[tail] = r * width + c
-                tail += 1
-    return tail
-
-
-@kernel()
 def hops(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, limit: int) -> np.ndarray:
     """Return the steps between (K,) flat cells, (K, K).
 
@@ -140,7 +119,7 @@ def hops(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, limit: int) -
     queue, out = np.empty(belief.size, np.int32), np.full(belief.size, UNREACHABLE, np.int32)
     between = np.empty((count, count))
     for k in range(count):
-        reached = _flood(belief, cells[k], limit, queue, out)
+        reached = flood(belief, cells[k], -1, limit, queue, out)
         for j in range(count):
             between[k, j] = out[cells[j]]
             if between[k, j] >= UNREACHABLE:
