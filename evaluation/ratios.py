@@ -58,8 +58,7 @@ class Ratios:
     @classmethod
     def of(cls, results: Results, asked: Sequence[str] | None = None) -> Ratios:
         """Compare with the policies asked for, or with the usual ones; see :func:`chosen_baselines`."""
-        knowing = [name for name, about in results.policies.items() if about.get("privileged")]
-        return cls(results, chosen_baselines(list(results.policies), knowing, asked))
+        return cls(results, chosen_baselines(list(results.policies), results.knowing, asked))
 
     @cached_property
     def rows(self) -> list[RatioRow]:

@@ -62,6 +62,11 @@ class Results:
         return {key: records for key, records in groups.items() if records}
 
     @property
+    def knowing(self) -> list[str]:
+        """The policies that are given the true map: yardsticks, in table order."""
+        return [name for name, about in self.policies.items() if about.get("privileged")]
+
+    @property
     def warnings(self) -> list[str]:
         """What differs between the runs and could make figures differ, a line each: commits, versions, machines."""
         lines = []
@@ -97,9 +102,8 @@ class Results:
     @cached_property
     def references(self) -> dict[str, dict[Task, float]]:
         """T99 of each task by scenario, flown by the first policy that knows the map; empty where none does."""
-        knowing = [name for name, about in self.policies.items() if about.get("privileged")]
         found: dict[str, dict[Task, float]] = {}
-        for policy in reversed(knowing):
+        for policy in reversed(self.knowing):
             for scenario in self.scenarios:
                 records = self.groups.get((scenario, policy), [])
                 found.setdefault(scenario, {}).update({record.task: _value(record, "t99") for record in records})

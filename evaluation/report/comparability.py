@@ -192,9 +192,8 @@ def _unlike_sizes(results: Results) -> Iterator[str]:
 
 
 def _yardsticks(results: Results) -> Iterator[str]:
-    knowing = [name for name, about in results.policies.items() if about.get("privileged")]
-    if knowing:
-        yield f"Yardsticks that are given the true map, and do not compete: {', '.join(knowing)}."
+    if results.knowing:
+        yield f"Yardsticks that are given the true map, and do not compete: {', '.join(results.knowing)}."
 
 
 def _censored(results: Results) -> Iterator[str]:

@@ -86,7 +86,7 @@ def render(
             listed=LISTED,
             swatches={name: swatch(look) for name, look in looks.items()},
             policies=results.policies,
-            privileged=[name for name, about in results.policies.items() if about.get("privileged")],
+            privileged=results.knowing,
             definitions=definitions(),
             runs=facts.run_rows(results.runs),
             run_count=len(results.runs),

@@ -50,8 +50,7 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
 
 def knowing(results: Results) -> str | None:
     """Return the policy that ratios of T99 are taken to: the first one that knows the map and flew any task."""
-    names = [name for name, about in results.policies.items() if about.get("privileged")]
-    return next((name for name in names if any(policy == name for _, policy in results.groups)), None)
+    return next((name for name in results.knowing if any(policy == name for _, policy in results.groups)), None)
 
 
 def _row(comparison: Comparison, policy: str) -> list[Text]:
