@@ -35,7 +35,8 @@ class GoalPilot(Pilot):
     A goal is kept until it is no longer a frontier cell. As a UAV always sees its four neighbours, a goal
     that is reached is one no longer, and as long as a frontier cell can be reached there is a goal: so every
     reachable cell gets known. A goal that is not reached within ``max(8, 2 d)`` steps, d its distance at
-    first, because teammates are in the way, is left alone for a while.
+    first, because teammates are in the way, is left alone for a while. A UAV that has flown to and fro twice, as when
+    two keep changing their minds about each other, sticks to the goal that it has.
 
     ``goal`` is the present goal, and ``map_grew`` tells whether this step's map holds more than the last one's.
     """
@@ -54,6 +55,8 @@ class GoalPilot(Pilot):
         self._known = -1
         self._deadline = 0
         self._bans: dict[Cell, int] = {}
+        self._lately: list[Cell] = []
+        self._steady = False
         self._yielding = Yielding(self.paths, briefing.rng)
         self._guarded = 0
         self._plans = 0
@@ -119,6 +122,9 @@ class GoalPilot(Pilot):
     def _look(self, view: View) -> None:
         known = count_known(view.belief)
         self.map_grew, self._known = known != self._known, known
+        self._lately = [*self._lately[-3:], view.cell]
+        swings = self._lately[:2] == self._lately[2:] and len(set(self._lately)) == 2
+        self._steady = self._steady or swings
 
     def _goal_is_due(self, view: View) -> bool:
         if self.goal is None:
@@ -129,11 +135,11 @@ class GoalPilot(Pilot):
             self._guarded += 1
             self._bans[self.goal] = view.step + BAN_STEPS
             return True
-        return self.reconsider(view)
+        return not self._steady and self.reconsider(view)
 
     def _take(self, view: View, goal: Cell | None) -> None:
         kept = goal is not None and goal == self.goal
-        self.goal = goal
+        self.goal, self._steady = goal, False
         self._route(view)
         if not kept or view.step > self._deadline:
             self._deadline = view.step + max(8, 2 * (len(self._path) - 1))
