@@ -52,13 +52,13 @@ class Horizon(Policy):
     """Steps that the beam looks ahead."""
     isolation: float = 8.0
     """Extra weight of an unseen cell with nothing unseen around it, in cells, when everything is to be seen."""
-    caution: float = 2.0
+    caution: float = 2.6
     """Factor of ``isolation`` where there may be obstacles: they upset plans, and pockets left behind cost more."""
     pull: float = 0.02
     """What a step to the next gain costs, in cells."""
     stretch: float = 0.0
     """What a step to the unseen cell that takes longest costs, in cells."""
-    spare: float = 0.008
+    spare: float = 0.0095
     """Share of the cells that is left for the very last, so that nearly all are seen sooner."""
     prior: Literal["source", "belief", "none"] = "source"
     """Where the chance of obstacles comes from; "none" takes all unknown cells to be free."""
