@@ -68,7 +68,7 @@ class Horizon(Policy):
     """How often each sampled room is drawn anew at each step that shows something new."""
     rollouts: int = 0
     """Sampled rooms in which tours with other first steps are tried before one is taken, with ``prior`` "source" and
-    one UAV; 24 cost five times the time of a decision, 0 is none."""
+    one UAV; 24 make a decision take about four times as long, 0 is none."""
     deference: float = 0.1
     """Weight of a cell for each teammate that is nearer to it."""
     room: int = 600
