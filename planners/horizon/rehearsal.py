@@ -22,6 +22,8 @@ MARGIN = 0.5
 SURE = 2.0
 #: Fewer rooms tell nothing.
 FEWEST = 4
+#: Rooms after which tours without a chance drop out (racing: O. Maron and A. W. Moore, NeurIPS 1993).
+HEAT = 8
 
 
 class Rehearsal:
@@ -37,14 +39,29 @@ class Rehearsal:
     ) -> int:
         """Return the number of the tour that is best for sure, of those from a flat cell; 0 when none is.
 
-        ``chances`` (C,) are those of unknown cells to be free, 0 where nothing is to be seen.
+        Tours that may not be better after ``HEAT`` rooms are not flown in the others. ``chances`` (C,) are those of
+        unknown cells to be free, 0 where nothing is to be seen.
         """
         rooms = self._prior.rooms(belief)[: self._count]
         if len(rooms) < FEWEST:
             return 0
         stage = Stage(belief, chances, sights.views, sights.passages, self._surroundings)
-        costs = steps_to_shares(cell, stage, tours, rooms, self._shares, self._lens) @ np.array(COSTS)
-        excess = costs - costs[0]
-        bound = excess.mean(axis=1) + SURE * excess.std(axis=1) / len(rooms) ** 0.5 + MARGIN
+        excess = self._excess(cell, stage, tours, rooms[:HEAT])
+        left = np.append(0, np.flatnonzero(excess.mean(axis=1) - _errors(excess) < -MARGIN))
+        excess = excess[left]
+        if len(left) > 1 and len(rooms) > HEAT:
+            more = self._excess(cell, stage, [tours[number] for number in left], rooms[HEAT:])
+            excess = np.hstack([excess, more])
+        bound = excess.mean(axis=1) + _errors(excess) + MARGIN
         bound[0] = 0.0
-        return int(np.argmin(bound))
+        return int(left[np.argmin(bound)])
+
+    def _excess(self, cell: int, stage: Stage, tours: list[list[int]], rooms: Belief) -> NDArray[np.float64]:
+        """Return how much more each tour costs than the first in each room, (T, S)."""
+        costs = steps_to_shares(cell, stage, tours, rooms, self._shares, self._lens) @ np.array(COSTS)
+        return np.asarray(costs - costs[0])
+
+
+def _errors(excess: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ``SURE`` standard errors of each tour's mean excess over rooms, (T,)."""
+    return np.asarray(SURE * excess.std(axis=1) / excess.shape[1] ** 0.5)

@@ -29,7 +29,7 @@ class Task(NamedTuple):
     cell: int
     """Where it starts, flat."""
     unseen: Bits
-    """(W,) what is to be seen."""
+    """(W,) what is to be seen; cells of no weight, surely obstacles, would only draw it to where nothing is."""
     weights: NDArray[np.float64]
     """(C,) what seeing a cell is worth."""
     rest: float
@@ -79,7 +79,9 @@ class Tours:
         self.following(cell)
         unseen = packed(belief == UNKNOWN) & self.sights.attainable(cell)
         chances = np.where(unpacked(unseen, belief.size), self._prior.free_chances(belief), 0.0)
-        task = Task(cell, unseen, *self._wanted(belief, chances, unseen, share))
+        weights, rest = self._wanted(belief, chances, unseen, share)
+        unseen = unseen & packed(weights > 0)
+        task = Task(cell, unseen, weights, rest)
         old = self._cost(task, self._tour)
         if old is not None:
             self._tour = self._tour[: old[0]]

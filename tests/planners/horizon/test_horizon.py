@@ -2,8 +2,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Policy, make_policy, scenario
+from indoor_explorers.env.arrays import Belief
 from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.runner import fly
 from indoor_explorers.planners.frontier.joint import JointPilot
@@ -55,6 +57,22 @@ def test_a_tour_is_legal_and_kept_while_it_stands() -> None:
         belief = np.where(unpacked(tours.sights.views[cell], 120).reshape(10, 12) & (belief == 0), 1, belief)
         belief = belief.astype(np.uint8)
     assert not (belief == 0).any()
+
+
+class WalledLeft:
+    """A prior that is sure of obstacles left of column 8."""
+
+    def free_chances(self, belief: Belief) -> NDArray[np.float64]:
+        return (np.arange(belief.size) >= 8).astype(np.float64)
+
+
+def test_a_tour_is_not_drawn_to_what_is_surely_an_obstacle() -> None:
+    tours = Tours((1, 30), 1.0, WalledLeft(), Style(8.0, 0.02, 0.0, 1, 80), goal=1.0, spare=0.0)
+    belief = np.zeros((1, 30), np.uint8)
+    belief[0, 8:21] = 1
+    tours.plan(belief, 13)
+    assert tours.following(13) == 14
+    assert tours.length == 28 - 13
 
 
 def test_large_maps_are_flown_by_clusters() -> None:
