@@ -23,6 +23,7 @@ from indoor_explorers.evaluation.check_table import print_findings, print_header
 from indoor_explorers.evaluation.combining import combined
 from indoor_explorers.evaluation.compare import plan, run
 from indoor_explorers.evaluation.exports import write_exports
+from indoor_explorers.evaluation.level import level_of
 from indoor_explorers.evaluation.map_text import facts, picture
 from indoor_explorers.evaluation.progress import ProgressBar
 from indoor_explorers.evaluation.ratios import Ratios
@@ -60,7 +61,8 @@ def run_compare(arguments: argparse.Namespace) -> int:
         seed=arguments.seed,
         settings=dict(arguments.settings),
     )
-    with ProgressBar(console) as bar:
+    levels = {scenario.name: level_of(scenario.goal) for scenario in experiment.scenarios}
+    with ProgressBar(console, levels) as bar:
         results = run(
             experiment,
             arguments.out,

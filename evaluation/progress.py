@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 
 import numpy as np
@@ -13,6 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
+from indoor_explorers.evaluation.level import NEARLY_ALL, Level, shared
 from indoor_explorers.evaluation.record import Outcome, Record
 
 #: Seconds between two lines where the output is no terminal.
@@ -29,16 +30,16 @@ class Means:
         self._area = 0.0
         self._coverage = 0.0
 
-    def add(self, record: Record) -> None:
-        """Take one more episode in."""
+    def add(self, record: Record, level: Level = NEARLY_ALL) -> None:
+        """Take one more episode in, of a scenario judged by ``level``."""
         self.episodes += 1
         self.failed += record.outcome is Outcome.FAILED
-        self._reached += record.metrics.get("t99") is not None
+        self._reached += record.metrics.get(level.key) is not None
         self._area += record.metrics.get("auc") or 0.0
         self._coverage += float(record.curve[-1])
 
     def cells(self) -> tuple[str, str, str, str]:
-        """Return mean AUC, mean coverage at the end, the share that reached 99 %, and failures, as text."""
+        """Return mean AUC, mean coverage at the end, the share that reached its level, and failures, as text."""
         figures = np.array([self._area, self._coverage, self._reached]) / max(1, self.episodes)
         area, covered, reached = figures.tolist()
         return f"{area:.3f}", f"{covered:.1%}", f"{reached:.0%}", str(self.failed) if self.failed else ""
@@ -47,8 +48,10 @@ class Means:
 class ProgressBar:
     """Show the progress of a run, live on a terminal; elsewhere say a line at the start and now and then."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Console, levels: Mapping[str, Level] | None = None) -> None:
+        """Write to ``console``; ``levels`` are what scenarios are judged by, 99 % for those not in it."""
         self._console = console
+        self._levels = levels or {}
         self._means: dict[str, Means] = {}
         self._begun = False
         self._bar = Progress(
@@ -88,12 +91,18 @@ class ProgressBar:
     def flown(self, records: Sequence[Record]) -> None:
         """Count finished episodes."""
         for record in records:
-            self._means.setdefault(record.policy, Means()).add(record)
+            level = self._levels.get(record.task.scenario, NEARLY_ALL)
+            self._means.setdefault(record.policy, Means()).add(record, level)
         self._flown += len(records)
         self._bar.update(self._task, completed=self._flown, rate=f"{self._rate:.1f} episodes/s")
         if not self._console.is_terminal and time.monotonic() - self._said > SAY_EVERY:
             self._said = time.monotonic()
             self._console.print(self._line(), highlight=False, markup=False, soft_wrap=True)
+
+    @property
+    def _reached(self) -> str:
+        level = shared(self._levels.values()) if self._levels else NEARLY_ALL
+        return f"{level.percent} reached" if level else "reached"
 
     @property
     def _rate(self) -> float:
@@ -112,7 +121,7 @@ class ProgressBar:
             return Group(Text("writing the report"))
         table = Table(box=None, header_style="dim", pad_edge=False)
         table.add_column("policy so far", overflow="ellipsis", no_wrap=True, max_width=32)
-        for heading in ("episodes", "mean AUC", "covered", "99 % reached", "failed"):
+        for heading in ("episodes", "mean AUC", "covered", self._reached, "failed"):
             table.add_column(heading, justify="right")
         for policy, means in self._means.items():
             table.add_row(Text(policy), str(means.episodes), *means.cells())

@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.metrics import LEVELS
+from indoor_explorers.evaluation.level import drawn
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.selection import chosen_baselines
 from indoor_explorers.evaluation.statistics import Block, PairedRatio, paired_ratios
 
-#: Levels whose steps are compared.
-METRICS = ("t90", "t99")
 #: What stands in a table for all scenarios together.
 POOLED = "all scenarios"
 FIGURES = ("mean_of_ratios", "low", "high", "ratio_of_means", "ratio_of_means_low", "ratio_of_means_high")
@@ -36,7 +34,7 @@ class RatioRow:
     policy: str
     to: str
     metric: str
-    """One of :data:`METRICS`."""
+    """One of :attr:`Ratios.metrics`."""
     scenarios: int
     """How many were pooled."""
     tasks: int
@@ -60,10 +58,15 @@ class Ratios:
         """Compare with the policies asked for, or with the usual ones; see :func:`chosen_baselines`."""
         return cls(results, chosen_baselines(list(results.policies), results.knowing, asked))
 
+    @property
+    def metrics(self) -> tuple[str, ...]:
+        """The levels whose steps are compared: T90, and those that a scenario is judged by."""
+        return drawn(self.results.levels)
+
     @cached_property
     def rows(self) -> list[RatioRow]:
         """By baseline, level and scenario, all scenarios together last; policies in the experiment's order."""
-        return [row for to in self.to for metric in METRICS for row in self._rows(to, metric)]
+        return [row for to in self.to for metric in self.metrics for row in self._rows(to, metric)]
 
     def _rows(self, to: str, metric: str) -> list[RatioRow]:
         flown = [name for name in self.results.scenarios if self._counts(name, to, metric)]
@@ -72,7 +75,7 @@ class Ratios:
 
     def _counts(self, scenario: str, to: str, metric: str) -> bool:
         """Return whether there is anything to compare: tasks in common, and a goal that asks for the level."""
-        asked = float(self.results.scenarios[scenario].get("goal", 1.0)) >= LEVELS[metric]
+        asked = self.results.asks(scenario, metric)
         return asked and (scenario, to) in self.results.groups and bool(self._tasks[scenario])
 
     @cached_property

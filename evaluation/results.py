@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.level import Level, asks, level_of
 from indoor_explorers.evaluation.metrics import LEVELS, MEASURES, extended
 from indoor_explorers.evaluation.record import Outcome, Record
 from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean, bootstrap_means, interquartile_mean
@@ -77,6 +78,22 @@ class Results:
                 lines.append(f"runs differ in {key}: {', '.join(values)}{effect}")
         return lines
 
+    def level(self, scenario: str) -> Level:
+        """Return the coverage level that a scenario is judged by."""
+        return level_of(self._goal(scenario))
+
+    @property
+    def levels(self) -> list[Level]:
+        """The level of each scenario, in table order."""
+        return [self.level(scenario) for scenario in self.scenarios]
+
+    def asks(self, scenario: str, metric: str) -> bool:
+        """Return whether a scenario's goal asks for a metric, as it does not for T99 at a goal of 90 %."""
+        return asks(self._goal(scenario), metric)
+
+    def _goal(self, scenario: str) -> float:
+        return float(self.scenarios[scenario].get("goal", 1.0))
+
     def tasks(self, scenario: str) -> set[Task]:
         """Return the tasks of a scenario that any policy has flown."""
         return {record.task for (name, _), records in self.groups.items() if name == scenario for record in records}
@@ -89,24 +106,32 @@ class Results:
 
     def values(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
         """Return (E,) values of a metric; NaN where missing; T_q never reached counts as the budget."""
-        records = self.groups[scenario, policy]
         if metric == "t99_to_reference":
-            least = self.references.get(scenario, {})
-            return np.array([_value(r, "t99") / (least.get(r.task) or np.nan) for r in records], np.float64)
-        return np.array([_value(record, metric) for record in records], np.float64)
+            return self.to_reference(scenario, policy, "t99")
+        return np.array([_value(record, metric) for record in self.groups[scenario, policy]], np.float64)
+
+    def to_reference(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
+        """Return (E,) values of T_q / those of the policy that knows the map; NaN without, or where nobody was asked.
+
+        The policy is the first that knows the map and flew the task.
+        """
+        records = self.groups[scenario, policy]
+        known = self.references.get(scenario, {}) if self.asks(scenario, metric) else {}
+        least = [_value(known[record.task], metric) if record.task in known else 0.0 for record in records]
+        return np.array([_value(r, metric) / (b or np.nan) for r, b in zip(records, least, strict=True)], np.float64)
 
     def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
         """Return (E,) which map each episode was flown on; equal maps have equal labels, whatever their files."""
         return np.array([record.floorplan.digest for record in self.groups[scenario, policy]])
 
     @cached_property
-    def references(self) -> dict[str, dict[Task, float]]:
-        """T99 of each task by scenario, flown by the first policy that knows the map; empty where none does."""
-        found: dict[str, dict[Task, float]] = {}
+    def references(self) -> dict[str, dict[Task, Record]]:
+        """Each task by scenario as the first policy that knows the map flew it; empty where none does."""
+        found: dict[str, dict[Task, Record]] = {}
         for policy in reversed(self.knowing):
             for scenario in self.scenarios:
                 records = self.groups.get((scenario, policy), [])
-                found.setdefault(scenario, {}).update({record.task: _value(record, "t99") for record in records})
+                found.setdefault(scenario, {}).update({record.task: record for record in records})
         return found
 
     def success(self, scenario: str, policy: str, metric: str) -> float:

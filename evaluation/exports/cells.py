@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from indoor_explorers.evaluation.level import NEARLY_ALL, Level, tabled
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.facts import denominator
 from indoor_explorers.evaluation.report.numbers import counted, fixed, interval, percent
@@ -26,7 +27,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """The figures of one policy, in the order of :data:`~indoor_explorers.evaluation.report.table.HEADINGS`."""
+    """The figures of one policy, in the order of :func:`~indoor_explorers.evaluation.report.table.headings`."""
 
     policy: str
     privileged: bool
@@ -35,20 +36,20 @@ class Row:
 
 def table_rows(comparison: Comparison) -> list[Row]:
     """Return a row for each policy, in the experiment's order."""
-    best = {metric: shown_best(comparison, metric) for metric in ("t90", "t99", "auc")}
+    best = {metric: shown_best(comparison, metric) for metric in (*comparison.level.times, "auc")}
     return [
         Row(policy, comparison.privileged(policy), _cells(comparison, policy, best)) for policy in comparison.groups
     ]
 
 
 def _cells(comparison: Comparison, policy: str, best: dict[str, str | None]) -> tuple[Cell, ...]:
-    t90, t99, auc = (
-        replace(_measured(comparison, policy, metric, decimals), best=best[metric] == policy)
-        for metric, decimals in (("t90", 1), ("t99", 1), ("auc", 3))
+    *times, auc = (
+        replace(_measured(comparison, policy, metric, decimals), best=best.get(metric) == policy)
+        for metric, decimals in (*((key, 1) for key in tabled([comparison.level])), ("auc", 3))
     )
-    reached = Cell(percent(comparison.results.success(comparison.scenario, policy, "t99")))
+    reached = Cell(percent(comparison.reached(policy)))
     failures = Cell(str(len(failed(comparison.groups[policy]))))
-    return t90, t99, reached, failures, auc, Cell(latency(comparison.estimate(policy, "latency_p50_us").mean))
+    return *times, reached, failures, auc, Cell(latency(comparison.estimate(policy, "latency_p50_us").mean))
 
 
 def _measured(comparison: Comparison, policy: str, metric: str, decimals: int) -> Cell:
@@ -82,11 +83,18 @@ def caption(comparison: Comparison) -> list[str]:
         f"{span} a policy on {counted(comparison.map_count, 'map')}.",
         _interval_kind(comparison, min(counts)),
         f"Coverage is the {denominator(settings)}.",
-        f"T90 and T99 are the first steps with 90 % and 99 % coverage; an episode that never gets there counts as its "
-        f"budget of {limit} steps.",
+        f"{_times(comparison.level)}; an episode that never gets there counts as its budget of {limit} steps.",
+        *(["A dash: the goal of this scenario does not ask for that level."] if comparison.level != NEARLY_ALL else []),
         "Bold: better than every other policy (sign-flip test, p of at most 0.05 after Holm's adjustment).",
         *(["Policies that know the map do not compete."] if any(map(comparison.privileged, comparison.groups)) else []),
     ]
+
+
+def _times(level: Level) -> str:
+    """Say what the times are that the scenario asks for."""
+    levels = [Level(key) for key in level.times]
+    titles, shares = (" and ".join(words) for words in zip(*((e.title, e.percent) for e in levels), strict=True))
+    return f"{titles} {'are the first steps' if len(levels) > 1 else 'is the first step'} with {shares} coverage"
 
 
 def _interval_kind(comparison: Comparison, fewest: int) -> str:

@@ -13,7 +13,7 @@ from indoor_explorers.evaluation.exports.cells import Cell, Row, caption, table_
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.figures import slug
 from indoor_explorers.evaluation.report.numbers import EN_DASH, MINUS, THIN_SPACE
-from indoor_explorers.evaluation.report.table import HEADINGS
+from indoor_explorers.evaluation.report.table import headings
 from indoor_explorers.evaluation.results import Results
 
 #: Characters that stand for something else in LaTeX, or that not every engine knows.
@@ -54,16 +54,16 @@ def latex_tables(results: Results) -> str:
 
 
 def _table(comparison: Comparison, number: str) -> str:
-    name = escaped(comparison.scenario)
+    name, shown = escaped(comparison.scenario), headings([comparison.level])
     lines = [
         "",
         r"\begin{table}[htbp]",
         r"  \centering\footnotesize\setlength{\tabcolsep}{4pt}",
         rf"  \caption{{Scenario {name}. {escaped(' '.join(caption(comparison)))}}}",
         rf"  \label{{tab:{number}-{slug(comparison.scenario)}}}",
-        rf"  \begin{{tabular}}{{l{'r' * len(HEADINGS)}}}",
+        rf"  \begin{{tabular}}{{l{'r' * len(shown)}}}",
         r"    \toprule",
-        "    " + " & ".join(map(escaped, ("policy", *HEADINGS))) + r" \\",
+        "    " + " & ".join(map(escaped, ("policy", *shown))) + r" \\",
         r"    \midrule",
         *(line for row in table_rows(comparison) for line in _row(row)),
         r"    \bottomrule",

@@ -8,7 +8,7 @@ from indoor_explorers.evaluation.exports.cells import Cell, Row, caption, table_
 from indoor_explorers.evaluation.ratios import Ratios
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.ratio_table import RatioTable, ratio_tables
-from indoor_explorers.evaluation.report.table import HEADINGS
+from indoor_explorers.evaluation.report.table import headings
 from indoor_explorers.evaluation.results import Results
 
 #: What Markdown, GitHub's tables and mathematics, or HTML would read as more than text.
@@ -22,11 +22,12 @@ def markdown_tables(results: Results) -> str:
 
 
 def _section(comparison: Comparison) -> str:
+    shown = headings([comparison.level])
     lines = [
         f"## {escaped(comparison.scenario)}",
         "",
-        _line(["policy", *HEADINGS]),
-        _line(["---", *["---:"] * len(HEADINGS)]),
+        _line(["policy", *shown]),
+        _line(["---", *["---:"] * len(shown)]),
         *(_line([_name(row), *map(_figure, row.cells)]) for row in table_rows(comparison)),
         "",
         escaped(" ".join(caption(comparison))),

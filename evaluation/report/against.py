@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.combining import differing_fields, scenario_difference
-from indoor_explorers.evaluation.metrics import MEASURES, OF_THE_MACHINE, Measure
+from indoor_explorers.evaluation.metrics import LEVELS, MEASURES, OF_THE_MACHINE, Measure
 from indoor_explorers.evaluation.record import Outcome, Record
 from indoor_explorers.evaluation.report.numbers import counted, decimals_for, fixed, with_interval
 from indoor_explorers.evaluation.results import Results
@@ -25,12 +25,12 @@ from indoor_explorers.evaluation.statistics import (
 )
 
 SUCCESS = Measure("goal reached", "share of episodes", "episodes that reached the scenario's goal coverage", False)
-#: What is compared.
-HEADLINE = {
-    name: SUCCESS if name == "success" else MEASURES[name]
-    for name in ("auc", "t90", "t99", "success", "path_length", "collisions", "overlap")
-    + ("messages_bytes", "latency_p50_us")
-}
+#: What is compared; the times are those that the scenario asks for.
+HEADLINE = ("auc", "t90", "t99", "success", "path_length", "collisions", "overlap", "messages_bytes", "latency_p50_us")
+
+
+def _measure(metric: str) -> Measure:
+    return SUCCESS if metric == "success" else MEASURES[metric]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class Change:
     scenario: str
     policy: str
     metric: str
-    """One of :data:`HEADLINE`."""
+    """One of :data:`HEADLINE`, or the time to the level that the scenario is judged by."""
     old: float
     """Mean over the tasks that both hold."""
     new: float
@@ -78,7 +78,7 @@ class Change:
     @property
     def better(self) -> bool:
         """Whether the new mean is the better one."""
-        return (self.difference.mean < 0) == HEADLINE[self.metric].lower_is_better
+        return (self.difference.mean < 0) == _measure(self.metric).lower_is_better
 
     @property
     def verdict(self) -> str:
@@ -92,7 +92,7 @@ class Change:
     @property
     def title(self) -> str:
         """The metric and its unit."""
-        measure = HEADLINE[self.metric]
+        measure = _measure(self.metric)
         return f"{measure.title} [{measure.unit}]" if measure.unit else measure.title
 
     @property
@@ -178,12 +178,18 @@ def _pairs(new: Results, old: Results, scenario: str, policy: str) -> Iterator[_
     places = [{r.task: k for k, r in enumerate(each.groups[scenario, policy])} for each in (new, old)]
     ours, theirs = ([place[task] for task in tasks] for place in places)
     maps = new.maps(scenario, policy)[ours]
-    for metric in HEADLINE:
+    for metric in _compared(new, scenario):
         after = _values(new, scenario, policy, metric)[ours]
         before = _values(old, scenario, policy, metric)[theirs]
         held = ~np.isnan(after) & ~np.isnan(before)
         if held.any():
             yield _Pairs(scenario, policy, metric, before[held], after[held], maps[held])
+
+
+def _compared(results: Results, scenario: str) -> list[str]:
+    """Return what is compared in a scenario: :data:`HEADLINE` with the times of its level in their place."""
+    times, others = results.level(scenario).times, [metric for metric in HEADLINE if metric not in LEVELS]
+    return [*others[:1], *times, *others[1:]]
 
 
 def _values(results: Results, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.record import AXES, Record
 from indoor_explorers.evaluation.report.comparison import Comparison
 
-#: A mean curve that got to this coverage has little left to do.
-NEARLY_ALL = 0.99
 #: Steps beyond that point that are still shown, as a factor.
 MARGIN = 1.15
 
@@ -59,9 +57,10 @@ def _spending(comparison: Comparison, key: str, points: int) -> Axis:
 
 
 def _focus(comparison: Comparison, key: str, amounts: NDArray[np.float64]) -> float:
-    """Return the amount at which the last mean curve that ever gets there is at nearly all; the most if none does."""
+    """Return the amount at which the last mean curve that ever gets to the level is there; the most if none does."""
     means = [coverage_at(group, amounts, axis=key).mean(axis=0) for group in comparison.groups.values()]
-    return float(max((amounts[np.argmax(m >= NEARLY_ALL)] for m in means if m[-1] >= NEARLY_ALL), default=amounts[-1]))
+    enough = comparison.level.share
+    return float(max((amounts[np.argmax(m >= enough)] for m in means if m[-1] >= enough), default=amounts[-1]))
 
 
 def sampled_steps(comparison: Comparison, points: int) -> NDArray[np.int64]:
@@ -76,24 +75,24 @@ def sampled_steps(comparison: Comparison, points: int) -> NDArray[np.int64]:
 
 def focus_step(comparison: Comparison) -> int:
     """Return the step after which little happens in a scenario, see :func:`settled`."""
-    return settled(list(comparison.groups.values()))
+    return settled(list(comparison.groups.values()), comparison.level.share)
 
 
-def settled(groups: Sequence[Sequence[Record]]) -> int:
-    """Return the step after which little happens: the last mean curve of the groups to get to 99 % is there.
+def settled(groups: Sequence[Sequence[Record]], share: float) -> int:
+    """Return the step after which little happens: the last mean curve of the groups to get to a share is there.
 
     Groups whose mean never gets there do not count, unless none does: then it is the budget.
     """
     budget = max(record.budget for records in groups for record in records)
-    reached = [step for records in groups if (step := _mean_reaches(records)) is not None]
+    reached = [step for records in groups if (step := _mean_reaches(records, share)) is not None]
     return min(budget, int(np.ceil(max(reached) * MARGIN)) + 1) if reached else budget
 
 
-def _mean_reaches(records: Sequence[Record]) -> int | None:
-    """Return the first step at which the mean team coverage is nearly all; coverage never falls, so halve."""
+def _mean_reaches(records: Sequence[Record], share: float) -> int | None:
+    """Return the first step at which the mean team coverage is at least a share; coverage never falls, so halve."""
 
     def there(step: int) -> bool:
-        return float(coverage_at(records, np.array([step])).mean()) >= NEARLY_ALL - 1e-12
+        return float(coverage_at(records, np.array([step])).mean()) >= share - 1e-12
 
     low, high = 0, max(record.steps for record in records)
     if not there(high):

@@ -17,9 +17,9 @@ from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_t
 
 #: Whose coverage a chart can show.
 WHO = ("team", "worst", "mean")
-#: Levels whose times are drawn, the one shown first at the front.
+#: Levels whose times are drawn where the scenario asks for them, the one shown first at the front.
 TIMES = ("t99", "t95", "t90")
-#: Share of episodes that have to get to 99 % for a policy to say up to which step times are shown first.
+#: Share of episodes that have to get to the level for a policy to say up to which step times are shown first.
 MOSTLY = 0.9
 #: The most corners of a distribution of times.
 CORNERS = 400
@@ -65,25 +65,30 @@ def times_data(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, 
     """Return, for every level and policy, the share of episodes that got there by each step, as JSON data."""
     records = [record for group in comparison.groups.values() for record in group]
     budget = max(record.budget for record in records)
+    times = levels_drawn(comparison)
     return {
-        "levels": [{"key": name, "title": MEASURES[name].title, "level": LEVELS[name]} for name in TIMES],
+        "levels": [{"key": name, "title": MEASURES[name].title, "level": LEVELS[name]} for name in times],
         "budget": budget,
         "focus": _last_time(comparison, budget),
         "policies": [
             _about(comparison, policy, looks[policy])
-            | {"episodes": len(group), "times": {name: _times(comparison, policy, name, budget) for name in TIMES}}
+            | {"episodes": len(group), "times": {name: _times(comparison, policy, name, budget) for name in times}}
             for policy, group in comparison.groups.items()
         ],
     }
 
 
+def levels_drawn(comparison: Comparison) -> list[str]:
+    """Return the levels whose times a scenario's page shows, the one it is judged by first."""
+    asked = [name for name in TIMES if comparison.results.asks(comparison.scenario, name)]
+    return asked or [comparison.level.key]
+
+
 def _last_time(comparison: Comparison, budget: int) -> int:
-    """Return when the last episode got to 99 %, of policies that mostly get there; the budget where none does."""
-    groups = comparison.groups.items()
-    mostly = [
-        group for policy, group in groups if comparison.results.success(comparison.scenario, policy, "t99") >= MOSTLY
-    ]
-    times = [late for group in mostly for record in group if (late := record.metrics.get("t99")) is not None]
+    """Return when the last episode got to the level, of policies that mostly get there; the budget where none does."""
+    groups, key = comparison.groups.items(), comparison.level.key
+    mostly = [group for policy, group in groups if comparison.reached(policy) >= MOSTLY]
+    times = [late for group in mostly for record in group if (late := record.metrics.get(key)) is not None]
     return min(budget, int(max(times, default=budget) * 1.05) + 1)
 
 

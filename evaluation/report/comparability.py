@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.level import shared
 from indoor_explorers.evaluation.record import Outcome, Record
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.numbers import counted, percent
@@ -199,9 +200,12 @@ def _yardsticks(results: Results) -> Iterator[str]:
 def _censored(results: Results) -> Iterator[str]:
     shares = {}
     for name in results.policies:
-        late = [record.metrics.get("t99") is None for record in results.records if record.policy == name]
+        records = (record for record in results.records if record.policy == name)
+        late = [record.metrics.get(results.level(record.task.scenario).key) is None for record in records]
         if any(late):
             shares[name] = float(np.mean(late))
     if shares:
         listed = ", ".join(f"{name} {percent(share)}" for name, share in sorted(shares.items(), key=lambda s: -s[1]))
-        yield f"Episodes that never reached 99 % count as their whole budget, a lower bound: {listed}."
+        level = shared(results.levels)
+        what = level.percent if level else "the level of their scenario"
+        yield f"Episodes that never reached {what} count as their whole budget, a lower bound: {listed}."

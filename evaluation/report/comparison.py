@@ -9,9 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.evaluation.level import Level
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.results import Results
-from indoor_explorers.evaluation.statistics import Contrast, Estimate, contrasts, maps_are_sampled
+from indoor_explorers.evaluation.statistics import Contrast, Estimate, bootstrap_mean, contrasts, maps_are_sampled
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +27,11 @@ class Comparison:
         """The records by policy, policies without any left out."""
         groups = self.results.groups.items()
         return {policy: records for (scenario, policy), records in groups if scenario == self.scenario}
+
+    @cached_property
+    def level(self) -> Level:
+        """The coverage level that the scenario is judged by."""
+        return self.results.level(self.scenario)
 
     def maps(self, policy: str) -> NDArray[np.str_]:
         """Return (E,) which map each episode of a policy was flown on; equal maps have equal labels."""
@@ -46,9 +52,25 @@ class Comparison:
         return bool(self.results.policies[policy].get("privileged", False))
 
     def estimate(self, policy: str, metric: str) -> Estimate:
-        """Return the mean of a metric with its interval; a NaN mean where nothing was measured."""
+        """Return the mean of a metric with its interval; a NaN mean where nothing was measured or asked for."""
         missing = Estimate(float("nan"), None, None)
+        if not self.results.asks(self.scenario, metric):
+            return missing
         return self.results.estimates(self.scenario, policy).get(metric, missing)
+
+    def time(self, policy: str) -> Estimate:
+        """Return the mean steps to the level, episodes that never got there counted as their budget."""
+        return self.estimate(policy, self.level.key)
+
+    def reached(self, policy: str) -> float:
+        """Return the share of a policy's episodes that got to the level."""
+        return self.results.success(self.scenario, policy, self.level.key)
+
+    def to_reference(self, policy: str) -> Estimate:
+        """Return the mean ratio of a policy's steps to those of the one that knows the map; NaN without such a one."""
+        ratios = self.results.to_reference(self.scenario, policy, self.level.key)
+        held = ~np.isnan(ratios)
+        return bootstrap_mean(ratios[held], maps=self.maps(policy)[held])
 
     @property
     def tallies(self) -> list[str]:
@@ -58,11 +80,11 @@ class Comparison:
 
     @cached_property
     def ranking(self) -> list[str]:
-        """All policies by mean T99, then by falling AUC, then as listed; those that know the map come last."""
+        """All policies by mean time to the level, falling AUC, then as listed; those that know the map come last."""
         return sorted(self.groups, key=lambda policy: (self.privileged(policy), *self._rank(policy)))
 
     def _rank(self, policy: str) -> tuple[float, float]:
-        late = float(self.results.values(self.scenario, policy, "t99").mean())
+        late = float(self._times(policy).mean())
         area = float(self.results.values(self.scenario, policy, "auc").mean())
         return late, -area if area == area else 0.0
 
@@ -79,7 +101,7 @@ class Comparison:
 
     @cached_property
     def contrasts(self) -> dict[str, Contrast]:
-        """T99 of every other policy against the best-ranked; empty where they did not fly the same tasks.
+        """Steps of every other policy against the best-ranked; empty where they did not fly the same tasks.
 
         Those that know the map do not compete: they are a family of their own and cost the others nothing.
         """
@@ -90,10 +112,13 @@ class Comparison:
         return self._family(self.contestants) | self._family([first, *yardsticks])
 
     def _family(self, policies: Sequence[str]) -> dict[str, Contrast]:
-        values = {policy: self.results.values(self.scenario, policy, "t99") for policy in policies}
+        values = {policy: self._times(policy) for policy in policies}
         return contrasts(values, policies[0], maps=self.maps(policies[0]))
 
     def differences(self, policy: str) -> NDArray[np.float64]:
-        """Return (E,) T99 of a policy minus that of the best-ranked, task by task; they must be aligned."""
-        ours, theirs = (self.results.values(self.scenario, name, "t99") for name in (policy, self.contestants[0]))
-        return np.asarray(ours - theirs)
+        """Return (E,) steps of a policy minus those of the best-ranked, task by task; they must be aligned."""
+        return np.asarray(self._times(policy) - self._times(self.contestants[0]))
+
+    def _times(self, policy: str) -> NDArray[np.float64]:
+        """Return (E,) steps to the level that the scenario is judged by."""
+        return self.results.values(self.scenario, policy, self.level.key)

@@ -1,4 +1,4 @@
-"""The table of T99 against the best-ranked policy, all comparisons as one family."""
+"""The table of steps to the scenario's level against the best-ranked policy, all comparisons as one family."""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from indoor_explorers.evaluation.level import Level
 from indoor_explorers.evaluation.metrics import MEASURES
 from indoor_explorers.evaluation.report.numbers import percent
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, RESAMPLES
@@ -42,7 +43,7 @@ TERMS = {
     "difference": Definition(
         "difference",
         "steps",
-        "mean over the tasks both policies flew of one's T99 minus the other's, with its interval",
+        "mean over the tasks both policies flew of one's {time} minus the other's, with its interval",
     ),
     "better": Definition(
         "P(better)", "", "share of tasks on which the policy needed fewer steps than the other; ties count one half"
@@ -67,8 +68,8 @@ TERMS = {
 }
 
 
-def definitions() -> dict[str, Definition]:
-    """Return all terms by key, the metrics first."""
+def definitions(level: Level | None) -> dict[str, Definition]:
+    """Return all terms by key, the metrics first, of scenarios judged by a level; None where each has its own."""
     metrics = {
         key: Definition(
             each.title,
@@ -77,4 +78,6 @@ def definitions() -> dict[str, Definition]:
         )
         for key, each in MEASURES.items()
     }
-    return metrics | TERMS
+    time = level.title if level else "steps to the level of the scenario"
+    difference = TERMS["difference"]
+    return metrics | TERMS | {"difference": difference._replace(text=difference.text.format(time=time))}

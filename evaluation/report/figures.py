@@ -1,4 +1,4 @@
-"""Figures for print: coverage curves, T90 and T99 as dots with intervals, panels and sweeps; SVG, PNG and PDF.
+"""Figures for print: coverage curves, times to a level as dots with intervals, panels and sweeps; SVG, PNG and PDF.
 
 Equal results give equal bytes: no dates, fixed ids. Policies differ by dash and marker as well as by
 colour, so the figures survive a greyscale printer.
@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
+from indoor_explorers.evaluation.metrics import LEVELS, MEASURES
 from indoor_explorers.evaluation.report.axes import coverage_at, focus_step, sampled_steps
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.facts import denominator
@@ -39,7 +40,7 @@ def write_figures(results: Results, folder: Path) -> list[Path]:
             if comparison.groups:
                 stem = f"{number:02d}-{slug(scenario)}"
                 paths += save(coverage_figure(comparison, looks), folder, f"{stem}-coverage")
-                paths += save(times_figure(comparison, looks), folder, f"{stem}-t90-t99")
+                paths += save(times_figure(comparison, looks), folder, f"{stem}-{'-'.join(comparison.level.times)}")
                 for name, figure in scenario_figures(comparison, looks):
                     paths += save(figure, folder, f"{stem}-{name}")
         for name, figure in sweep_figures(results, looks):
@@ -64,12 +65,13 @@ def coverage_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figur
     limit = focus_step(comparison)
     banded = not crowded(len(comparison.groups))
     handles = [_curve(axes, comparison, policy, steps, limit, looks[policy], banded) for policy in comparison.groups]
-    for level in (0.9, 0.99):
-        axes.axhline(level, color="#999999", linewidth=0.6, linestyle=(0, (1, 2)), zorder=0)
+    shares = [LEVELS[key] for key in comparison.level.times]
+    for share in shares:
+        axes.axhline(share, color="#999999", linewidth=0.6, linestyle=(0, (1, 2)), zorder=0)
     axes.set(xlim=(0, limit), ylim=(0, 1.01), xlabel="step", title=plain(comparison.scenario, 70))
     settings = comparison.results.scenarios[comparison.scenario]
     axes.set_ylabel("coverage of the team:\n" + denominator(settings).replace("free cells ", "free cells\n"))
-    axes.set_yticks([0, 0.25, 0.5, 0.75, 0.9, 0.99])
+    axes.set_yticks(sorted({0, 0.25, 0.5, 0.75, *shares}))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     labels = [_label(comparison, policy) for policy in comparison.groups]
@@ -92,23 +94,24 @@ def _curve(
 
 
 def times_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figure:
-    """Draw mean T90 and T99 of each policy, best at the top, over the dots of its episodes."""
+    """Draw mean times of each policy to T90 and the level, best at the top, over the dots of its episodes."""
     ranked = comparison.ranking
     figure = sheet(6.3, 0.9 + 0.3 * len(ranked))
-    pair = figure.subplots(1, 2, sharey=True, gridspec_kw={"wspace": 0.08})
-    for axes, metric, title in zip(pair, ("t90", "t99"), ("T90", "T99"), strict=True):
+    times = comparison.level.times
+    (row,) = figure.subplots(1, len(times), sharey=True, squeeze=False, gridspec_kw={"wspace": 0.08})
+    for axes, metric in zip(row, times, strict=True):
         for place, policy in enumerate(ranked):
             _time(axes, comparison, policy, metric, place, looks[policy])
-        axes.set(xlabel=f"{title} [steps]", ylim=(len(ranked) - 0.4, -0.6))
+        axes.set(xlabel=f"{MEASURES[metric].title} [steps]", ylim=(len(ranked) - 0.4, -0.6))
         axes.set_xlim(left=0)
         axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
         axes.grid(axis="x", color="#e3e3e3", linewidth=0.6)
         axes.set_axisbelow(True)
         axes.tick_params(axis="y", length=0)
         axes.spines["left"].set_visible(False)
-    pair[0].set_yticks(range(len(ranked)), [_label(comparison, policy) for policy in ranked])
-    pair[0].set_title(plain(comparison.scenario, 70))
-    _footnote(pair[0], comparison, "; hollow dots never got there")
+    row[0].set_yticks(range(len(ranked)), [_label(comparison, policy) for policy in ranked])
+    row[0].set_title(plain(comparison.scenario, 70))
+    _footnote(row[0], comparison, "; hollow dots never got there")
     return figure
 
 

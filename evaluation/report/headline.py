@@ -18,7 +18,7 @@ def headline(comparison: Comparison) -> Markup:
     if not comparison.groups:
         return Markup("No episode of this scenario has been flown yet.")
     first = comparison.contestants[0]
-    if not any(comparison.results.success(comparison.scenario, name, "t99") for name in comparison.contestants):
+    if not any(comparison.reached(name) for name in comparison.contestants):
         parts = [_nobody(comparison)]
     elif len(comparison.contestants) == 1:
         parts = [_alone(comparison, first)]
@@ -29,13 +29,13 @@ def headline(comparison: Comparison) -> Markup:
 
 
 def _steps(comparison: Comparison, policy: str) -> str:
-    return f"{with_interval(comparison.estimate(policy, 't99'))} steps"
+    return f"{with_interval(comparison.time(policy))} steps"
 
 
 def _over(comparison: Comparison, policy: str) -> str:
-    """Return over how many episodes, and in how many of them 99 % was missed."""
+    """Return over how many episodes, and in how many of them the level was missed."""
     records = comparison.groups[policy]
-    missed = sum(record.metrics.get("t99") is None for record in records)
+    missed = sum(record.metrics.get(comparison.level.key) is None for record in records)
     text = f"over {counted(len(records), 'episode')}"
     if comparison.map_count > 1 and not comparison.over_maps:
         text += f" on these {comparison.map_count} maps"
@@ -47,14 +47,15 @@ def _over(comparison: Comparison, policy: str) -> str:
 
 
 def _winner(comparison: Comparison, first: str) -> Markup:
-    mean = comparison.estimate(first, "t99").mean
+    level = comparison.level
+    mean = comparison.time(first).mean
     second = comparison.contestants[1]
-    if mean == comparison.estimate(second, "t99").mean:
-        text = "{} and {} share the lowest mean T99: {} {}."
+    if mean == comparison.time(second).mean:
+        text = f"{{}} and {{}} share the lowest mean {level.title}: {{}} {{}}."
         return Markup(text).format(
             NAME.format(first), NAME.format(second), _steps(comparison, first), _over(comparison, first)
         )
-    text = "{} reached 99 % coverage first on average: mean T99 {} {}."
+    text = f"{{}} reached {level.percent} coverage first on average: mean {level.title} {{}} {{}}."
     return Markup(text).format(NAME.format(first), _steps(comparison, first), _over(comparison, first))
 
 
@@ -82,8 +83,9 @@ def verdict(contrast: Contrast) -> str:
 
 
 def _alone(comparison: Comparison, first: str) -> Markup:
-    text = "{} reached 99 % coverage after {} on average, {}. There is no other policy to compare it with."
-    return Markup(text).format(NAME.format(first), _steps(comparison, first), _over(comparison, first))
+    text = "{} reached {} coverage after {} on average, {}. There is no other policy to compare it with."
+    level, steps = comparison.level.percent, _steps(comparison, first)
+    return Markup(text).format(NAME.format(first), level, steps, _over(comparison, first))
 
 
 def _nobody(comparison: Comparison) -> Markup:
@@ -92,13 +94,13 @@ def _nobody(comparison: Comparison) -> Markup:
         for name in comparison.contestants
     }
     best = max(final, key=lambda name: final[name])
-    text = "No policy reached 99 % coverage within the budget. {} covered most by its end: {} on average, {}."
+    text = "No policy reached {} coverage within the budget. {} covered most by its end: {} on average, {}."
     episodes = f"over {counted(len(comparison.groups[best]), 'episode')}"
-    return Markup(text).format(NAME.format(best), percent(final[best], 1), episodes)
+    return Markup(text).format(comparison.level.percent, NAME.format(best), percent(final[best], 1), episodes)
 
 
 def _yardstick(comparison: Comparison, policy: str) -> Markup:
-    mean = comparison.estimate(policy, "t99").mean
+    mean = comparison.time(policy).mean
     return Markup("The yardstick {}, which is given the true map, took {} steps.").format(
         NAME.format(policy), fixed(mean, 1)
     )

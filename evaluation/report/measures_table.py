@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from indoor_explorers.evaluation.metrics import MEASURES
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, interval
-from indoor_explorers.evaluation.report.tables import COLUMNS, Cell, Column, emphasised
+from indoor_explorers.evaluation.report.tables import Cell, Column, columns_of, emphasised
 from indoor_explorers.evaluation.statistics import Estimate
 
 #: Decimals of ratios.
@@ -37,7 +37,7 @@ def measures_table(comparison: Comparison) -> list[MeasureRow]:
 
 def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
     alone = all(record.team == 1 for records in comparison.groups.values() for record in records)
-    left_out = {column.key for column in COLUMNS} | (OF_TEAMS if alone else set())
+    left_out = {column.key for column in columns_of(comparison.level)} | (OF_TEAMS if alone else set())
     for key, measure in MEASURES.items():
         if key not in left_out:
             column = Column(key, measure.title, measure.unit, measure.lower_is_better)

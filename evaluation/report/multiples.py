@@ -11,8 +11,9 @@ import numpy as np
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.level import Level
 from indoor_explorers.evaluation.record import Record
-from indoor_explorers.evaluation.report.axes import coverage_at, settled
+from indoor_explorers.evaluation.report.axes import coverage_at, focus_step, settled
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.numbers import counted
 from indoor_explorers.evaluation.report.palette import DASHES, MARKER_PATHS, Style
@@ -63,11 +64,13 @@ def map_multiples(comparison: Comparison, looks: Mapping[str, Style]) -> Multipl
     labels: dict[int, Any] = folders if by_folder else {index: index for index in indices}
     chosen = list(dict.fromkeys(labels[index] for index in indices))[:MOST]
     parts = {label: _where(comparison, {i for i in indices if labels[i] == label}) for label in chosen}
-    limits = {label: settled(list(groups.values())) for label, groups in parts.items()}
+    limits = {label: settled(list(groups.values()), comparison.level.share) for label, groups in parts.items()}
     longest = max(limits.values())
     same_axes = longest <= UNLIKE * min(limits.values())
     panels = [
-        _map_panel(groups, str(label) if by_folder else "", longest if same_axes else limits[label], looks)
+        _map_panel(
+            groups, str(label) if by_folder else "", longest if same_axes else limits[label], looks, comparison.level
+        )
         for label, groups in parts.items()
     ]
     return Multiples(panels, len(indices), by_folder, same_axes)
@@ -87,14 +90,14 @@ def _where(comparison: Comparison, indices: set[int]) -> Groups:
     return {policy: records for policy, records in kept.items() if records}
 
 
-def _map_panel(groups: Groups, folder: str, limit: int, looks: Mapping[str, Style]) -> Panel:
+def _map_panel(groups: Groups, folder: str, limit: int, looks: Mapping[str, Style], level: Level) -> Panel:
     task = _median_task(groups)
     records = [record for group in groups.values() for record in group]
     name = next(record.floorplan.name for record in records if record.task == task)
     shape = next(record.floorplan.shape for record in records if record.task == task)
     maps = len({record.task.map_index for record in records})
     detail = counted(maps, "map") if folder else f"{shape[0]} x {shape[1]}"
-    return Panel(folder or name, detail, _drawing(groups, limit, looks), (task.map_index, task.seed))
+    return Panel(folder or name, detail, _drawing(groups, limit, looks, level), (task.map_index, task.seed))
 
 
 def _median_task(groups: Groups) -> Task:
@@ -117,7 +120,7 @@ def scenario_multiples(sections: Sequence[tuple[str, Comparison]], looks: Mappin
         Panel(
             each.scenario,
             f"{family(each)}, {counted(each.results.scenarios[each.scenario]['team'], 'UAV')}",
-            _drawing(each.groups, settled(list(each.groups.values())), looks),
+            _drawing(each.groups, focus_step(each), looks, each.level),
             section=section,
         )
         for section, each in ordered
@@ -131,8 +134,8 @@ def family(comparison: Comparison) -> str:
     return " and ".join(folders) if 0 < len(folders) <= 2 else f"{source} maps"
 
 
-def _drawing(groups: Groups, limit: int, looks: Mapping[str, Style]) -> Markup:
-    """Draw the mean coverage of each policy over 0 to ``limit`` steps."""
+def _drawing(groups: Groups, limit: int, looks: Mapping[str, Style], level: Level) -> Markup:
+    """Draw the mean coverage of each policy over 0 to ``limit`` steps, with a line at ``level``."""
     steps = np.unique(np.linspace(0, limit, POINTS).round()).astype(np.int64)
     x = LEFT + (RIGHT - LEFT) * steps / limit
     lines = [
@@ -143,7 +146,7 @@ def _drawing(groups: Groups, limit: int, looks: Mapping[str, Style]) -> Markup:
         Markup('<path class="grid" d="M{} {y}H{}"/><text x="{}" y="{}" text-anchor="end">{}</text>').format(
             LEFT, RIGHT, LEFT - 4, _height(share) + 3, f"{share:.0%}"[:-1], y=_height(share)
         )
-        for share in (0.0, 0.5, 0.99)
+        for share in sorted({0.0, 0.5, level.share})
     )
     ends = Markup('<text x="{}" y="135">0</text><text x="{}" y="135" text-anchor="end">{}</text>').format(
         LEFT, RIGHT, f"{limit} steps"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
+from indoor_explorers.evaluation.level import Level, shared
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.headline import NAME, headline
 from indoor_explorers.evaluation.report.numbers import percent, with_interval
@@ -20,21 +21,24 @@ class Line:
     id: str
     scenario: str
     first: str
-    """The policy with the lowest mean T99 among those that do not know the map; empty where nothing was flown."""
-    t99: str
+    """The policy with the lowest mean time among those that do not know the map; empty where nothing was flown."""
+    level: Level
+    """What the scenario is judged by."""
+    time: str
+    """Its mean steps to the level."""
     reached: str
     runner_up: str
     lead: str
-    """Its T99 minus the runner-up's."""
+    """The runner-up's steps minus its own."""
     shown: bool
     """Whether that difference was shown."""
 
 
 def line(comparison: Comparison, section_id: str) -> Line:
     """Return the line of a scenario."""
-    name = comparison.scenario
+    name, level = comparison.scenario, comparison.level
     if not comparison.groups:
-        return Line(section_id, name, "", "", "", "", "", False)
+        return Line(section_id, name, "", level, "", "", "", "", False)
     first, *others = comparison.contestants
     second = others[0] if others else ""
     contrast = comparison.contrasts.get(second)
@@ -42,8 +46,9 @@ def line(comparison: Comparison, section_id: str) -> Line:
         id=section_id,
         scenario=name,
         first=first,
-        t99=with_interval(comparison.estimate(first, "t99")),
-        reached=percent(comparison.results.success(name, first, "t99")),
+        level=level,
+        time=with_interval(comparison.time(first)),
+        reached=percent(comparison.reached(first)),
         runner_up=second,
         lead=with_interval(contrast.difference, sign=True) if contrast else "",
         shown=bool(contrast and contrast.shown),
@@ -61,8 +66,11 @@ def lead(comparisons: Sequence[Comparison]) -> Markup:
         for place, (name, number) in enumerate(tally.most_common())
     ]
     shown = sum(_beats_runner_up(each) for each in flown)
-    return Markup("Lowest mean T99: {}. The lead over the runner-up was shown in {} of them.").format(
-        Markup(", ").join(wins), "all" if shown == len(flown) else shown or "none"
+    level = shared(each.level for each in flown)
+    return Markup("Lowest mean {}: {}. The lead over the runner-up was shown in {} of them.").format(
+        level.title if level else "time to the level asked for",
+        Markup(", ").join(wins),
+        "all" if shown == len(flown) else shown or "none",
     )
 
 

@@ -13,6 +13,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.level import shared
 from indoor_explorers.evaluation.ratios import Ratios
 from indoor_explorers.evaluation.report import facts
 from indoor_explorers.evaluation.report.against import Against
@@ -29,7 +30,7 @@ from indoor_explorers.evaluation.report.replay import ending
 from indoor_explorers.evaluation.report.reproduce import experiment_files, row_command
 from indoor_explorers.evaluation.report.sections import section_of
 from indoor_explorers.evaluation.report.strips import swatch
-from indoor_explorers.evaluation.report.tables import COLUMNS, LISTED
+from indoor_explorers.evaluation.report.tables import LISTED
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
@@ -78,16 +79,16 @@ def render(
             ratios=ratio_tables(Ratios.of(results, ratio_to)),
             verdict=judged(results),
             lead=lead([each for _, each in comparisons]),
+            level=shared(results.levels),
             lines=[line(each, section_id) for section_id, each in comparisons],
             panels=scenario_multiples(comparisons, looks),
             sections=[section_of(each, section_id, looks, replays) for section_id, each in comparisons],
             sweeps=sweep_sections(common, looks),
-            columns=COLUMNS,
             listed=LISTED,
             swatches={name: swatch(look) for name, look in looks.items()},
             policies=results.policies,
             privileged=results.knowing,
-            definitions=definitions(),
+            definitions=definitions(shared(results.levels)),
             runs=facts.run_rows(results.runs),
             run_count=len(results.runs),
             commands=facts.commands(results.runs),

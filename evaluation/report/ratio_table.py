@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from rich import box
@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from indoor_explorers.evaluation.metrics import MEASURES
-from indoor_explorers.evaluation.ratios import METRICS, POOLED, RatioRow, Ratios
+from indoor_explorers.evaluation.ratios import POOLED, RatioRow, Ratios
 from indoor_explorers.evaluation.report.numbers import counted, fixed, interval, with_interval
 
 #: Decimals of a ratio.
@@ -53,8 +53,8 @@ class RatioTable:
 
 
 def ratio_tables(ratios: Ratios) -> list[RatioTable]:
-    """Return a table for each baseline and level, T99 before T90; without any, nobody had anybody to compare with."""
-    tables = [_table(ratios, to, metric) for to in ratios.to for metric in reversed(METRICS)]
+    """Return a table for each baseline and level, highest first; without any, nobody had anybody to compare with."""
+    tables = [_table(ratios, to, metric) for to in ratios.to for metric in reversed(ratios.metrics)]
     return [table for table in tables if table.rows]
 
 
@@ -80,14 +80,14 @@ def ratio_lines(ratios: Ratios) -> Iterator[RenderableType]:
     for to in ratios.to:
         rows = [row for row in ratios.rows if row.to == to]
         if rows:
-            yield _printed(to, rows)
+            yield _printed(to, ratios.metrics, rows)
     yield Text("mean over tasks of the ratio [95 % interval], and the ratio of the means", "dim")
 
 
-def _printed(to: str, rows: list[RatioRow]) -> Table:
+def _printed(to: str, metrics: Sequence[str], rows: list[RatioRow]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column(f"steps / {to}'s", overflow="fold", min_width=24)
-    for metric in METRICS:
+    for metric in metrics:
         table.add_column(MEASURES[metric].title, justify="right", no_wrap=True)
         table.add_column("of means", justify="right", no_wrap=True, style="dim")
     for scenario in _pooled_last(rows):
@@ -95,7 +95,7 @@ def _printed(to: str, rows: list[RatioRow]) -> Table:
         for policy in dict.fromkeys(row.policy for row in rows):
             found = {row.metric: row.ratio for row in rows if (row.scenario, row.policy) == (scenario, policy)}
             if found:
-                ratios = [found.get(metric) for metric in METRICS]
+                ratios = [found.get(metric) for metric in metrics]
                 pairs = (
                     (with_interval(each.of_tasks, DECIMALS), fixed(each.of_means.mean, DECIMALS)) if each else ("", "")
                     for each in ratios

@@ -10,6 +10,7 @@ import numpy as np
 
 from indoor_explorers.env.grid import OCCUPIED
 from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.level import Level
 from indoor_explorers.evaluation.record import Outcome, Record
 from indoor_explorers.evaluation.refly import flown_scenario
 from indoor_explorers.evaluation.report.comparison import Comparison
@@ -100,7 +101,7 @@ def chosen(comparison: Comparison, *, everything: bool = False) -> list[Pick]:
 
 
 def notable_tasks(comparison: Comparison) -> list[Pick]:
-    """Return the median, fastest and slowest task by mean T99 over the policies, and one with a failure."""
+    """Return the median, fastest and slowest task by mean time over the policies, and one with a failure."""
     order = _by_lateness(comparison)
     if not order:
         return []
@@ -112,18 +113,18 @@ def notable_tasks(comparison: Comparison) -> list[Pick]:
 
 
 def _by_lateness(comparison: Comparison) -> list[Task]:
-    """Return the tasks that most policies flew, by mean T99 over the policies, then by falling AUC."""
+    """Return the tasks that most policies flew, by mean time to the level over the policies, then by falling AUC."""
     flown: dict[Task, list[tuple[float, float]]] = {}
     for records in comparison.groups.values():
         for record in records:
-            flown.setdefault(record.task, []).append(_lateness(record))
+            flown.setdefault(record.task, []).append(_lateness(record, comparison.level))
     most = max((len(entries) for entries in flown.values()), default=0)
     common = [task for task, entries in flown.items() if len(entries) == most]
     return sorted(common, key=lambda task: (*np.mean(flown[task], axis=0).tolist(), task))
 
 
-def _lateness(record: Record) -> tuple[float, float]:
-    late = record.metrics.get("t99")
+def _lateness(record: Record, level: Level) -> tuple[float, float]:
+    late = record.metrics.get(level.key)
     return (float(record.budget) if late is None else late), -(record.metrics.get("auc") or 0.0)
 
 

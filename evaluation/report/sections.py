@@ -8,6 +8,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from indoor_explorers.evaluation.level import Level
 from indoor_explorers.evaluation.record import AXES, Record
 from indoor_explorers.evaluation.report import facts
 from indoor_explorers.evaluation.report.charts import WHO, chart_data, times_data
@@ -19,7 +20,7 @@ from indoor_explorers.evaluation.report.multiples import Multiples, map_multiple
 from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels import SectionPanels, section_panels
 from indoor_explorers.evaluation.report.replay import replay_data
-from indoor_explorers.evaluation.report.tables import Cell, results_table, troubles
+from indoor_explorers.evaluation.report.tables import Cell, Column, columns_of, results_table, troubles
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
@@ -38,6 +39,8 @@ class Section:
     settings: Mapping[str, Any]
     phrases: list[str]
     denominator: str
+    level: Level
+    """What the scenario is judged by."""
     headline: Markup
     episodes: int
     few: bool
@@ -46,6 +49,9 @@ class Section:
     who: tuple[str, ...]
     axes: list[tuple[str, str]]
     """Key and title of each axis that coverage is drawn against."""
+    levels: list[tuple[str, str]]
+    """Key and title of each time that its chart can show, that of its level first."""
+    columns: tuple[Column, ...]
     table: list[tuple[str, list[Cell]]]
     more: list[MeasureRow]
     baseline: str
@@ -69,6 +75,7 @@ def section_of(
     records = [record for group in comparison.groups.values() for record in group]
     flown = bool(records)
     chart = chart_data(comparison, looks, _points(results)) if flown else None
+    times = times_data(comparison, looks) if flown else None
     return Section(
         id=section_id,
         name=name,
@@ -77,12 +84,15 @@ def section_of(
             settings, sorted({r.budget for r in records}), sorted({r.floorplan.shape for r in records})
         ),
         denominator=facts.denominator(settings),
+        level=comparison.level,
         headline=headline(comparison),
         episodes=max((len(group) for group in comparison.groups.values()), default=0),
         few=any(len(group) < FEWEST for group in comparison.groups.values()),
         fixed_maps=0 if comparison.over_maps else comparison.map_count,
         who=WHO if settings["team"] > 1 else WHO[:1],
         axes=[(axis["key"], AXIS_NAMES[axis["key"]]) for axis in chart["axes"]] if chart else [],
+        levels=[(level["key"], level["title"]) for level in times["levels"]] if times else [],
+        columns=columns_of(comparison.level),
         table=results_table(comparison, looks) if flown else [],
         more=measures_table(comparison),
         baseline=comparison.contestants[0] if flown else "",
@@ -93,7 +103,7 @@ def section_of(
         panels=section_panels(comparison, looks),
         setting_rows=facts.setting_rows(settings),
         chart=chart,
-        times=times_data(comparison, looks) if flown else None,
+        times=times,
         replay=replay_data(comparison, looks, REPLAY_BYTES // len(results.scenarios), replays) if flown else None,
     )
 

@@ -10,7 +10,8 @@ from functools import partial
 import numpy as np
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.metrics import WASTED, excused
+from indoor_explorers.evaluation.level import Level, tabled
+from indoor_explorers.evaluation.metrics import LEVELS, WASTED, excused
 from indoor_explorers.evaluation.record import Outcome, Record
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.numbers import decimals_for, fixed, interval, percent
@@ -20,10 +21,6 @@ from indoor_explorers.evaluation.statistics import Estimate
 
 #: The most failures that are listed.
 LISTED = 60
-
-
-#: Definitions of columns that are not named as their term is.
-TERMS = {"t90_reached": "reached", "t99_reached": "reached", "t99_strip": "t99"}
 
 
 @dataclass(frozen=True)
@@ -38,9 +35,20 @@ class Column:
     """Whether the best value is emphasised."""
 
     @property
+    def kind(self) -> str:
+        """``reached`` and ``strip`` for what is drawn from a time, such as ``t99_strip``; empty for a metric."""
+        time, _, kind = self.key.partition("_")
+        return kind if time in LEVELS and kind in ("reached", "strip") else ""
+
+    @property
+    def metric(self) -> str:
+        """The metric that the column is about."""
+        return self.key.removesuffix(f"_{self.kind}") if self.kind else self.key
+
+    @property
     def term(self) -> str:
         """The definition that explains the column."""
-        return TERMS.get(self.key, self.key)
+        return "reached" if self.kind == "reached" else self.metric
 
 
 @dataclass(frozen=True)
@@ -55,12 +63,8 @@ class Cell:
     bad: bool = False
 
 
-COLUMNS = (
-    Column("t90", "T90", "steps"),
-    Column("t90_reached", "reached 90\u202f%", "", False),
-    Column("t99", "T99", "steps"),
-    Column("t99_reached", "reached 99\u202f%", "", False),
-    Column("t99_strip", "T99 by episode", "steps", ranked=False),
+#: The columns after those of times to a level.
+OTHERS = (
     Column("auc", "AUC", "", False),
     Column("path_length", "path length", "cells"),
     Column("overlap", "overlap"),
@@ -76,24 +80,34 @@ COLUMNS = (
 DIVISOR = {"messages_bytes": 1000.0, "latency_p50_us": 1000.0, "latency_p99_us": 1000.0}
 #: Decimals of columns whose size is known.
 DECIMALS = {"auc": 3, "overlap": 2, "collisions": 2}
-WITH_INTERVAL = ("t90", "t99", "auc", "path_length")
+WITH_INTERVAL = (*LEVELS, "auc", "path_length")
+
+
+def columns_of(level: Level) -> tuple[Column, ...]:
+    """Return the columns of a scenario judged by a level; levels above it have a time, a dash, and no more."""
+    times = (column for key in tabled([level]) for column in _time_columns(Level(key), key in level.times))
+    return (*times, Column(f"{level.key}_strip", f"{level.title} by episode", "steps", ranked=False), *OTHERS)
+
+
+def _time_columns(level: Level, asked: bool) -> list[Column]:
+    time = Column(level.key, level.title, "steps")
+    return [time, Column(f"{level.key}_reached", f"reached {percent(level.share)}", "", False)] if asked else [time]
 
 
 def results_table(comparison: Comparison, looks: Mapping[str, Style]) -> list[tuple[str, list[Cell]]]:
-    """Return the cells of each policy, in the order of :data:`COLUMNS`; rows in the experiment's order."""
-    columns = [_column(comparison, column, looks) for column in COLUMNS]
+    """Return the cells of each policy, in the order of :func:`columns_of`; rows in the experiment's order."""
+    columns = [_column(comparison, column, looks) for column in columns_of(comparison.level)]
     return [(policy, [cells[policy] for cells in columns]) for policy in comparison.groups]
 
 
 def _column(comparison: Comparison, column: Column, looks: Mapping[str, Style]) -> dict[str, Cell]:
     special: dict[str, Callable[[Comparison], dict[str, Cell]]] = {
-        "t90_reached": partial(_reached, metric="t90"),
-        "t99_reached": partial(_reached, metric="t99"),
-        "t99_strip": partial(_strips, looks=looks),
+        "reached": partial(_reached, metric=column.metric),
+        "strip": partial(_strips, metric=column.metric, looks=looks),
         "failures": _failures,
         **{metric: partial(_wasted, metric=metric) for metric in WASTED},
     }
-    make = special.get(column.key, partial(_measured, metric=column.key))
+    make = special.get(column.kind or column.key, partial(_measured, metric=column.key))
     cells = make(comparison)
     return emphasised(comparison, column, cells) if column.ranked else cells
 
@@ -102,7 +116,7 @@ def _measured(comparison: Comparison, metric: str) -> dict[str, Cell]:
     estimates = {policy: comparison.estimate(policy, metric) for policy in comparison.groups}
     largest = max((each.mean for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
     divisor = DIVISOR.get(metric, 1.0)
-    usual = decimals_for(largest / divisor, most=1 if metric in ("t90", "t99") else 2)
+    usual = decimals_for(largest / divisor, most=1 if metric in LEVELS else 2)
     decimals = DECIMALS.get(metric, usual) if largest else 0
     return {policy: _figure(each, metric, divisor, decimals) for policy, each in estimates.items()}
 
@@ -128,11 +142,11 @@ def _reached(comparison: Comparison, metric: str) -> dict[str, Cell]:
     return cells
 
 
-def _strips(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, Cell]:
-    values = {policy: comparison.results.values(comparison.scenario, policy, "t99") for policy in comparison.groups}
+def _strips(comparison: Comparison, metric: str, looks: Mapping[str, Style]) -> dict[str, Cell]:
+    values = {policy: comparison.results.values(comparison.scenario, policy, metric) for policy in comparison.groups}
     scale = Scale(0.0, max(float(each.max()) for each in values.values()), 110)
     return {
-        policy: Cell("", None, episode_strip(each, comparison.estimate(policy, "t99"), scale, looks[policy]))
+        policy: Cell("", None, episode_strip(each, comparison.estimate(policy, metric), scale, looks[policy]))
         for policy, each in values.items()
     }
 

@@ -9,19 +9,17 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.env.lidar import optics, view_gain
+from indoor_explorers.env.lidar import optics
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.coordination.unlinked import Unlinked
 from indoor_explorers.planners.frontier.group import Member, member_of
 from indoor_explorers.planners.frontier.sequences import Task, Worth, best_sequences, cost_of_rest
-from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.planners.lookouts import LookoutPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.prospects import Interest, frontiers, hops, surroundings, views
 from indoor_explorers.planners.teammates import linked, message_of
 
-#: Places this near to a goal are taken for the same, in cells or in lidar ranges, whichever is more.
-SAME_CELLS, SAME_RANGES = 1.5, 0.2
 #: Paths between places are measured up to so many lidar ranges; farther ones lead past a UAV.
 HOP_RANGES = 4.0
 #: A cluster of which a place shows this share is no longer among what is left behind.
@@ -88,7 +86,7 @@ class FrontierJoint(Policy):
         return JointPilot(briefing, self)
 
 
-class JointPilot(GoalPilot):
+class JointPilot(LookoutPilot):
     """Choose in turn with whoever is linked, a few steps after the map has grown."""
 
     straight = True
@@ -101,7 +99,6 @@ class JointPilot(GoalPilot):
         self._unlinked = Unlinked(briefing)
         self._is_due = True
         self._next_choice = 0
-        self._visited: set[Cell] = set()
 
     def learned(self, view: View) -> None:
         """Ask for a choice, as the map has grown."""
@@ -110,14 +107,6 @@ class JointPilot(GoalPilot):
     def reconsider(self, view: View) -> bool:
         """Tell whether the map has grown since the last choice and that was some steps ago."""
         return self._is_due and view.step >= self._next_choice
-
-    def spent(self, view: View, goal: Cell) -> bool:
-        """Tell whether nothing unknown is in view of a goal, or this UAV has been there and seen what it could."""
-        if not super().spent(view, goal):
-            return False
-        if view.cell == goal:
-            self._visited.add(goal)
-        return goal in self._visited or view_gain(view.belief, goal, self._range) == 0
 
     def choose(self, view: View) -> Cell | None:
         """Return the place that is left for this UAV when its turn comes."""
@@ -168,7 +157,7 @@ class JointPilot(GoalPilot):
         steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64)
         gains, shared = views(view.belief, cells, Interest(policy.isolation, policy.fade * reach), optics(reach))
         between = hops(view.belief, cells, steps, int(HOP_RANGES * reach) + 1)
-        favour = np.stack([self._favour(member.goal, cells) for member in members])
+        favour = np.stack([self.favour(member.goal, cells, policy.hold) for member in members])
         away = np.where(steps < UNREACHABLE, steps / reach, UNREACHABLE)
         return Task(cells, ahead, away, between / reach, gains, shared, favour)
 
@@ -180,7 +169,7 @@ class JointPilot(GoalPilot):
         policy, reach = self._policy, self._range
         ahead = frontiers(view.belief, fields, reach, policy.clusters)
         around = surroundings(view.belief, fields, reach, policy.near, policy.rate / reach, policy.lookouts)
-        around = np.setdiff1d(around, np.concatenate([ahead, self.paths.flat(self._visited)]))
+        around = np.setdiff1d(around, np.concatenate([ahead, self.paths.flat(self.visited)]))
         cells = np.concatenate([ahead, around]).astype(np.int32)
         return cells, np.arange(len(cells)) < len(ahead)
 
@@ -207,11 +196,3 @@ class JointPilot(GoalPilot):
         left[first] = gains[first]
         rest = rest[(rest != first) & (task.shared[rest, first] < SEEN)]
         return cost_of_rest(task, uav, first, rest, left**self._policy.power, self._policy.latency)
-
-    def _favour(self, goal: Cell | None, cells: NDArray[np.int32]) -> NDArray[np.float64]:
-        """Return (K,), what the places count for a UAV that is on its way to a goal."""
-        if goal is None:
-            return np.ones(len(cells))
-        rows, cols = np.divmod(cells, self.paths.width)
-        away = np.hypot(rows - goal[0], cols - goal[1])
-        return np.where(away <= max(SAME_CELLS, SAME_RANGES * self._range), 1.0 + self._policy.hold, 1.0)

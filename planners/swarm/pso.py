@@ -8,11 +8,11 @@ import numpy as np
 
 from indoor_explorers.env.arrays import Cell, Distances
 from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.env.lidar import optics, view_gain
+from indoor_explorers.env.lidar import optics
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.coordination.unlinked import Unlinked
-from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.planners.lookouts import LookoutPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.prospects import Cells, Interest, Table, frontiers, hops, surroundings, views
 from indoor_explorers.planners.swarm.assignment import (
@@ -26,8 +26,6 @@ from indoor_explorers.planners.swarm.assignment import (
 from indoor_explorers.planners.swarm.group import NOWHERE, Member, absentees, group, told
 from indoor_explorers.planners.swarm.particles import Swarm, optimise
 
-#: Goals this near to each other are taken for the same, in cells or in lidar ranges, whichever is more.
-SAME_CELLS, SAME_RANGES = 1.5, 0.2
 #: Paths between candidates are measured up to so many lidar ranges.
 HOP_RANGES = 1.5
 
@@ -97,7 +95,7 @@ class Pso(Policy):
         return PsoPilot(briefing, self)
 
 
-class PsoPilot(GoalPilot):
+class PsoPilot(LookoutPilot):
     """Take part in the joint plans of whoever is linked."""
 
     def __init__(self, briefing: Briefing, policy: Pso) -> None:
@@ -109,21 +107,12 @@ class PsoPilot(GoalPilot):
         self._period = max(1, round(policy.period * self._range))
         self._plan: tuple[float, ...] = NOWHERE
         self._planned_on = -1
-        self._visited: set[Cell] = set()
 
     def act(self, view: View) -> int:
         """Follow the joint plan and tell the others of it."""
         action = super().act(view)
         self.message = told(view, self.briefing, self.goal, self._plan)
         return action
-
-    def spent(self, view: View, goal: Cell) -> bool:
-        """Tell whether nothing unknown is in view of a goal, or this UAV has been there and seen what it could."""
-        if not super().spent(view, goal):
-            return False
-        if view.cell == goal:
-            self._visited.add(goal)
-        return goal in self._visited or view_gain(view.belief, goal, self._range) == 0
 
     def reconsider(self, view: View) -> bool:
         """Tell whether linked UAVs hold different plans, one of their goals is spent, or the plan is old."""
@@ -142,7 +131,7 @@ class PsoPilot(GoalPilot):
         self._plan = (float(view.step), float(members[0].agent))
         self._planned_on = self._known
         goal = self.plan(view, members).get(self.briefing.agent)
-        if goal is None or goal in self._visited or self.shunned(view, self.paths.flat([goal])).any():
+        if goal is None or goal in self.visited or self.shunned(view, self.paths.flat([goal])).any():
             goal = self.nearest_frontier(view)
         return goal
 
@@ -180,7 +169,7 @@ class PsoPilot(GoalPilot):
             hops=hops(view.belief, cells, steps, int(HOP_RANGES * reach) + 1),
             gains=gains * self._left_by_others(view, members, cells, steps),
             shared=shared,
-            favour=np.stack([self._favour(member, cells) for member in able]),
+            favour=np.stack([self.favour(member.goal, cells, policy.hold) for member in able]),
             power=policy.power,
             rate=policy.rate / reach,
             trust=policy.trust,
@@ -206,11 +195,3 @@ class PsoPilot(GoalPilot):
             away = self.paths.field(view.belief, mate.cell).ravel()[cells]
             left = np.where(away < steps.min(axis=0), (1.0 - self._policy.absence) * left, left)
         return left
-
-    def _favour(self, member: Member, cells: Cells) -> Table:
-        """Return (K,), what the candidates count for a UAV that is on its way to a goal."""
-        if member.goal is None:
-            return np.ones(len(cells))
-        rows, cols = np.divmod(cells, self.paths.width)
-        away = np.hypot(rows - member.goal[0], cols - member.goal[1])
-        return np.where(away <= max(SAME_CELLS, SAME_RANGES * self._range), 1.0 + self._policy.hold, 1.0)

@@ -8,6 +8,7 @@ from rich.console import Console
 from indoor_explorers.env import PRESETS
 from indoor_explorers.evaluation import progress
 from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.level import Level
 from indoor_explorers.evaluation.progress import Means, ProgressBar
 from indoor_explorers.evaluation.runner import fly
 
@@ -31,6 +32,19 @@ def test_means_are_those_of_the_records(records):
     assert covered == f"{sum(r.curve[-1] for r in records[:4]) / 4:.1%}"
     assert reached == f"{sum(r.metrics['t99'] is not None for r in records[:4]) / 4:.0%}"
     assert failed == ""
+
+
+def test_what_is_reached_is_the_level_of_the_scenario(records):
+    means, screen = Means(), io.StringIO()
+    for record in records[:4]:
+        means.add(record, Level("t50"))
+    assert means.cells()[2] == f"{sum(r.metrics['t50'] is not None for r in records[:4]) / 4:.0%}"
+    for levels, words in (({}, "99 % reached"), ({ROOM.name: Level("t90")}, "90 % reached")):
+        bar = ProgressBar(Console(file=screen, width=100), levels)
+        bar.begin(5, 9)
+        bar.flown(records)
+        Console(file=screen, width=100).print(bar._shown())
+        assert words in screen.getvalue()
 
 
 def test_a_terminal_sees_every_policy(records):

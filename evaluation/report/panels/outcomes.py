@@ -1,14 +1,15 @@
-"""T99 of every contestant on every task of a scenario, side by side."""
+"""Steps of every contestant on every task of a scenario to the level that it is judged by, side by side."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.level import Level
 from indoor_explorers.evaluation.report.comparison import Comparison
 
 
@@ -39,10 +40,13 @@ class Outcomes:
     """(E, P) whether the level was reached."""
     maps: NDArray[np.str_]
     """(E,) which map each task was flown on; equal maps have equal labels."""
+    level: Level
+    """What the scenario is judged by."""
 
     @classmethod
-    def of(cls, comparison: Comparison, metric: str = "t99") -> Outcomes:
-        """Collect a scenario's policies, without those that know the map unless all do."""
+    def of(cls, comparison: Comparison, metric: str | None = None) -> Outcomes:
+        """Collect a scenario's policies, without those that know the map unless all do; its level unless asked."""
+        metric = metric or comparison.level.key
         policies = comparison.contestants if comparison.groups else []
         tasks = sorted({record.task for policy in policies for record in comparison.groups[policy]})
         place = {task: row for row, task in enumerate(tasks)}
@@ -55,7 +59,8 @@ class Outcomes:
             labels |= dict(zip(rows, comparison.maps(policy).tolist(), strict=True))
             times[rows, column] = comparison.results.values(comparison.scenario, policy, metric)
             reached[rows, column] = [record.metrics.get(metric) is not None for record in records]
-        return cls(tasks, policies, times, reached, np.array([labels[row] for row in range(len(tasks))], np.str_))
+        maps = np.array([labels[row] for row in range(len(tasks))], np.str_)
+        return cls(tasks, policies, times, reached, maps, comparison.level)
 
     def pair(self, policy: str, other: str) -> Pair:
         """Return two policies on the tasks that both flew."""
@@ -70,7 +75,7 @@ class Outcomes:
     def among(self, rows: Sequence[int]) -> Outcomes:
         """Keep some of the tasks."""
         tasks, kept = [self.tasks[row] for row in rows], np.array(rows, np.int64)
-        return Outcomes(tasks, self.policies, self.times[kept], self.reached[kept], self.maps[kept])
+        return replace(self, tasks=tasks, times=self.times[kept], reached=self.reached[kept], maps=self.maps[kept])
 
     def by_map(self) -> dict[int, Outcomes]:
         """Return the tasks of each of a scenario's map files; one that makes its maps counts as a single one."""

@@ -144,7 +144,8 @@ def ladder_figure(comparison: Comparison, rungs: Sequence[Rung], looks: Mapping[
     tasks = ", ".join(dict.fromkeys(rung.tasks for rung in rungs if rung.tasks))
     _note(
         figure,
-        f"Fewer steps to 99 % coverage, ties one half; {tasks} tasks, 95 % bootstrap intervals from {FEWEST} on.",
+        f"Fewer steps to {comparison.level.percent} coverage, ties one half; {tasks} tasks, 95 % bootstrap intervals "
+        f"from {FEWEST} on.",
     )
     return figure
 

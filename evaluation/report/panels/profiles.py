@@ -23,11 +23,12 @@ def profile_plot(outcomes: Outcomes, looks: Mapping[str, Style]) -> Plot | None:
     if len(common.policies) < 2 or not common.reached.any():
         return None
     tau, share = performance_profile(performance_ratios(np.where(common.reached, common.times, np.nan)))
+    over = f"τ, multiple of the best policy's {common.level.title}"
     end = max(1.2, float(tau[-1]) * 1.05)
     return Plot(
         title="Performance profile",
         label="Share of tasks on which each policy needs at most tau times the steps of the best one",
-        x=Axis(title="τ, multiple of the best policy's T99", low=1.0, high=end, log=True, ticks=_ticks(end)),
+        x=Axis(title=over, low=1.0, high=end, log=True, ticks=_ticks(end)),
         y=Axis(title="share of tasks", low=0.0, high=1.03, share=True),
         series=[_stairs(name, looks[name], tau, share[:, column], end) for column, name in enumerate(common.policies)],
     )

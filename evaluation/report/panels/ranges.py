@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from indoor_explorers.evaluation.level import Level
 from indoor_explorers.evaluation.report.numbers import fixed, with_interval
 from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels.plots import Axis, Plot, Series, bounds
@@ -34,9 +35,8 @@ class Quantity(NamedTuple):
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
 
-QUANTITIES = (
-    Quantity("t90", "T90", "steps", 1, 1),
-    Quantity("t99", "T99", "steps", 1, 1),
+#: What is shown beside times.
+OTHERS = (
     Quantity("auc", "AUC", "", 1, 3),
     Quantity("messages_bytes", "messages", "kB", 1000, 2),
     Quantity("overlap", "overlap", "", 1, 2),
@@ -48,7 +48,9 @@ def range_plots(results: Results, sweep: RadioSweep, looks: Mapping[str, Style])
     policies = [
         policy for policy in results.policies if sum((name, policy) in results.groups for name in sweep.scenarios) > 1
     ]
-    return [_plot(results, sweep, quantity, policies, looks) for quantity in QUANTITIES] if policies else []
+    times = [Quantity(key, Level(key).title, "steps", 1, 1) for key in results.level(sweep.scenarios[0]).times]
+    shown = (*times, *OTHERS) if policies else ()
+    return [_plot(results, sweep, quantity, policies, looks) for quantity in shown]
 
 
 def _plot(

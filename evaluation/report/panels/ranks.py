@@ -91,8 +91,9 @@ def _on_map(here: Outcomes, column: int, name: str) -> Place:
     ratio, reached = _ratio(means, column), int(here.reached[:, column].sum())
     typical = int(np.argmin(np.abs(here.times[:, column] - estimate.mean)))
     told = f"{interval(estimate, 1)} {reached}/{len(here.tasks)}".strip()
-    title = f"{here.policies[column]} on {name}: mean T99 {fixed(estimate.mean, 1)} {interval(estimate, 1)} steps"
-    title = f"{title.strip()}, {_times(ratio)}; 99 % reached in {reached} of {counted(len(here.tasks), 'episode')}"
+    mean = f"mean {here.level.title} {fixed(estimate.mean, 1)} {interval(estimate, 1)} steps"
+    there = f"{here.level.percent} reached in {reached} of {counted(len(here.tasks), 'episode')}"
+    title = f"{here.policies[column]} on {name}: {mean}, {_times(ratio)}; {there}"
     return _place(fixed(estimate.mean, 1), told, ratio, means, title, here, column, here.tasks[typical])
 
 
@@ -100,7 +101,7 @@ def _on_task(common: Outcomes, row: int, column: int) -> Place:
     times, task = common.times[row], common.tasks[row]
     ratio = _ratio(times, column)
     there = bool(common.reached[row, column])
-    steps = f"{fixed(times[column], 0)} steps" if there else "99 % never reached"
+    steps = f"{fixed(times[column], 0)} steps" if there else f"{common.level.percent} never reached"
     title = f"{common.policies[column]}, seed {task.seed}: {steps}, {_times(ratio)}"
     here = common.among([row])
     return _place(fixed(times[column], 0) if there else "never", "", ratio, times, title, here, column, task)

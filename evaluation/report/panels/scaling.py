@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.evaluation.level import Level
 from indoor_explorers.evaluation.report.numbers import percent, with_interval
 from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels.plots import Axis, Guide, Plot, Series, bounds
@@ -79,14 +80,15 @@ def _gain(team: int, alone: NDArray[np.float64], together: NDArray[np.float64], 
 
 
 def scaling_plots(results: Results, scaling: TeamScaling, looks: Mapping[str, Style]) -> list[Plot]:
-    """Return speed-up to 90 % and 99 % coverage and efficiency to 99 %; empty when no policy was flown in both."""
-    plots = []
-    for metric, level in (("t90", "90 %"), ("t99", "99 %")):
+    """Return speed-up to 90 % and to the level, and efficiency to the level; empty when no policy was flown in both."""
+    plots, judging = [], results.level(scaling.scenarios[0])
+    for metric in judging.times:
+        level = Level(metric).percent
         found = {policy: gains(results, scaling, policy, metric) for policy in results.policies}
         found = {policy: each for policy, each in found.items() if each}
         if found:
             plots.append(_speedup_plot(found, scaling, level, looks))
-        if found and metric == "t99":
+        if found and metric == judging.key:
             plots.append(_efficiency_plot(found, scaling, level, looks))
     return plots
 

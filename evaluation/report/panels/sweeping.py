@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from indoor_explorers.evaluation.level import Level
 from indoor_explorers.evaluation.report.numbers import counted
 from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels.plots import Plot
@@ -23,6 +24,8 @@ class SweepPanel:
     scenarios: tuple[str, ...]
     policies: list[str]
     plots: Sequence[Plot]
+    times: list[str]
+    """What the times of its scenarios are called, that to their level last."""
     tasks: str
     """Episodes a point."""
     few: bool
@@ -62,6 +65,7 @@ def _panel(title: str, sweep: RadioSweep | TeamScaling, plots: Sequence[Plot], r
         sweep.scenarios,
         list(dict.fromkeys(each.name for each in series)),
         plots,
+        [Level(key).title for key in results.level(sweep.scenarios[0]).times],
         " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1]))),
         any(each.dots for each in series),
         any(any(each.hollow or []) for each in series),

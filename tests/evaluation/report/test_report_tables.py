@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.level import NEARLY_ALL
 from indoor_explorers.evaluation.metrics import WASTED
 from indoor_explorers.evaluation.record import Record
 from indoor_explorers.evaluation.report.comparison import Comparison
@@ -16,7 +17,7 @@ from indoor_explorers.evaluation.report.headline import headline
 from indoor_explorers.evaluation.report.measures_table import measures_table
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.palette import styles
-from indoor_explorers.evaluation.report.tables import COLUMNS, results_table
+from indoor_explorers.evaluation.report.tables import columns_of, results_table
 from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.statistics import contrasts
 
@@ -142,7 +143,7 @@ def test_who_freezes_stands_out_and_older_results_that_did_not_measure_it_load()
     older = [replace(r, metrics={k: v for k, v in r.metrics.items() if k not in WASTED}) for r in older]
     found = results_of([*policy("frozen", 40.0), *policy("fine", 3.0), *older])
     cells = dict(results_table(Comparison(found, "room"), styles(found.policies)))
-    place = [column.key for column in COLUMNS].index("longest_idle")
+    place = [column.key for column in columns_of(NEARLY_ALL)].index("longest_idle")
     frozen, fine, missing = (cells[name][place] for name in ("frozen", "fine", "older"))
     assert (frozen.text, frozen.detail, frozen.bad) == ("14.0", "\u2264 40", True)
     assert (fine.text, fine.bad) == ("1.7", False)

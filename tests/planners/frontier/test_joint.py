@@ -18,25 +18,6 @@ def test_it_needs_fewer_steps_than_the_nearest_frontier() -> None:
     assert sum(steps["frontier-joint"]) < 0.9 * sum(steps["frontier-nearest"])
 
 
-def test_four_at_a_crossing_take_a_corridor_each() -> None:
-    free = np.zeros((43, 43), np.bool_)
-    free[21, 1:42] = free[1:42, 21] = True
-    spawns = [(21, 21), (20, 21), (21, 20), (22, 21)]
-    flight = fly(make_policy("frontier-joint"), free, team=4, radio=("unlimited", 0.0), spawns=spawns)
-    ends = {(int(np.sign(row - 21)), int(np.sign(col - 21))) for row, col in (track[-1] for track in flight.tracks)}
-    assert ends == {(0, 1), (0, -1), (1, 0), (-1, 0)}
-    assert flight.steps <= 25
-
-
-@pytest.mark.parametrize("radio", [("none", 0.0), ("disc", 4.0), ("unlimited", 0.0)], ids=lambda radio: radio[0])
-def test_nobody_idles_or_dithers(radio: tuple[str, float]) -> None:
-    flight = fly(make_policy("frontier-joint"), rooms(3, 5, 2), team=4, radio=radio)
-    stays = sum(row.count(4) for row in flight.actions)
-    assert flight.complete
-    assert stays <= 0.1 * 4 * flight.steps  # who cannot hear the others waits for them in doorways
-    assert flight.longest_dither <= 6
-
-
 def test_a_pocket_on_the_way_is_not_left_behind() -> None:
     free = np.zeros((9, 40), np.bool_)
     free[4, 1:39] = True
