@@ -78,5 +78,6 @@ def _pairs(numbers: list[int], joined: list[list[int]]) -> NDArray[np.int64]:
     ends = np.array(numbers, np.int64)
     firsts = np.repeat(ends, [len(others) for others in joined])
     seconds = ends[[other for others in joined for other in others]]
-    lower, higher = np.minimum(firsts, seconds), np.maximum(firsts, seconds)
-    return np.stack(np.divmod(np.unique(lower * len(ends) + higher), max(1, len(ends))), axis=1)
+    span = ends.max(initial=0) + 1
+    pairs = np.unique(np.minimum(firsts, seconds) * span + np.maximum(firsts, seconds))
+    return np.stack(np.divmod(pairs, span), axis=1)
