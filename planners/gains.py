@@ -75,6 +75,8 @@ def sights(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDAr
 NEIGHBOURHOOD = 2
 #: The other cells of that square.
 AROUND = (2 * NEIGHBOURHOOD + 1) ** 2 - 1
+#: Changes are boxed in squares of so many cells a side, for teammates change the map in several places at once.
+TILE = 16
 #: A gain that has to be computed.
 STALE = -1.0
 
@@ -106,17 +108,28 @@ def _weighted(belief: np.ndarray, cell: int, depths: np.ndarray, isolation: floa
 
 
 @kernel()
-def _forget_changed(old: np.ndarray, new: np.ndarray, reach: int, gains: np.ndarray) -> None:
-    """Bring ``old`` up to date and make gains stale within ``reach`` of the box around all that has changed."""
-    height, width = new.shape
-    top, bottom, left, right = height, -1, width, -1
-    for r in range(height):
-        for c in range(width):
+def _bring_up_to_date(old: np.ndarray, new: np.ndarray) -> tuple[int, int, int, int]:
+    """Copy ``new`` to ``old``; return the box around what has changed as rows and columns, the ends excluded."""
+    top, bottom, left, right = new.shape[0], 0, new.shape[1], 0
+    for r in range(new.shape[0]):
+        for c in range(new.shape[1]):
             if old[r, c] != new[r, c]:
                 old[r, c] = new[r, c]
-                top, bottom, left, right = min(top, r), r, min(left, c), max(right, c)
-    if bottom >= 0:
-        gains[max(0, top - reach) : bottom + reach + 1, max(0, left - reach) : right + reach + 1] = STALE
+                top, bottom, left, right = min(top, r), r + 1, min(left, c), max(right, c + 1)
+    return top, bottom, left, right
+
+
+@kernel()
+def _forget_changed(old: np.ndarray, new: np.ndarray, reach: int, gains: np.ndarray) -> None:
+    """Bring ``old`` up to date and make gains stale within ``reach`` of the box around each tile's changes."""
+    for row in range(0, new.shape[0], TILE):
+        for col in range(0, new.shape[1], TILE):
+            tile = slice(row, row + TILE), slice(col, col + TILE)
+            top, bottom, left, right = _bring_up_to_date(old[tile], new[tile])
+            if top < bottom:
+                rows = max(0, row + top - reach), row + bottom + reach
+                cols = max(0, col + left - reach), col + right + reach
+                gains[rows[0] : rows[1], cols[0] : cols[1]] = STALE
 
 
 @kernel()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid import UNREACHABLE
 from indoor_explorers.env.lidar import optics
 from indoor_explorers.env.policy import Pilot, Policy
@@ -151,17 +151,27 @@ class JointPilot(LookoutPilot):
         """Return what a group can choose from."""
         policy, reach = self._policy, self._range
         fields = np.stack([self.paths.field(view.belief, member.cell) for member in members])
-        ahead = frontiers(view.belief, fields, reach, policy.clusters)
-        around = surroundings(view.belief, fields, reach, policy.near, policy.rate / reach, policy.lookouts)
-        around = np.setdiff1d(around, np.concatenate([ahead, self.paths.flat(self.visited)]))
-        cells = np.concatenate([ahead, around]).astype(np.int32)
-        cells = cells[~self.shunned(view, cells)]
+        cells, ahead = self.places(view, fields)
+        fine = ~self.shunned(view, cells)
+        cells, ahead = cells[fine], ahead[fine]
         steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64)
         gains, shared = views(view.belief, cells, Interest(policy.isolation, policy.fade * reach), optics(reach))
         between = hops(view.belief, cells, steps, int(HOP_RANGES * reach) + 1)
         favour = np.stack([self.favour(member.goal, cells, policy.hold) for member in members])
         away = np.where(steps < UNREACHABLE, steps / reach, UNREACHABLE)
-        return Task(cells, np.isin(cells, ahead), away, between / reach, gains, shared, favour)
+        return Task(cells, ahead, away, between / reach, gains, shared, favour)
+
+    def places(self, view: View, fields: Distances) -> tuple[NDArray[np.int32], Mask]:
+        """Return flat cells to choose from, (K,), and which of them stand for all that is left to see, (K,) bool.
+
+        ``fields`` (N, H, W) are the steps of the UAVs of the group.
+        """
+        policy, reach = self._policy, self._range
+        ahead = frontiers(view.belief, fields, reach, policy.clusters)
+        around = surroundings(view.belief, fields, reach, policy.near, policy.rate / reach, policy.lookouts)
+        around = np.setdiff1d(around, np.concatenate([ahead, self.paths.flat(self.visited)]))
+        cells = np.concatenate([ahead, around]).astype(np.int32)
+        return cells, np.arange(len(cells)) < len(ahead)
 
     def factors(self, view: View, task: Task, me: int) -> NDArray[np.float64]:
         """Return what teammates out of contact leave of each of K places, (K,)."""

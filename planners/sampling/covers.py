@@ -120,6 +120,11 @@ def _settle(costs: np.ndarray, worths: np.ndarray, order: np.ndarray, rate: floa
     return most
 
 
+def merit(costs: NDArray[np.float64], worths: NDArray[np.float64], order: NDArray[np.int64], rate: float) -> float:
+    """Return the merit of an open tour as :func:`settled` has it."""
+    return float(_merit(costs, worths, order, float(rate)))
+
+
 def settled(
     costs: NDArray[np.float64], worths: NDArray[np.float64], order: NDArray[np.int64], rate: float
 ) -> tuple[NDArray[np.int64], float]:

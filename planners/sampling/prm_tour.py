@@ -13,12 +13,15 @@ from indoor_explorers.env.policy import Pilot
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.gains import sights
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.sampling.covers import greedy_cover, settled
+from indoor_explorers.planners.sampling.covers import greedy_cover, merit, settled
 from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
 from indoor_explorers.planners.tours import nearest_neighbour
+
+#: The order is improved of so many of the tours that promise most as nearest neighbours join them.
+IMPROVED = 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,17 +113,32 @@ class PrmTourPilot(ViewpointPilot):
         milestones = [0, *(place[cell] for cell in viewpoints.cells[used].tolist())]
         costs = roadmap.lengths_from(*milestones)[:, milestones]
         totals = np.bitwise_count(bits).sum(axis=1)
-        best, stops = -np.inf, used
-        for tried, (picks, added) in enumerate(covers):
-            those = np.concatenate([[0], 1 + np.searchsorted(used, picks)])
-            among = costs[np.ix_(those, those)]
-            worths = np.concatenate([[0.0], added / totals[picks] * viewpoints.promises[picks]])
-            order, merit = settled(among, worths, nearest_neighbour(among), self._rate)
-            if tried == 0:
-                merit *= self._policy.keep ** np.sign(merit)
-            if merit > best:
-                best, stops = merit, picks[order[1:] - 1]
-        return np.asarray(viewpoints.cells[stops], np.int32)
+        tours = []
+        for picks, added in covers:
+            places = np.concatenate([[0], 1 + np.searchsorted(used, picks)])
+            worths = np.zeros(len(costs))
+            worths[places[1:]] = added / totals[picks] * viewpoints.promises[picks]
+            tours.append((worths, places[nearest_neighbour(costs[np.ix_(places, places)])]))
+        return np.asarray(viewpoints.cells[used[self._best(costs, tours)[1:] - 1]], np.int32)
+
+    def _best(
+        self, costs: NDArray[np.float64], tours: list[tuple[NDArray[np.float64], NDArray[np.int64]]]
+    ) -> NDArray[np.int64]:
+        """Return the order with the most merit when improved, of the first tour and the most promising others.
+
+        A tour is what the places are worth, (K,), and an order of some of them. ``costs`` are (K, K).
+        """
+        merits = [merit(costs, worths, order, self._rate) for worths, order in tours]
+        promising = np.argsort(-np.array(merits), kind="stable")[:IMPROVED]
+        best, most = tours[0][1], -np.inf
+        for k in sorted({0, *promising.tolist()}):
+            worths, order = tours[k]
+            order, earned = settled(costs, worths, order, self._rate)
+            if k == 0:
+                earned *= self._policy.keep ** np.sign(earned)
+            if earned > most:
+                best, most = order, earned
+        return best
 
     def _covers(
         self, bits: NDArray[np.uint64], weights: NDArray[np.float64], kept: NDArray[np.int64]

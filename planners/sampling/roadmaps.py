@@ -70,5 +70,14 @@ def grow_roadmap(belief: Belief, points: Points, *, optimal: bool = True) -> Roa
         found, joined = read_graph(planner, information)
         information.clearValidStateSamplerAllocator()
     number = {(row, col): k for k, (row, col) in enumerate(points.tolist())}
-    edges = {tuple(sorted((number[found[k]], number[found[m]]))) for k, others in enumerate(joined) for m in others}
-    return Roadmap(points, np.array(sorted(edges), np.int64).reshape(-1, 2))
+    return Roadmap(points, _pairs([number[point] for point in found], joined))
+
+
+def _pairs(numbers: list[int], joined: list[list[int]]) -> NDArray[np.int64]:
+    """Return the pairs of ``numbers`` whose places are joined, (E, 2), each once, in lexicographic order."""
+    ends = np.array(numbers, np.int64)
+    firsts = np.repeat(ends, [len(others) for others in joined])
+    seconds = ends[[other for others in joined for other in others]]
+    span = ends.max(initial=0) + 1
+    pairs = np.unique(np.minimum(firsts, seconds) * span + np.maximum(firsts, seconds))
+    return np.stack(np.divmod(pairs, span), axis=1)

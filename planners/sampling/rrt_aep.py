@@ -8,16 +8,21 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell
+from indoor_explorers.env.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid import FREE
 from indoor_explorers.env.policy import Pilot
 from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.frontier.joint import FrontierJoint, JointPilot
 from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.sampling.memory import Memory, tree_cells
 from indoor_explorers.planners.sampling.rrt_nbv import RrtNbv, RrtNbvPilot
-from indoor_explorers.planners.sampling.samples import box_around, known_cells, points_in, tree_samples
-from indoor_explorers.planners.sampling.segments import entries
+from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.trees import grow_tree
-from indoor_explorers.planners.sampling.viewpoints import Viewpoints
+from indoor_explorers.planners.sampling.viewpoints import Viewpoints, few
+from indoor_explorers.planners.teammates import message_of
+
+#: Half the side of the square right around the UAV, in cells.
+NEAR_HALF = 6.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,9 +31,11 @@ class RrtAep(RrtNbv):
 
     The paper takes turns: receding-horizon next-best-view planning while the local tree promises enough, else an
     RRT* to the remembered viewpoint with the best g e^(-global_discount d / R), d the length of the way along the
-    RRT*; ``take_turns`` does that. Without it all viewpoints, of the local tree, of one over the whole map and those
-    remembered, go into one order, the cheapest of a travelling repairman
-    (:mod:`indoor_explorers.planners.frontier.orders`), and the UAV flies to the first.
+    RRT*; ``take_turns`` does that. Without it there is a tree near the UAV, densest around it, and now and then one
+    over the whole map. What they have found and what is remembered is chosen from as
+    :class:`~indoor_explorers.planners.frontier.joint.FrontierJoint` chooses from frontier clusters: the best short
+    sequence for the least cost of all that it leaves behind, linked UAVs in turn; ``share`` counts for the paper's
+    order alone.
 
     M. Selin, M. Tiger, D. Duberg, F. Heintz, P. Jensfelt, "Efficient autonomous exploration planning of large-scale
     3-D environments", IEEE RA-L 4(2), 2019, doi:10.1109/LRA.2019.2897343.
@@ -38,56 +45,115 @@ class RrtAep(RrtNbv):
     """How fast promises fade with the way to them: by a factor e for this share of a step per lidar range."""
     samples: int = 100
     """Samples for each tree."""
+    near_samples: int = 100
+    """More samples for the tree near the UAV, drawn right around it."""
+    local_period: float = 0.1
+    """Steps after which a tree is grown near the UAV if the map has grown, in lidar ranges."""
+    global_period: float = 1.0
+    """Steps after which a tree is grown over the whole map if the map has grown, in lidar ranges."""
+    places: int = 32
+    """The most viewpoints with different views to choose from."""
+    lookouts: int = 8
+    """The most other viewpoints near a UAV of the group to choose from."""
+    order: float = 0.3
+    """What a lidar range of the cost of what is left behind takes off the logarithm of a sequence's value."""
+    latency: float = 3.0
+    """Weight of the mean waiting time beside the length in that cost."""
     take_turns: bool = False
     """True for the paper's order: the local tree first, remembered viewpoints when it promises too little."""
     threshold: float = 0.02
-    """What a local tree must promise at least, and a viewpoint to be remembered, as a share of the lidar's disc."""
+    """What a local tree must promise at least, and a viewpoint to be remembered, when taking turns: a share of the
+    lidar's disc."""
     global_discount: float = 0.6
     """How fast promises fade with the way along the RRT*: by a factor e for this share of a step per lidar range."""
-    latency: float = 16.0
-    """Weight of the mean waiting time beside the length of the order."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        at_least(self, 0.0, "threshold", "global_discount", "latency")
+        at_least(self, 0.0, "threshold", "global_discount", "order", "latency", "local_period", "global_period")
+        at_least(self, 0, "near_samples", "lookouts")
+        at_least(self, 1, "places")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV."""
-        return RrtAepPilot(briefing, self)
+        return TurnsPilot(briefing, self) if self.take_turns else RrtAepPilot(briefing, self)
 
 
-class RrtAepPilot(RrtNbvPilot):
-    """Remember viewpoints until they promise nothing any more."""
+class RrtAepPilot(JointPilot):
+    """Choose among remembered viewpoints, in turn with whoever is linked."""
+
+    def __init__(self, briefing: Briefing, policy: RrtAep) -> None:
+        super().__init__(
+            briefing,
+            FrontierJoint(
+                isolation=policy.isolation,
+                fade=policy.depth,
+                hold=policy.hold,
+                order=policy.order,
+                latency=policy.latency,
+            ),
+        )
+        self._aep = policy
+        self._memory = Memory(briefing, policy)
+        self._next_local = self._next_global = self._fallbacks = 0
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the viewpoint that is left for this UAV, the nearest frontier cell when none promises anything."""
+        goal = super().choose(view)
+        if goal is None:
+            self._fallbacks += 1
+            goal = self.nearest_frontier(view)
+            self.message = message_of(goal)
+        return goal
+
+    def tally(self) -> dict[str, float]:
+        """Return how often no viewpoint promised anything, beside the common figures."""
+        return super().tally() | {"fallbacks": float(self._fallbacks)}
+
+    def places(self, view: View, fields: Distances) -> tuple[NDArray[np.int32], Mask]:
+        """Return viewpoints with different views and some more near a UAV, (K,), and which the former are, (K,)."""
+        self._grow_trees(view)
+        steps = fields.min(axis=0).ravel()
+        cells, promises = self._memory.recalled(view, steps)
+        scores = np.log(promises) - self._aep.discount * steps[cells] / self._range
+        different = few(view.belief, cells, scores, self._range, 2 * self._aep.places, self._aep.places)
+        values = np.sqrt(promises) * np.exp(-self._policy.rate * steps[cells] / self._range)
+        near = np.setdiff1d(np.flatnonzero(steps[cells] <= self._policy.near), different)
+        near = near[np.argsort(-values[near], kind="stable")[: self._aep.lookouts]]
+        return cells[np.concatenate([different, near])], np.arange(len(different) + len(near)) < len(different)
+
+    def _grow_trees(self, view: View) -> None:
+        """Grow the trees that are due: all of them when the goal is spent."""
+        memory, policy = self._memory, self._aep
+        spent = self.goal is None or self.spent(view, self.goal)
+        if spent or view.step >= self._next_local:
+            near, half = (NEAR_HALF, policy.near_samples), policy.local_ranges * self._range
+            memory.grow(view, near, (half, policy.samples))
+            self._next_local = view.step + round(policy.local_period * self._range)
+        if spent or view.step >= self._next_global:
+            memory.grow(view, (float(max(view.belief.shape)), policy.samples))
+            self._next_global = view.step + round(policy.global_period * self._range)
+
+
+class TurnsPilot(RrtNbvPilot):
+    """Go by the local tree while it promises enough, then by an RRT* to remembered viewpoints."""
 
     def __init__(self, briefing: Briefing, policy: RrtAep) -> None:
         super().__init__(briefing, policy)
         self._aep = policy
         self._remembered = np.empty(0, np.int32)
-        self._enough = policy.threshold * pi * briefing.lidar_range**2 if policy.take_turns else 0.0
+        self._enough = policy.threshold * pi * briefing.lidar_range**2
 
     def viewpoint(self, view: View) -> Cell | None:
-        """Return the best viewpoint of all, or first the local tree's and then the best remembered one."""
-        half = self._aep.local_ranges * self.briefing.lidar_range
-        found = [self._remembered, self._seen(view, half)]
-        if not self._aep.take_turns:
-            found.append(self._seen(view, float(max(view.belief.shape))))
-        viewpoints = self.judged(view, np.unique(np.concatenate(found)))
+        """Return the local tree's best viewpoint, or else the best remembered one."""
+        policy = self._aep
+        half = policy.local_ranges * self.briefing.lidar_range
+        found = tree_cells(view, [(half, policy.samples)], policy.bias, policy.edge, self.rng)
+        viewpoints = self.judged(view, np.union1d(self._remembered, found))
         good = viewpoints.promises > self._enough
         self._remembered = viewpoints.cells[good]
-        if not self._aep.take_turns:
-            return self.best(view, viewpoints, self._aep.latency)
-        near = np.isin(viewpoints.cells, found[1])
-        if (good & near).any():
+        if (good & np.isin(viewpoints.cells, found)).any():
             return super().viewpoint(view)
         return self._farther(view, viewpoints.those(good))
-
-    def _seen(self, view: View, half: float) -> NDArray[np.int32]:
-        """Grow a tree in a square around the UAV; return its known free cells and where it gets into the unknown."""
-        low, high = box_around(view.cell, half, view.belief.shape)
-        drawn = tree_samples(view.belief, low, high, self._aep.samples, self._aep.bias, self.rng)
-        tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), drawn, self._aep.edge)
-        cells = known_cells(view.belief, tree.vertices)
-        return np.concatenate([cells[cells >= 0], entries(view.belief, *tree)])
 
     def _farther(self, view: View, viewpoints: Viewpoints) -> Cell | None:
         """Return the viewpoint to which an RRT* finds the way with the best discounted promise."""

@@ -109,7 +109,7 @@ class RrtFrontierPilot(ViewpointPilot):
         cells = self._detected(view, field)
         if not self._policy.as_published:
             return self.best(view, self.judged(view, cells), self._policy.latency)
-        cells = cells[merged(cells, self._policy.merge_distance, self.paths.width)]
+        cells = cells[merged(cells, self._policy.merge_distance, self.paths.width, len(cells))]
         if not len(cells):
             return None
         return divmod(int(cells[np.argmax(self._revenue(view, cells, field))]), self.paths.width)

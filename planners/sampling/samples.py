@@ -65,11 +65,16 @@ def border_cells(belief: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.nd
 
 
 @kernel()
-def merged(cells: np.ndarray, distance: float, width: int) -> np.ndarray:
-    """Return the places of those of (K,) flat cells that are not nearer than ``distance`` to one before them kept."""
-    kept = np.empty(cells.shape[0], np.int64)
+def merged(cells: np.ndarray, distance: float, width: int, most: int) -> np.ndarray:
+    """Return the places of those of (K,) flat cells that are not nearer than ``distance`` to one before them kept.
+
+    The first ``most`` of these.
+    """
+    kept = np.empty(min(most, cells.shape[0]), np.int64)
     size = 0
     for k in range(cells.shape[0]):
+        if size == kept.shape[0]:
+            break
         row, col = divmod(cells[k], width)
         apart = True
         for j in range(size):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell, Distances, Mask
+from indoor_explorers.env.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid import UNREACHABLE
 from indoor_explorers.env.policy import Policy
 from indoor_explorers.env.view import Briefing, View
@@ -56,6 +56,19 @@ class Viewpoints(NamedTuple):
     def unclaimed(self) -> Viewpoints:
         """Return those that the teammates do not leave much less of than of others."""
         return self.those(self.left > LEFT_TO_OTHERS * self.left.max(initial=0.0))
+
+
+def few(
+    belief: Belief, cells: NDArray[np.int32], scores: NDArray[np.float64], lidar_range: float, tried: int, most: int
+) -> NDArray[np.int64]:
+    """Return the places of the best of (K,) flat cells by their scores that are apart and see different things.
+
+    At most ``most`` of the best ``tried`` that are apart, the best first.
+    """
+    order = np.argsort(-scores, kind="stable")
+    apart = max(APART_CELLS, APART_RANGES * lidar_range)
+    order = order[merged(cells[order], apart, belief.shape[1], tried)]
+    return np.asarray(order[distinct(sights(belief, cells[order], lidar_range), OVERLAP, most)])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,10 +165,8 @@ class ViewpointPilot(GoalPilot):
         """Return the places of the best of (K,) viewpoints that are apart and see different things."""
         reach = self.briefing.lidar_range
         scores = np.log(viewpoints.promises) - self.weights.discount * viewpoints.steps / reach
-        order = np.argsort(-scores - self.weights.hold * self._kept(viewpoints.cells), kind="stable")
-        apart = max(APART_CELLS, APART_RANGES * reach)
-        order = order[merged(viewpoints.cells[order], apart, self.paths.width)[:CANDIDATES]]
-        return np.asarray(order[distinct(sights(view.belief, viewpoints.cells[order], reach), OVERLAP, STOPS)])
+        scores += self.weights.hold * self._kept(viewpoints.cells)
+        return few(view.belief, viewpoints.cells, scores, reach, CANDIDATES, STOPS)
 
     def _costs(self, view: View, viewpoints: Viewpoints, latency: float) -> NDArray[np.float64]:
         """Return what the best order costs that begins with each of (K,) viewpoints, in lidar ranges, (K,)."""

@@ -46,7 +46,8 @@ def test_kept_gains_are_those_of_the_map_as_it_is() -> None:
     belief = np.zeros(truth.shape, np.uint8)
     kept = WeightedGains(truth.shape, 4.0, 0.5, 8.0)
     for _ in range(25):
-        row, col = int(rng.integers(36)), int(rng.integers(46))
-        belief[row : row + 4, col : col + 4] = truth[row : row + 4, col : col + 4]
+        for _ in range(2):
+            row, col = int(rng.integers(36)), int(rng.integers(46))
+            belief[row : row + 4, col : col + 4] = truth[row : row + 4, col : col + 4]
         cells = np.flatnonzero(belief == 1).astype(np.int32)[::3]
         assert kept.at(belief, cells).tolist() == WeightedGains(truth.shape, 4.0, 0.5, 8.0).at(belief, cells).tolist()

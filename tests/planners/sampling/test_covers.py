@@ -5,7 +5,7 @@ from itertools import pairwise, permutations
 import numpy as np
 import pytest
 
-from indoor_explorers.planners.sampling.covers import distinct, greedy_cover, settled
+from indoor_explorers.planners.sampling.covers import distinct, greedy_cover, merit, settled
 
 
 def some_sets(seed: int) -> list[set[int]]:
@@ -47,7 +47,7 @@ def test_nothing_to_see_needs_no_picks() -> None:
     assert len(picks) == 0
 
 
-def merit(costs: np.ndarray, worths: np.ndarray, order: tuple[int, ...], rate: float) -> float:
+def plain_merit(costs: np.ndarray, worths: np.ndarray, order: tuple[int, ...], rate: float) -> float:
     arrivals = np.cumsum([costs[a, b] for a, b in pairwise(order)])
     return float((worths[list(order[1:])] * np.exp(-rate * arrivals)).sum()) if rate else -float(arrivals[-1])
 
@@ -62,10 +62,11 @@ def test_settled_tours_are_near_the_best(seed: int, rate: float) -> None:
     order, found = settled(costs, worths, begun, rate)
     assert sorted(order.tolist()) == begun.tolist()
     assert order[0] == 0
-    assert found == pytest.approx(merit(costs, worths, tuple(order.tolist()), rate))
-    every = [merit(costs, worths, (0, *rest), rate) for rest in permutations(range(1, 6))]
+    assert found == pytest.approx(plain_merit(costs, worths, tuple(order.tolist()), rate))
+    assert found == pytest.approx(merit(costs, worths, order, rate))
+    every = [plain_merit(costs, worths, (0, *rest), rate) for rest in permutations(range(1, 6))]
     assert max(every) - 0.25 * abs(max(every)) <= found <= max(every) + 1e-9
-    assert found >= merit(costs, worths, tuple(begun.tolist()), rate) - 1e-9
+    assert found >= plain_merit(costs, worths, tuple(begun.tolist()), rate) - 1e-9
 
 
 @pytest.mark.parametrize("seed", range(5))

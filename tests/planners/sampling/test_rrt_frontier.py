@@ -14,8 +14,8 @@ from tests.planners.flights import fly, maze
 
 def test_near_candidates_are_merged() -> None:
     cells = np.array([0, 1, 2, 3, 4, 9, 30], np.int32)
-    assert cells[merged(cells, 3.0, 10)].tolist() == [0, 3, 9, 30]
-    assert merged(cells[:0], 3.0, 10).tolist() == []
+    assert cells[merged(cells, 3.0, 10, len(cells))].tolist() == [0, 3, 9, 30]
+    assert merged(cells[:0], 3.0, 10, 5).tolist() == []
 
 
 def test_border_cells_are_unknown_beside_free() -> None:

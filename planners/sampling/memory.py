@@ -1,0 +1,63 @@
+"""What random trees have come upon: cells from which something unknown is in view, kept while that is so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.planners.gains import WeightedGains
+from indoor_explorers.planners.sampling.rrt_nbv import RrtNbv
+from indoor_explorers.planners.sampling.samples import box_around, known_cells, tree_samples
+from indoor_explorers.planners.sampling.segments import entries
+from indoor_explorers.planners.sampling.trees import grow_tree
+
+#: At most so many viewpoints are judged at a time, the nearest ones.
+JUDGED = 256
+
+
+def tree_cells(
+    view: View, squares: Iterable[tuple[float, int]], bias: float, edge: float, rng: np.random.Generator
+) -> NDArray[np.int32]:
+    """Grow a tree from the UAV; return its known free cells and where it gets into the unknown, flat.
+
+    Each of the ``squares`` around the UAV is half its side in cells and how many samples are drawn from it, a share
+    ``bias`` of them from unknown cells next to known free ones. ``edge`` is the longest edge in cells.
+    """
+    drawn = []
+    for half, count in squares:
+        low, high = box_around(view.cell, half, view.belief.shape)
+        drawn.append(tree_samples(view.belief, low, high, count, bias, rng))
+    tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), np.concatenate(drawn), edge)
+    cells = known_cells(view.belief, tree.vertices)
+    return np.concatenate([cells[cells >= 0], entries(view.belief, *tree)])
+
+
+class Memory:
+    """The viewpoints that one UAV's trees have found."""
+
+    def __init__(self, briefing: Briefing, policy: RrtNbv) -> None:
+        self._policy = policy
+        self._rng = briefing.rng
+        self._promises = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
+        self._cells = np.empty(0, np.int32)
+
+    def grow(self, view: View, *squares: tuple[float, int]) -> None:
+        """Remember what a tree finds whose samples are drawn from squares around the UAV (:func:`tree_cells`)."""
+        found = tree_cells(view, squares, self._policy.bias, self._policy.edge, self._rng)
+        self._cells = np.union1d(self._cells, found)
+
+    def recalled(self, view: View, steps: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+        """Return the nearest viewpoints, (K,) flat cells, and what they promise, (K,).
+
+        ``steps`` (H*W,) tells how near a cell is. What cannot be reached or promises nothing is forgotten.
+        """
+        cells = self._cells[(steps[self._cells] < UNREACHABLE) & ~view.visited.ravel()[self._cells]]
+        cells = cells[np.argsort(steps[cells], kind="stable")]
+        promises = self._promises.at(view.belief, cells[:JUDGED])
+        good = cells[:JUDGED][promises > 0.0]
+        self._cells = np.concatenate([good, cells[JUDGED:]])
+        return good, promises[promises > 0.0]
