@@ -26,7 +26,7 @@ HOP_RANGES = 4.0
 SEEN = 0.5
 #: A cluster of which teammates leave less than this share of the most is theirs.
 THEIRS = 0.5
-#: A place of which those who have chosen before leave less than this share is taken: nobody else flies there next.
+#: A place of which those who have chosen before leave less than this share is taken, the more so the less they leave.
 TAKEN = 0.25
 
 
@@ -194,9 +194,10 @@ class JointPilot(LookoutPilot):
 def not_taken(
     values: NDArray[np.float64], left: NDArray[np.float64], gains: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return what (K,) places are worth, 0 for those that linked teammates have taken, unless all are.
+    """Return what (K,) first places are worth, the less the more of them linked teammates have taken.
 
-    Without this, a UAV flies towards what it likes best by way of a teammate's place, and so in its wake.
+    Without this, a UAV flies towards what it likes best by way of a teammate's place, and so in its wake. Where
+    nothing is left of any, values are as they were.
     """
-    free = np.where(left >= TAKEN * gains, values, 0.0)
+    free = values * np.minimum(1.0, left / np.maximum(TAKEN * gains, 1e-300))
     return free if free.any() else values

@@ -61,7 +61,9 @@ def test_linked_uavs_fly_to_different_places(name: str) -> None:
     assert np.mean(together) < 0.15
 
 
-def test_what_others_have_taken_is_flown_to_only_when_all_is() -> None:
+def test_a_first_place_counts_less_the_less_of_it_is_left() -> None:
     values, gains = np.array([3.0, 2.0, 0.0]), np.array([10.0, 10.0, 10.0])
-    assert not_taken(values, np.array([1.0, 9.0, 9.0]), gains).tolist() == [0.0, 2.0, 0.0]
-    assert not_taken(values, np.array([1.0, 1.0, 9.0]), gains).tolist() == [3.0, 2.0, 0.0]
+    assert not_taken(values, np.array([5.0, 9.0, 9.0]), gains).tolist() == [3.0, 2.0, 0.0]
+    assert not_taken(values, np.array([0.0, 2.5, 9.0]), gains).tolist() == [0.0, 2.0, 0.0]
+    assert 0.0 < not_taken(values, np.array([1.0, 9.0, 9.0]), gains)[0] < 3.0
+    assert not_taken(values, np.array([0.0, 0.0, 9.0]), gains).tolist() == [3.0, 2.0, 0.0]
