@@ -26,6 +26,8 @@ HOP_RANGES = 4.0
 SEEN = 0.5
 #: A cluster of which teammates leave less than this share of the most is theirs.
 THEIRS = 0.5
+#: A place of which those who have chosen before leave less than this share is taken, the more so the less they leave.
+TAKEN = 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,6 +141,7 @@ class JointPilot(LookoutPilot):
         """Return the sequence that a UAV flies, (3,), -1 after its end, from the (K,) gains that are left."""
         policy = self._policy
         values, sequences = best_sequences(task, uav, gains, self._worth)
+        values = not_taken(values, gains, factors * task.gains)
         if not values.any():
             return np.array([int(task.away[uav].argmin()), -1, -1])
         best = np.argsort(-values, kind="stable")[: policy.firsts]
@@ -196,3 +199,15 @@ class JointPilot(LookoutPilot):
         left[first] = gains[first]
         rest = rest[(rest != first) & (task.shared[rest, first] < SEEN)]
         return cost_of_rest(task, uav, first, rest, left**self._policy.power, self._policy.latency)
+
+
+def not_taken(
+    values: NDArray[np.float64], left: NDArray[np.float64], gains: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return what (K,) first places are worth, the less the more of them linked teammates have taken.
+
+    Without this, a UAV flies towards what it likes best by way of a teammate's place, and so in its wake. Where
+    nothing is left of any, values are as they were.
+    """
+    free = values * np.minimum(1.0, left / np.maximum(TAKEN * gains, 1e-300))
+    return free if free.any() else values
