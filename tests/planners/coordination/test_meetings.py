@@ -45,7 +45,7 @@ def has_another(view: View, own: Cell, other: Cell) -> bool:
     return bool(((away > 1.5 * RANGE) & (steps <= field[own] + 3.0 * RANGE)).any())
 
 
-@pytest.mark.parametrize("name", ["frontier", "frontier-burgard", "frontier-hungarian", "pso"])
+@pytest.mark.parametrize("name", ["frontier", "frontier-burgard", "frontier-hungarian", "pso", "rrt"])
 def test_linked_uavs_fly_to_different_places(name: str) -> None:
     policy, together, meetings = make_policy(name), [], 0
     for seed in range(1, 7):
