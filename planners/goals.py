@@ -78,7 +78,28 @@ class GoalPilot(Pilot):
 
     def act(self, view: View) -> int:
         """Follow the path to the goal, choosing another goal when it is due."""
-        self._look(view)
+        self.look(view)
+        return self.proceed(view)
+
+    def look(self, view: View) -> None:
+        """Take note of what has changed since the last step; called once a step."""
+        known = count_known(view.belief)
+        self.map_grew, self._known = known != self._known, known
+        self._lately = [*self._lately[-3:], view.cell]
+        self._steady = self._steady or self.swings
+
+    @property
+    def swings(self) -> bool:
+        """Whether the UAV has just flown to and fro twice between two cells."""
+        return len(set(self._lately)) == 2 and self._lately[:2] == self._lately[2:]
+
+    @property
+    def stands(self) -> bool:
+        """Whether the UAV has not got out of its cell in the last two steps."""
+        return len(self._lately) > 2 and len(set(self._lately[-3:])) == 1
+
+    def proceed(self, view: View) -> int:
+        """Return the next move towards the goal, having looked."""
         if self.map_grew:
             self.learned(view)
         if self._goal_is_due(view):
@@ -118,13 +139,6 @@ class GoalPilot(Pilot):
             self._bans = {}
             goal = self.choose(view)
         return goal
-
-    def _look(self, view: View) -> None:
-        known = count_known(view.belief)
-        self.map_grew, self._known = known != self._known, known
-        self._lately = [*self._lately[-3:], view.cell]
-        swings = self._lately[:2] == self._lately[2:] and len(set(self._lately)) == 2
-        self._steady = self._steady or swings
 
     def _goal_is_due(self, view: View) -> bool:
         if self.goal is None:

@@ -33,6 +33,8 @@ class Sgba(Policy):
     straight through, and alone it rarely sees everything. ``finish`` therefore hands over to nearest frontiers for
     the rest of the episode once the UAV has learned nothing new for a while or nothing is left to learn; the tally
     counts these steps (``finishing_steps``). What linked teammates learn is news, too: large groups hand over late.
+    A UAV whose way is blocked flies to its nearest frontier, too, and then on in another direction
+    (``held_up_steps``): followers of the same wall who meet in a corridor would stand there for good.
 
     K. N. McGuire, C. De Wagter, K. Tuyls, H. J. Kappen, G. C. H. E. de Croon, "Minimal navigation solution for a
     swarm of tiny flying robots to explore an unknown environment", Science Robotics 4(35), 2019,
@@ -71,13 +73,21 @@ class SgbaPilot(GoalPilot):
         self._seen = -1
         self._news_at = 0
         self._turned_at = -self._near
-        self._finishing = 0
+        self._finishing = self._held_up = 0
+        self._finishes = self._detours = False
 
     def act(self, view: View) -> int:
         """Take one step of the state machine: outwards, along a wall, or to a frontier."""
-        if self._finishing or self._has_had_enough(view):
+        self.look(view)
+        if not self._finishes and self._has_had_enough(view):
+            self._take(view, self.choose_again(view))
+            self._finishes = True
+        if self._finishes:
             self._finishing += 1
-            return super().act(view)
+            return self.proceed(view)
+        if self._is_held_up(view):
+            self._held_up += 1
+            return self.proceed(view)
         self._turn_from_mates(view)
         return self._fly_out(view) if self._met is None else self._follow(view, self._met)
 
@@ -86,8 +96,22 @@ class SgbaPilot(GoalPilot):
         return self.nearest_frontier(view)
 
     def tally(self) -> dict[str, float]:
-        """Return also for how many steps the UAV flew to nearest frontiers."""
-        return {**super().tally(), "finishing_steps": float(self._finishing)}
+        """Return also for how many steps the UAV flew to nearest frontiers, to finish or because it was held up."""
+        return {
+            **super().tally(),
+            "finishing_steps": float(self._finishing),
+            "held_up_steps": float(self._held_up),
+        }
+
+    def _is_held_up(self, view: View) -> bool:
+        """Tell whether somebody is in the way, from the first sign until the frontier flown to instead is explored."""
+        if self._detours and (self.goal is None or self.spent(view, self.goal)):
+            self._detours = False
+            self._set_bearing(atan2(self._east, self._north) + pi / 2 * int(self.rng.integers(1, 4)))
+        elif not self._detours and (self.swings or self.stands):
+            self._detours = True
+            self._take(view, self.choose_again(view))
+        return self._detours
 
     def _has_had_enough(self, view: View) -> bool:
         """Tell whether nothing new was learned for too long, or nothing is left to learn."""
