@@ -11,7 +11,6 @@ from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.paths import count_known
 from indoor_explorers.planners.teammates import linked
 
 #: Headings 0 to 3.
@@ -70,7 +69,6 @@ class SgbaPilot(GoalPilot):
         self._heading = 0
         self._met: Cell | None = None
         self._along = 0
-        self._seen = -1
         self._news_at = 0
         self._turned_at = -self._near
         self._finishing = self._held_up = 0
@@ -115,10 +113,9 @@ class SgbaPilot(GoalPilot):
 
     def _has_had_enough(self, view: View) -> bool:
         """Tell whether nothing new was learned for too long, or nothing is left to learn."""
-        known = count_known(view.belief)
-        if known == self._seen:
+        if not self.map_grew:
             return view.step - self._news_at > self._patience
-        self._seen, self._news_at = known, view.step
+        self._news_at = view.step
         return isfinite(self._patience) and self.paths.to_frontier(view.belief, view.cell, self.rng) is None
 
     def _set_bearing(self, bearing: float) -> None:

@@ -46,3 +46,11 @@ def test_handing_over_is_told_and_can_be_switched_off() -> None:
     assert 0 < flight.pilots[0].tally()["finishing_steps"] < flight.steps
     alone = fly(make_policy("sgba", finish=False), free, lidar=1.0, budget=400)
     assert alone.pilots[0].tally()["finishing_steps"] == 0
+
+
+def test_two_who_meet_in_a_corridor_do_not_stand_there_for_good() -> None:
+    free = np.zeros((7, 24), np.bool_)
+    free[3, 1:23] = free[1:3, 8] = free[4:6, 15] = True
+    flight = fly(make_policy("sgba", finish=False), free, team=2, spawns=[(3, 10), (3, 13)], lidar=2.0, budget=400)
+    assert flight.complete
+    assert sum(pilot.tally()["held_up_steps"] for pilot in flight.pilots) > 0
