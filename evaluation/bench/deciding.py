@@ -68,7 +68,7 @@ def _flight(name: str, task: Scenario, seed: int, pockets: bool) -> list[tuple[f
     world.reset([seed])
     if pockets:
         _reveal(world)
-    pilots = [policy.pilot(world.briefing(0, agent)) for agent in range(task.team)]
+    pilots = [policy.pilot(world.briefing(0, agent, privileged=policy.privileged)) for agent in range(task.team)]
     timed = []
     while world.flying[0].any():
         actions = np.full((1, task.team), 4)

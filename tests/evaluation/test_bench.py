@@ -141,6 +141,13 @@ def test_measuring_measures():
     assert faces.scan_time(3.0, 5) > 0
 
 
+@pytest.mark.parametrize("policy", policy_names())
+def test_every_policys_decisions_are_timed(policy: str) -> None:
+    found = deciding.decisions(policy, 16, 3.0, 2, 3, 1)
+    assert len(found.seconds) == 6
+    assert (found.seconds > 0).all()
+
+
 def test_decisions_that_make_a_plan_are_told_apart():
     found = deciding.decisions("frontier-nearest", 16, 3.0, 2, 30, 2)
     assert len(found.seconds) == len(found.planned) == 2 * 2 * 30
