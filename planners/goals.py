@@ -91,7 +91,7 @@ class GoalPilot(Pilot):
     @property
     def swings(self) -> bool:
         """Whether the UAV has just flown to and fro twice between two cells."""
-        return len(set(self._lately)) == 2 and self._lately[:2] == self._lately[2:]
+        return self._lately[:2] == self._lately[2:] and len(set(self._lately)) == 2
 
     @property
     def stands(self) -> bool:
