@@ -36,6 +36,8 @@ PENALTY = 10.0
 HOT, COLD = 0.005, 0.25
 #: Viewpoints looked at for each stop of the first routes.
 SAMPLES = 100
+#: Draws in vain for each viewpoint after which nothing is taken to be left for the first routes.
+MOST_SAMPLES = 64
 #: Most stops in a piece that is moved.
 PIECE = 8
 
@@ -157,6 +159,8 @@ def _construct(sights: Sights, legs: Legs, routes: Routes, crew: Crew, aims: Aim
                 score = gain / (cheapest_place(legs, routes, crew.starts, point)[0] + 2.0)
                 if score > most:
                     best, most = point, score
+        if best < 0 and samples > MOST_SAMPLES * legs.points.shape[0]:
+            return
         if best < 0:
             samples *= 2
         elif _insert(sights, legs, routes, crew, best):

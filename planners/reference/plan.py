@@ -18,7 +18,7 @@ import numpy as np
 from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.lidar import optics
-from indoor_explorers.env.sights import Sights, look, sights_of, size_of
+from indoor_explorers.env.sights import Sights, look, sights_of, size_of, unseen_from
 from indoor_explorers.planners.reference.annealing import anneal
 from indoor_explorers.planners.reference.routes import Aims, Crew, Legs, tracks
 
@@ -28,6 +28,8 @@ FIRST_AIM = 0.99
 SHARE = 0.1
 #: Most steps between cells and viewpoints that are kept: on maps of more than 5,000 cells viewpoints are thinned out.
 TABLE = 25_000_000
+#: The most that fit into memory, a gigabyte: on maps that take more, what the best viewpoints do not show is left out.
+LARGEST_TABLE = 250_000_000
 
 Track = tuple[Cell, ...]
 
@@ -76,6 +78,30 @@ def _viewpoints(sights: Sights, width: int, stride: int) -> np.ndarray:
 
 
 @kernel()
+def _best_viewpoints(sights: Sights, most: int) -> np.ndarray:
+    """Return which cells are viewpoints, ``most`` at most: those that show much that no other one does, then less."""
+    count = sights.cells.shape[0]
+    chosen, seen, least, found = np.zeros(count, np.bool_), np.zeros_like(sights.all), count, 0
+    while least > 0:
+        for cell in range(count):
+            if found < most and unseen_from(sights, cell, seen) >= least:
+                look(sights, cell, seen)
+                chosen[cell] = True
+                found += 1
+        least //= 2
+    return chosen
+
+
+@kernel()
+def _shown(sights: Sights, cells: np.ndarray) -> int:
+    """Count what can be seen from some cells together."""
+    seen = np.zeros_like(sights.all)
+    for cell in cells:
+        look(sights, cell, seen)
+    return size_of(seen)
+
+
+@kernel()
 def _nearest(sights: Sights, points: np.ndarray) -> np.ndarray:
     """Return the viewpoint nearest to each cell, (M,)."""
     nearest, queue = np.full(sights.cells.shape[0], -1, np.int32), np.empty(sights.cells.shape[0], np.int32)
@@ -98,6 +124,8 @@ def _legs(sights: Sights, width: int) -> Legs:
     count = len(sights.cells)
     stride = math.ceil(count / math.sqrt(TABLE))
     points = np.flatnonzero(_viewpoints(sights, width, stride)).astype(np.int32)
+    if len(points) * count > LARGEST_TABLE:
+        points = np.flatnonzero(_best_viewpoints(sights, LARGEST_TABLE // count)).astype(np.int32)
     steps, known = np.empty((len(points), count), np.int32), np.zeros(len(points), np.bool_)
     return Legs(points, _nearest(sights, points), steps, known, np.empty(count, np.int32))
 
@@ -116,9 +144,8 @@ def plan(task: Task, effort: Effort) -> tuple[Track, ...]:
     starts = np.array([number[row * width + col] for row, col in task.starts])
     crew = Crew(starts, starts.copy(), np.zeros_like(starts), np.zeros_like(sights.all), np.zeros(1, np.int64))
     total = height * width if task.whole else len(sights.cells)
-    first, last = (
-        min(math.ceil(level * total - 1e-9), size_of(sights.all)) for level in (min(FIRST_AIM, task.goal), task.goal)
-    )
+    shown = _shown(sights, np.concatenate([starts, legs.points]))
+    first, last = (min(math.ceil(level * total - 1e-9), shown) for level in (min(FIRST_AIM, task.goal), task.goal))
     aims = Aims(first, last, SHARE)
     found = [
         anneal(sights, legs, crew, aims, np.uint64(restart), effort.changes, effort.work)

@@ -69,6 +69,7 @@ class ReferencePilot(NearestPilot):
         """Fly on along the route."""
         if self._track is None:
             self._track = self._planned()
+            self._plans += 1
         self._advance(self._track, view)
         if self._place + 1 >= len(self._track) or view.step > self._moved_on + STALLED:
             self._track = ()

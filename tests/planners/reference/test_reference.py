@@ -70,6 +70,18 @@ def test_with_few_viewpoints_everything_is_seen_all_the_same(monkeypatch: pytest
     plan.cache_clear()
 
 
+def test_where_not_all_viewpoints_fit_in_memory_the_rest_is_left_to_frontiers(monkeypatch: pytest.MonkeyPatch) -> None:
+    free = rooms(3, 5, 4)
+    task = task_of(free, ((1, 1),), lidar=2.0)
+    plan.cache_clear()
+    whole = seen_by(task, plan(task, EFFORT))
+    monkeypatch.setattr(planning, "LARGEST_TABLE", 12 * int(free.sum()))
+    plan.cache_clear()
+    assert 0.3 < seen_by(task, plan(task, EFFORT)) < 0.9 < whole
+    assert fly(make_policy("reference"), free, lidar=2.0, spawns=[(1, 1)]).complete
+    plan.cache_clear()
+
+
 def test_uavs_that_would_pass_through_each_other_exchange_their_ways() -> None:
     assert untangled([[1, 2, 3, 4], [4, 3, 2, 1]]) == [[1, 2, 1], [4, 3, 4]]
     assert untangled([[1, 2, 3], [5, 6, 7]]) == [[1, 2, 3], [5, 6, 7]]
