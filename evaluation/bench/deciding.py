@@ -125,9 +125,12 @@ def planning(policy: str, side: int, team: int) -> float:
 
 
 def growth() -> dict[str, Callable[[], float]]:
-    """Return what measures how planning costs more on larger maps and in larger teams, by the figures' names."""
+    """Return what measures how planning costs more on larger maps and in larger teams, by the figures' names.
+
+    Policies that know the map are left out: they plan once an episode, for the whole team.
+    """
     found: dict[str, Callable[[], float]] = {}
-    for policy in policy_entry_points():
+    for policy in (name for name in policy_entry_points() if not make_policy(name).privileged):
         for side in SIDES:
             found[f"growth-decide-area-{side}x{side}-{policy}"] = partial(planning, policy, side, 1)
         for team in TEAMS:
