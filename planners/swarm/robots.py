@@ -16,7 +16,6 @@ from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.planners.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.goals import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.paths import count_known, on_frontier
 from indoor_explorers.planners.teammates import linked
 
 #: (2,) rows and columns.
@@ -74,35 +73,27 @@ class ParticlePilot(GoalPilot):
         self._policy = policy
         self._velocity: Vector = np.zeros(2)
         self._nearest: Cell | None = None
-        self._seen = -1
         self._news_at = 0
-        self._last: list[Cell] = []
         self._alone = False
         self._ways: dict[Cell, list[Cell]] = {}
         self._splits = self._alone_steps = 0
 
     def act(self, view: View) -> int:
         """Fly on with the swarm, or alone after having been split off."""
-        known = count_known(view.belief)
-        fresh, self._seen = known != self._seen, known
-        if fresh:
+        self.look(view)
+        if self.map_grew:
             self._news_at = view.step
-        if self._alone and (self.goal is None or not self._is_frontier(view, self.goal)):
-            self._alone = not fresh
+        if self._alone and (self.goal is None or self.spent(view, self.goal)):
+            self._alone = not self.map_grew
         stagnant = view.step - self._news_at >= self._policy.stagnation
-        if not self._alone and (stagnant or self._swings(view) or self._is_blocked(view)):
+        if not self._alone and (stagnant or self._turned_back() or self.stands):  # a particle does not make way
             self._split_off(view)
-        self._last = [*self._last[-1:], view.cell]
         if self._alone:
             self._alone_steps += 1
-            return super().act(view)
-        if fresh or self.message is None:
+            return self.proceed(view)
+        if self.map_grew or self.message is None:
             self._survey(view)
         return self._drift(view)
-
-    def _is_blocked(self, view: View) -> bool:
-        """Tell whether it has not got away from its cell for two steps: a particle does not make way."""
-        return self._last == [view.cell, view.cell]
 
     def choose(self, view: View) -> Cell | None:
         """Return the nearest frontier cell, for a UAV on its own."""
@@ -112,11 +103,10 @@ class ParticlePilot(GoalPilot):
         """Return also how often, and for how many steps in all, the UAV was split off."""
         return {**super().tally(), "splits": float(self._splits), "split_off_steps": float(self._alone_steps)}
 
-    def _is_frontier(self, view: View, cell: Cell) -> bool:
-        return bool(on_frontier(view.belief, cell[0] * self.paths.width + cell[1]))
-
-    def _swings(self, view: View) -> bool:
-        return len(self._last) == 2 and self._last[0] == view.cell != self._last[1]
+    def _turned_back(self) -> bool:
+        """Tell whether the UAV is back where it was two steps ago."""
+        lately = self._lately[-3:]
+        return len(lately) == 3 and lately[0] == lately[2] != lately[1]
 
     def _split_off(self, view: View) -> None:
         self._alone, self._velocity, self.message = True, np.zeros(2), None
@@ -156,7 +146,7 @@ class ParticlePilot(GoalPilot):
     def _best_told(self, view: View) -> Cell | None:
         told = [message for message in (self.message, *(mate.message for mate in linked(view))) if message]
         worth = {(int(row), int(col)): value for row, col, value in told}
-        return max((cell for cell in worth if self._is_frontier(view, cell)), key=worth.__getitem__, default=None)
+        return max((cell for cell in worth if not self.spent(view, cell)), key=worth.__getitem__, default=None)
 
     def _towards(self, view: View, goal: Cell | None) -> Vector:
         """Return the first move of a shortest known path; a path is kept while the UAV stays on it."""
