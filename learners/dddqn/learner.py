@@ -71,8 +71,11 @@ class Learner:
 
     def td_loss(self, batch: Batch) -> tuple[Tensor, Tensor]:
         """Return the weighted mean Huber loss of the chosen moves' values, and their errors (B,)."""
-        scenes_BI, moves_BAF, action_B, return_B, discount_B, next_scenes_BI, next_moves_BAF, weight_B = (
-            tensor.to(self.device) for tensor in batch[:8]
+        kind = torch.bfloat16 if self.mixed else torch.float32
+        scenes_BI, next_scenes_BI = (x.to(self.device, kind) for x in (batch.scenes_BI, batch.next_scenes_BI))
+        moves_BAF, next_moves_BAF = batch.moves_BAF.to(self.device), batch.next_moves_BAF.to(self.device)
+        action_B, return_B, discount_B, weight_B = (
+            x.to(self.device) for x in (batch.action_B, batch.return_B, batch.discount_B, batch.weight_B)
         )
         with self._precision():
             q_B = self.online(scenes_BI, moves_BAF).gather(1, action_B[:, None]).squeeze(1)
