@@ -23,13 +23,19 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
 from indoor_explorers.learners.dddqn.inference import Weights, shapes, weights_from
 from indoor_explorers.learners.dddqn.layout import Layout, layout
+from indoor_explorers.learners.dddqn.prior import INPUTS, UNITS
 
 #: Grows whenever files of before can no longer be read.
 FORMAT = "1"
 #: The largest file that is read as weights.
 MOST_BYTES = 1_000_000_000
-#: Inputs of the learned map prior.
-PRIOR_INPUTS = 147
+#: The map prior's arrays.
+PRIOR_SHAPES = {
+    "prior.hidden": (INPUTS, UNITS),
+    "prior.hidden_bias": (UNITS,),
+    "prior.out": (UNITS,),
+    "prior.out_bias": (1,),
+}
 _FOLDER = Path(__file__).parent / "weights"
 
 
@@ -41,8 +47,7 @@ class Loaded(NamedTuple):
     layout: Layout
     weights: Weights
     prior: dict[str, NDArray[np.float32]]
-    """The map prior's ``prior.hidden`` (147, U), ``prior.hidden_bias`` (U,), ``prior.out`` (U,) and
-    ``prior.out_bias`` (1,); empty when the network does without."""
+    """The map prior's arrays, of :data:`PRIOR_SHAPES`; empty when the observation does without."""
 
 
 def shipped() -> dict[str, Path]:
@@ -118,9 +123,8 @@ def _read_once(path: Path, changed: int) -> Loaded:
     prior = {name: array for name, array in found.items() if name.startswith("prior.")}
     own = {name: array for name, array in found.items() if name not in prior}
     _refuse_others(path, own, shapes(plan, network))
-    if prior or "chance" in observation.layers:
-        units = prior["prior.out"].size if "prior.out" in prior else 1
-        _refuse_others(path, prior, _prior_shapes(units))
+    if prior or observation.tours or "chance" in observation.layers:
+        _refuse_others(path, prior, PRIOR_SHAPES)
     prior = {name: np.ascontiguousarray(array, np.float32) for name, array in prior.items()}
     return Loaded(observation, network, plan, weights_from(own, plan, network), prior)
 
@@ -141,11 +145,6 @@ def _described(path: Path, metadata: dict[str, str]) -> tuple[ObservationConfig,
         raise InputError(
             f"{path}: expected a network that this version knows, got another ({reason}); train again with this version"
         ) from error
-
-
-def _prior_shapes(units: int) -> dict[str, tuple[int, ...]]:
-    hidden: dict[str, tuple[int, ...]] = {"prior.hidden": (PRIOR_INPUTS, units), "prior.hidden_bias": (units,)}
-    return hidden | {"prior.out": (units,), "prior.out_bias": (1,)}
 
 
 def _refuse_others(path: Path, found: Mapping[str, NDArray[Any]], expected: Mapping[str, tuple[int, ...]]) -> None:
