@@ -70,7 +70,7 @@ def weights_from(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: Net
     there = shapes(layout, config)
     empty = {name: np.zeros((0, 0) if name == "value.weight" else 0, np.float32) for name in names if name not in there}
     found: list[Any] = [np.ascontiguousarray({**arrays, **empty}[name].T, np.float32) for name in names]
-    return Weights(*found, config.layer_norm, config.dueling)
+    return Weights._make([*found, config.layer_norm, config.dueling])
 
 
 @kernel()
