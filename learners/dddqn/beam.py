@@ -18,10 +18,10 @@ import numpy as np
 from indoor_explorers.env.compiled import inner, leaf
 from indoor_explorers.env.randomness import draw
 from indoor_explorers.env.sights import bit_count
-from indoor_explorers.learners.dddqn.memory import ROOM, STRIDE
+from indoor_explorers.learners.dddqn.memory import LONGEST, ROOM, STRIDE
 
 #: States kept at each step, and steps looked ahead.
-WIDTH, DEPTH = 4, 40
+WIDTH, DEPTH = 8, LONGEST
 #: Weight of a step without gain, and of a cell that is unseen for one step longer.
 PULL, DELAY = 0.02, 1e-4
 #: Steps that a tour which was not finished is reckoned to need for each unit of its last rank, and on top.
@@ -48,13 +48,20 @@ class Beam(NamedTuple):
     key: np.ndarray
     """(2, K) hash of the unseen set."""
     facts: np.ndarray
-    """(2, K, 6) unseen cells, pairs, delay, rank, step at which few enough were unseen, steps since the last gain."""
+    """(2, K, 7) unseen cells, pairs, delay, rank, step at which few enough were unseen, steps since the last gain, and
+    the state that it follows."""
     order: np.ndarray
     """(K,) candidates by rank."""
     met: np.ndarray
     """Hash table of states met before."""
     cell_key: np.ndarray
     """(256,) hash words of the UAV's cell."""
+    trail: np.ndarray
+    """(D + 1, K, 2) for every step the cells of the states kept, and the states of the step before that they follow."""
+    done: np.ndarray
+    """(4,) of the best finished tour: delay, step at which few enough were unseen, its last cell, what that follows."""
+    path: np.ndarray
+    """(D + 1,) the cells of the tour found last, if it is finished."""
 
 
 class Aim(NamedTuple):
@@ -90,10 +97,13 @@ def new_beam() -> Beam:
         np.zeros((2, WIDTH), np.int64),
         np.zeros((2, WIDTH, 4), np.uint64),
         np.zeros((2, WIDTH), np.uint64),
-        np.zeros((2, WIDTH, 6)),
+        np.zeros((2, WIDTH, 7)),
         np.zeros(WIDTH, np.int64),
         np.zeros(table, np.uint64),
         np.array([draw(np.uint64(1), np.uint64(k)) for k in range(ROOM * STRIDE)], np.uint64),
+        np.zeros((DEPTH + 1, WIDTH, 2), np.int64),
+        np.zeros(4),
+        np.zeros(DEPTH + 1, np.int64),
     )
 
 
@@ -166,12 +176,12 @@ def _write(
     cell: int,
     words: tuple[np.uint64, np.uint64, np.uint64, np.uint64],
     key: np.uint64,
-    facts: tuple[float, float, float, float, float, float],
+    facts: tuple[float, float, float, float, float, float, float],
 ) -> None:
     beam.cell[bank, s], beam.key[bank, s] = cell, key
     unseen, numbers = beam.unseen[bank, s], beam.facts[bank, s]
     unseen[0], unseen[1], unseen[2], unseen[3] = words
-    numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5] = facts
+    numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5], numbers[6] = facts
 
 
 @inner()
@@ -200,19 +210,16 @@ def _start(beam: Beam, cell: int, unseen: np.ndarray, views: np.ndarray, aim: Ai
     )
     left, near = float(count(words)), float(pairs(words))
     rank = left * (1 + aim.isolation) - aim.isolation / 4 * near
-    _write(beam, 0, 0, cell, words, _hash(words), (left, near, left, rank, 1.0 if left <= aim.halfway else 0.0, 0.0))
+    _write(
+        beam, 0, 0, cell, words, _hash(words), (left, near, left, rank, 1.0 if left <= aim.halfway else 0.0, 0.0, 0.0)
+    )
     return left
 
 
 @inner(inlined=False)
-def _expand(
-    beam: Beam, states: int, step: int, views: np.ndarray, passages: np.ndarray, aim: Aim, done: np.ndarray
-) -> int:
-    """Rank the neighbours of all states; return how many are kept. ``done`` (2,) gets the best finished one's facts.
-
-    These are its delay, infinity at first, and the step at which ``aim.halfway`` was met.
-    """
-    kept, share = 0, aim.isolation / 4
+def _expand(beam: Beam, states: int, step: int, views: np.ndarray, passages: np.ndarray, aim: Aim) -> int:
+    """Rank the neighbours of all states; return how many are kept, and note the best one that is finished."""
+    kept, share, done = 0, aim.isolation / 4, beam.done
     for s in range(states):
         parent = beam.facts[0, s]
         for k in range(4):
@@ -229,50 +236,92 @@ def _expand(
             delay = parent[2] + left
             if left <= aim.rest:
                 if delay < done[0]:
-                    done[0], done[1] = delay, halfway
+                    done[0], done[1], done[2], done[3] = delay, halfway, cell, s
                 continue
             near = float(pairs(words)) if gains else parent[1]
             idle = 0.0 if gains else parent[5] + 1
             rank = left * (1 + aim.isolation) - share * near + PULL * idle + DELAY * delay
             at, kept = _place(beam, kept, rank)
             if at >= 0:
-                _write(beam, 1, at, cell, words, key, (left, near, delay, rank, halfway, idle))
+                _write(beam, 1, at, cell, words, key, (left, near, delay, rank, halfway, idle, float(s)))
     return kept
 
 
 @inner()
-def _advance(beam: Beam, kept: int) -> None:
-    """Make the candidates the states, best first."""
+def _advance(beam: Beam, kept: int, step: int) -> None:
+    """Make the candidates the states after so many steps, best first."""
     for s in range(kept):
         o = beam.order[s]
         beam.cell[0, s], beam.key[0, s] = beam.cell[1, o], beam.key[1, o]
         for k in range(4):
             beam.unseen[0, s, k] = beam.unseen[1, o, k]
-        for k in range(6):
+        for k in range(7):
             beam.facts[0, s, k] = beam.facts[1, o, k]
+        beam.trail[step, s, 0], beam.trail[step, s, 1] = beam.cell[1, o], int(beam.facts[1, o, 6])
+
+
+@inner()
+def _trace(beam: Beam, steps: int) -> None:
+    """Write the cells of the finished tour."""
+    beam.path[steps - 1] = int(beam.done[2])
+    state = int(beam.done[3])
+    for step in range(steps - 1, 0, -1):
+        beam.path[step - 1] = beam.trail[step, state, 0]
+        state = beam.trail[step, state, 1]
 
 
 @leaf()
-def shortest_tour(
-    cell: int, unseen: np.ndarray, views: np.ndarray, passages: np.ndarray, aim: Aim, beam: Beam, done: np.ndarray
-) -> Tour:
+def shortest_tour(cell: int, unseen: np.ndarray, views: np.ndarray, passages: np.ndarray, aim: Aim, beam: Beam) -> Tour:
     """Search for the shortest tour that begins with a step to ``cell`` and leaves ``aim.rest`` of ``unseen`` (4,).
 
-    ``views`` and ``passages`` are those of :class:`indoor_explorers.learners.dddqn.memory.Memory`; ``done`` (2,)
-    is scratch. Of the tours of equal length it takes the one with the least delay among those it finds.
+    ``views`` and ``passages`` are those of :class:`indoor_explorers.learners.dddqn.memory.Memory`. Of the tours of
+    equal length it takes the one with the least delay among those it finds; ``beam.path`` gets its cells.
     """
-    if _start(beam, cell, unseen, views, aim) <= aim.rest:
-        return Tour(True, 1.0, beam.facts[0, 0, 2], 1)
+    left = _start(beam, cell, unseen, views, aim)
+    beam.trail[1, 0, 0], beam.path[0] = cell, cell
+    if left <= aim.rest:
+        return Tour(True, 1.0, left, 1)
     beam.met[:] = 0
     states = 1
     for step in range(2, DEPTH + 1):
-        done[0], done[1] = np.inf, 0.0
-        kept = _expand(beam, states, step, views, passages, aim, done)
-        if done[0] < np.inf:
-            return Tour(True, float(step), done[0], int(done[1]))
+        beam.done[0] = np.inf
+        kept = _expand(beam, states, step, views, passages, aim)
+        if beam.done[0] < np.inf:
+            _trace(beam, step)
+            return Tour(True, float(step), beam.done[0], int(beam.done[1]))
         if kept == 0:
             break
-        _advance(beam, kept)
+        _advance(beam, kept, step)
         states = kept
     best = beam.facts[0, 0]
     return Tour(False, DEPTH + REST + PACE * best[3], best[2], int(best[4]))
+
+
+@leaf()
+def follow_tour(
+    at: int, path: np.ndarray, unseen: np.ndarray, views: np.ndarray, passages: np.ndarray, aim: Aim
+) -> Tour:
+    """Return what a tour found before is worth now to a UAV in cell ``at``; not finished if it cannot be flown.
+
+    ``path`` holds its cells from the next one on, -1 after the last.
+    """
+    a, b, c, d = unseen[0], unseen[1], unseen[2], unseen[3]
+    delay, halfway = 0.0, 0
+    for k in range(path.shape[0]):
+        cell = path[k]
+        if cell < 0 or not _joined(passages[at], cell):
+            break
+        at = cell
+        a, b, c, d = a & ~views[at, 0], b & ~views[at, 1], c & ~views[at, 2], d & ~views[at, 3]
+        left = float(count((a, b, c, d)))
+        delay += left
+        if halfway == 0 and left <= aim.halfway:
+            halfway = k + 1
+        if left <= aim.rest:
+            return Tour(True, k + 1.0, delay, halfway)
+    return Tour(False, np.inf, np.inf, 0)
+
+
+@inner()
+def _joined(neighbours: np.ndarray, cell: int) -> bool:
+    return bool(neighbours[0] == cell or neighbours[1] == cell or neighbours[2] == cell or neighbours[3] == cell)

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 #: Cells of the largest room that tours are planned in, and a bitboard's words and columns.
 ROOM, WORDS, STRIDE = 16, 4, 16
+#: Cells of the longest tour that is remembered.
+LONGEST = 40
 
 
 class Memory(NamedTuple):
@@ -27,6 +29,8 @@ class Memory(NamedTuple):
     """(C, R, 4) what is visible from each cell, unknown cells being transparent, as bits."""
     passages: NDArray[np.int32]
     """(C, R, 4) neighbours that are not known to be obstacles, -1 for none."""
+    tour: NDArray[np.int64]
+    """(C, 2, 41) the rest of the best tours found so far, to the goal and to the mark on the way: cells, then -1."""
     gained: NDArray[np.int64]
     """(C,) cells gained by the own lidar so far."""
     idle: NDArray[np.int64]
@@ -40,6 +44,7 @@ class Memory(NamedTuple):
         self.visits[columns] = 0
         self.chance[columns] = 255
         self.obstacles[columns] = 255
+        self.tour[columns] = -1
         self.gained[columns] = 0
         self.idle[columns] = 0
         self.nearest[columns] = 0
@@ -56,6 +61,7 @@ def new_memory(columns: int, shape: tuple[int, int], *, tours: bool) -> Memory:
         obstacles=np.zeros(cells, np.uint8),
         views=np.zeros((columns, room, WORDS), np.uint64),
         passages=np.zeros((columns, room, 4), np.int32),
+        tour=np.zeros((columns, 2, LONGEST + 1), np.int64),
         gained=np.zeros(columns, np.int64),
         idle=np.zeros(columns, np.int64),
         nearest=np.zeros(columns, np.int64),

@@ -141,6 +141,7 @@ def _observe(
             memory.chance[i],
             views,
             passages,
+            memory.tour[i],
             eyes.planner,
             obstructed,
             eyes.scratch.blocked,

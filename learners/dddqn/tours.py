@@ -14,8 +14,8 @@ import numpy as np
 from indoor_explorers.env.compiled import inner, leaf
 from indoor_explorers.env.grid import FREE, MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.lidar import visible_cells
-from indoor_explorers.learners.dddqn.beam import Aim, Beam, Tour, count, new_beam, shortest_tour
-from indoor_explorers.learners.dddqn.memory import ROOM, STRIDE, WORDS
+from indoor_explorers.learners.dddqn.beam import Aim, Beam, Tour, count, follow_tour, new_beam, shortest_tour
+from indoor_explorers.learners.dddqn.memory import LONGEST, ROOM, STRIDE, WORDS
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
 
 
@@ -35,10 +35,10 @@ class Planner(NamedTuple):
     """(16, 16) cells whose views have changed."""
     found: np.ndarray
     """(4, 2, 4) the tours behind each move, to the goal and to the mark."""
+    paths: np.ndarray
+    """(4, 2, 41) their cells, -1 after the last and where a tour is not finished."""
     least: np.ndarray
     """(3,)."""
-    done: np.ndarray
-    """(2,)."""
 
 
 def new_planner() -> Planner:
@@ -51,8 +51,8 @@ def new_planner() -> Planner:
         queue=np.zeros(ROOM * STRIDE, np.int64),
         stale=np.zeros((ROOM, STRIDE), np.uint8),
         found=np.zeros((4, 2, 4)),
+        paths=np.zeros((4, 2, LONGEST + 1), np.int64),
         least=np.zeros(3),
-        done=np.zeros(2),
     )
 
 
@@ -210,9 +210,44 @@ def _choose_unseen(
     return left, total
 
 
+@inner(inlined=False)
+def _search(
+    at: int, move: int, kind: int, views: np.ndarray, passages: np.ndarray, planner: Planner, aim: Aim, kept: np.ndarray
+) -> None:
+    """Find a tour behind a move; the ``kept`` one (41,), found before, is taken where it is better."""
+    after = at + MOVES[move, 0] * STRIDE + MOVES[move, 1]
+    path, facts = planner.paths[move, kind], planner.found[move, kind]
+    tour = shortest_tour(after, planner.unseen, views, passages, aim, planner.beam)
+    for k in range(path.shape[0]):
+        path[k] = planner.beam.path[k] if tour.finished and k < tour.steps else -1
+    if kept[0] == after:
+        old = follow_tour(at, kept, planner.unseen, views, passages, aim)
+        if old.steps < tour.steps or (old.steps == tour.steps and old.delay < tour.delay):
+            tour = old
+            for k in range(path.shape[0]):
+                path[k] = kept[k] if k < old.steps else -1
+    facts[0], facts[1], facts[2], facts[3] = tour.finished, tour.steps, tour.delay, tour.halfway
+
+
 @inner()
-def _keep(tour: Tour, out: np.ndarray) -> None:
-    out[0], out[1], out[2], out[3] = tour.finished, tour.steps, tour.delay, tour.halfway
+def _move_on(at: int, kept: np.ndarray) -> None:
+    """Take the first cell off a tour when the UAV is there."""
+    if kept[0] == at:
+        for k in range(kept.shape[0] - 1):
+            kept[k] = kept[k + 1]
+
+
+@inner()
+def _keep_best(kind: int, planner: Planner, blocked: np.ndarray, kept: np.ndarray) -> None:
+    """Remember the best tour of all moves."""
+    best = -1
+    for k in range(4):
+        if blocked[k] == 0 and planner.paths[k, kind, 0] >= 0:
+            mine, its = planner.found[k, kind], planner.found[best, kind]
+            if best < 0 or mine[1] < its[1] or (mine[1] == its[1] and mine[2] < its[2]):
+                best = k
+    for k in range(kept.shape[0]):
+        kept[k] = planner.paths[best, kind, k] if best >= 0 else -1
 
 
 @inner()
@@ -247,6 +282,7 @@ def look_for_tours(
     chance: np.ndarray,
     views: np.ndarray,
     passages: np.ndarray,
+    kept: np.ndarray,
     planner: Planner,
     obstructed: bool,
     blocked: np.ndarray,
@@ -255,7 +291,8 @@ def look_for_tours(
     """Write the features of the four moves into ``out`` (4, 12); those of ``blocked`` (4,) moves say so.
 
     ``cell`` (2,) is the UAV's, ``mates`` (M, 2) and ``ages`` (M,) where and how many steps ago others were heard, -1
-    for never.
+    for never. ``kept`` (2, 41) are the best tours found before, to the goal and to the mark, and are brought up to
+    date.
     """
     at = cell[0] * STRIDE + cell[1]
     _attainable(at, views, passages, planner)
@@ -266,16 +303,18 @@ def look_for_tours(
     mark_aim = Aim(halfway, halfway, isolation * HALFWAY_ISOLATION)
     found, least = planner.found, planner.least
     least[:] = np.inf
+    _move_on(at, kept[0])
+    _move_on(at, kept[1])
     for k in range(4):
         if blocked[k] == 0:
-            after = at + MOVES[k, 0] * STRIDE + MOVES[k, 1]
-            tour = shortest_tour(after, planner.unseen, views, passages, goal_aim, planner.beam, planner.done)
-            _keep(tour, found[k, 0])
+            _search(at, k, 0, views, passages, planner, goal_aim, kept[0])
             if early:
-                tour = shortest_tour(after, planner.unseen, views, passages, mark_aim, planner.beam, planner.done)
-                _keep(tour, found[k, 1])
+                _search(at, k, 1, views, passages, planner, mark_aim, kept[1])
             least[0], least[1] = min(least[0], found[k, 0, 1]), min(least[1], found[k, 0, 2])
             least[2] = min(least[2], found[k, 1, 1])
+    _keep_best(0, planner, blocked, kept[0])
+    if early:
+        _keep_best(1, planner, blocked, kept[1])
     for k in range(4):
         out[k] = 0.0
         out[k, 1] = out[k, 8] = float(blocked[k])
