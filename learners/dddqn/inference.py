@@ -69,8 +69,8 @@ def weights_from(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: Net
         names += [f"{name}_norm.weight", f"{name}_norm.bias"] * (name == "think")
     there = shapes(layout, config)
     empty = {name: np.zeros((0, 0) if name == "value.weight" else 0, np.float32) for name in names if name not in there}
-    found = (np.ascontiguousarray((arrays if name in there else empty)[name].T, np.float32) for name in names)
-    return Weights(*found, layer_norm=config.layer_norm, dueling=config.dueling)
+    found: list[Any] = [np.ascontiguousarray({**arrays, **empty}[name].T, np.float32) for name in names]
+    return Weights._make([*found, config.layer_norm, config.dueling])
 
 
 @kernel()

@@ -62,7 +62,7 @@ class Learner:
         self.target.draw_noise(self._noise)
         loss, errors_B = self.td_loss(batch)
         self.optimiser.zero_grad()
-        loss.backward()  # type: ignore[no-untyped-call]
+        loss.backward()  # type: ignore[no-untyped-call]  # torch gives it no types
         nn.utils.clip_grad_norm_(self.online.parameters(), self.config.gradient_clip)
         self.optimiser.step()
         self.updates += 1
@@ -145,7 +145,8 @@ class Learner:
 
 def follow(network: DuelingNetwork, leader: DuelingNetwork, rate: float) -> None:
     """Move the weights of ``network`` a share ``rate`` of the way to those of ``leader``."""
-    get_ema_multi_avg_fn(1.0 - rate)(list(network.parameters()), list(leader.parameters()), None)
+    step = get_ema_multi_avg_fn(1.0 - rate)  # type: ignore[no-untyped-call]  # torch gives it no types
+    step(list(network.parameters()), list(leader.parameters()), None)
 
 
 @torch.no_grad()
@@ -164,7 +165,7 @@ def _device(wish: str) -> torch.device:
 def _fast_bfloat16(device: torch.device) -> bool:
     """Tell whether the device has instructions for bfloat16 matrices."""
     if device.type == "cuda":
-        return torch.cuda.is_bf16_supported(including_emulation=False)
+        return bool(torch.cuda.is_bf16_supported(including_emulation=False))
     if not hasattr(torch.cpu, "get_capabilities"):  # before torch 2.10
         return False
     return any(torch.cpu.get_capabilities().get(name) for name in _FAST)

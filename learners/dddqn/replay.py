@@ -139,7 +139,9 @@ class Replay:
     ) -> None:
         """Write one tick of all columns over the oldest one."""
         at = self.written % len(self.data.action)
-        for store, new in zip(self.data, (scene, moves, action, reward, terminal, explored, over, age), strict=True):
+        ring: tuple[NDArray[Any], ...] = self.data
+        tick: tuple[NDArray[Any], ...] = (scene, moves, action, reward, terminal, explored, over, age)
+        for store, new in zip(ring, tick, strict=True):
             store[at] = new
         self.written += 1
         if self._tree is not None:
@@ -166,7 +168,8 @@ class Replay:
             slot[todo] = self._first + rng.integers(self.ready(steps), size=len(todo))
             column[todo] = rng.integers(columns, size=len(todo))
             todo = todo[self.data.over[slot[todo] % slots, column[todo]]]
-        return slot * columns + column
+        place: Places = slot * columns + column
+        return place
 
     def _prioritised(
         self, tree: SumTree, size: int, steps: int, importance: float, rng: np.random.Generator
@@ -202,12 +205,18 @@ class Replay:
             data.reward, data.terminal, data.over, data.explored, slot, column, steps, gamma, returns, discount, after
         )
         action = symmetries(self._observation).action[turn, data.action[slot, column]]
+        scenes_BI, moves_BAF = self._states(slot, column, turn)
+        next_scenes_BI, next_moves_BAF = self._states(after, column, turn)
         return Batch(
-            *self._states(slot, column, turn),
-            *(torch.from_numpy(array) for array in (action, returns, discount)),
-            *self._states(after, column, turn),
-            torch.from_numpy(weight),
-            place,
+            scenes_BI=scenes_BI,
+            moves_BAF=moves_BAF,
+            action_B=torch.from_numpy(action),
+            return_B=torch.from_numpy(returns),
+            discount_B=torch.from_numpy(discount),
+            next_scenes_BI=next_scenes_BI,
+            next_moves_BAF=next_moves_BAF,
+            weight_B=torch.from_numpy(weight),
+            place=place,
         )
 
     def _states(

@@ -11,7 +11,7 @@ import torch
 from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
 from indoor_explorers.learners.dddqn.inference import q_values, shapes, weights_from
 from indoor_explorers.learners.dddqn.layout import layout
-from indoor_explorers.learners.dddqn.network import DuelingNetwork, arrays, duel, new_network
+from indoor_explorers.learners.dddqn.network import DuelingNetwork, NoisyLinear, arrays, duel, new_network
 
 SMALL = layout(ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False))
 NARROW = NetworkConfig(width=32, move_width=4)
@@ -30,7 +30,12 @@ def inputs(size: int, plan=SMALL) -> tuple[np.ndarray, np.ndarray]:
 
 def q_of(network: DuelingNetwork, scenes: np.ndarray, moves: np.ndarray) -> torch.Tensor:
     with torch.no_grad():
-        return network(torch.from_numpy(scenes).float() / 255, torch.from_numpy(moves))
+        q_BA: torch.Tensor = network(torch.from_numpy(scenes).float() / 255, torch.from_numpy(moves))
+    return q_BA
+
+
+def noisy_layers(network: DuelingNetwork) -> list[NoisyLinear]:
+    return [layer for layer in (network.think, network.value, network.advantage) if isinstance(layer, NoisyLinear)]
 
 
 def shaken(network: DuelingNetwork) -> DuelingNetwork:
@@ -122,16 +127,16 @@ def test_noise_is_there_in_training_alone_and_has_the_stated_spread() -> None:
     noisy = new_network(SMALL, NARROW.model_copy(update={"noisy": True}), 1)
     generator = torch.Generator().manual_seed(5)
     means = q_of(noisy.eval(), scenes, moves)
-    draws = []
+    draws, last = [], noisy_layers(noisy)[-1]
     for _ in range(3000):
         noisy.draw_noise(generator)
-        draws.append(torch.outer(noisy.advantage.noise_out, noisy.advantage.noise_in))
+        draws.append(torch.outer(last.noise_out, last.noise_in))
     assert torch.equal(q_of(noisy, scenes, moves), means)
     noise = torch.stack(draws)
     # |x| of a normal variable has mean sqrt(2 / pi): so has the variance of sgn(x) sqrt|x|, and a product its square.
     assert noise.var().item() == pytest.approx(2 / np.pi, rel=0.03)
     assert noise.mean(dim=0).abs().max() < 0.1
-    assert torch.allclose(noisy.advantage.weight_sigma, torch.tensor(0.5 / 32**0.5))
+    assert torch.allclose(last.weight_sigma, torch.tensor(0.5 / 32**0.5))
     first = q_of(noisy.train(), scenes, moves)
     assert torch.equal(q_of(noisy, scenes, moves), first)
     noisy.draw_noise(generator)
@@ -143,8 +148,9 @@ def test_the_spread_of_the_noise_is_learned() -> None:
     noisy = new_network(SMALL, NARROW.model_copy(update={"noisy": True}), 1)
     noisy.draw_noise(torch.Generator().manual_seed(5))
     noisy(torch.from_numpy(scenes).float() / 255, torch.from_numpy(moves)).square().mean().backward()
-    for layer in (noisy.think, noisy.value, noisy.advantage):
-        assert layer.weight_sigma.grad.abs().sum() > 0
+    gradients = [layer.weight_sigma.grad for layer in noisy_layers(noisy)]
+    assert len(gradients) == 3
+    assert all(gradient is not None and gradient.abs().sum() > 0 for gradient in gradients)
 
 
 @pytest.mark.parametrize("config", SWITCHES, ids=str)

@@ -34,7 +34,7 @@ def add(replay: Replay, tick: int, **flags: Any) -> None:
 
 def ticks(batch: Batch) -> np.ndarray:
     """Return the ticks (B,) of the states of a batch."""
-    return np.rint(batch.scenes_BI[:, 0].numpy() * 255).astype(np.int64)
+    return np.asarray(np.rint(batch.scenes_BI[:, 0].numpy() * 255), np.int64)
 
 
 @pytest.mark.parametrize("prioritised", [0.0, 0.6])
