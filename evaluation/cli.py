@@ -193,9 +193,12 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--learner", default="dddqn", metavar="NAME", help="what learns (default dddqn)")
-    parser.add_argument("--scenario", default="thesis-obstacles", metavar="PRESET|FILE.toml", help="what to train on")
-    _add_settings(parser, "hyperparameters of the training")
-    parser.add_argument("--seed", type=_natural, default=1, metavar="S", help="makes the whole training (default 1)")
+    parser.add_argument(
+        "--preset", metavar="NAME", help="scenario, hyperparameters and seed of weights that ship, where not given here"
+    )
+    parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="what to train on (default thesis-obstacles)")
+    _add_settings(parser, "hyperparameters of the training, such as batch=512 or observation.tours=false")
+    parser.add_argument("--seed", type=_natural, metavar="S", help="makes the whole training (default 1)")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="checkpoints, weights and history")
     parser.add_argument("--resume", action="store_true", help="go on from the checkpoint in DIR")
     parser.set_defaults(run=commands.run_train)

@@ -35,7 +35,7 @@ from indoor_explorers.evaluation.report.ratio_table import ratio_lines
 from indoor_explorers.evaluation.report.table import headline_table
 from indoor_explorers.evaluation.report.tables import failed
 from indoor_explorers.evaluation.results import Results
-from indoor_explorers.evaluation.training import run_training
+from indoor_explorers.evaluation.training import preset_of, run_training
 from indoor_explorers.evaluation.watch import watch
 
 #: Characters of a line where the output is no terminal.
@@ -138,13 +138,16 @@ def run_report(arguments: argparse.Namespace) -> int:
 
 
 def run_train(arguments: argparse.Namespace) -> int:
-    """Train a learner on a scenario."""
+    """Train a learner on a scenario, both given or a preset's."""
+    preset = None if arguments.preset is None else preset_of(arguments.learner, arguments.preset)
+    settings = dict(arguments.settings)
+    seed = arguments.seed
     return run_training(
         arguments.learner,
-        named_scenario(arguments.scenario),
-        dict(arguments.settings),
+        named_scenario(arguments.scenario or (preset.scenario if preset else "thesis-obstacles")),
+        {**preset.settings, **settings} if preset else settings,
         out=arguments.out,
-        seed=arguments.seed,
+        seed=seed if seed is not None else (preset.seed if preset else 1),
         resume=arguments.resume,
     )
 

@@ -33,12 +33,42 @@ def find_learner(name: str) -> Any:
         raise InputError(f"learner {name!r} needs {error.name}; install indoor-explorers[rl]") from error
 
 
+def nested(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings with dotted keys as tables within tables.
+
+    Raises:
+        InputError: a key is both a single setting and a table.
+    """
+    whole: dict[str, Any] = {}
+    for key, value in settings.items():
+        *parents, leaf = key.split(".")
+        place: Any = whole
+        for parent in parents:
+            place = place.setdefault(parent, {})
+            if not isinstance(place, dict):
+                raise InputError(f"no setting {key!r}, since {parent!r} is a single one; set that")
+        place[leaf] = place[leaf] | value if isinstance(value, dict) and isinstance(place.get(leaf), dict) else value
+    return whole
+
+
+def preset_of(learner: str, name: str) -> Any:
+    """Return a learner's preset: its ``scenario``, ``settings`` and ``seed``.
+
+    Raises:
+        InputError: the learner has no preset of that name.
+    """
+    presets = getattr(find_learner(learner), "PRESETS", {})
+    if name not in presets:
+        raise InputError(f"unknown preset {name!r} of learner {learner!r}{did_you_mean(name, presets)}")
+    return presets[name]
+
+
 def run_training(
     learner: str, scenario: Scenario, settings: Mapping[str, Any], *, out: Path, seed: int, resume: bool
 ) -> int:
     """Train, showing steps, speed, loss and the latest evaluation; returns the exit status."""
     module = find_learner(learner)
-    config = validated(module.TrainingConfig, dict(settings), f"settings of learner {learner!r}")
+    config = validated(module.TrainingConfig, nested(settings), f"settings of learner {learner!r}")
     console = Console()
     columns = [TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn()]
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:

@@ -140,7 +140,7 @@ class Learner:
                 state.setdefault(int(place), {})[key] = torch.from_numpy(array)
         self.optimiser.load_state_dict(self.optimiser.state_dict() | {"state": state})
         self._noise.set_state(torch.from_numpy(tensors["noise"]))
-        self.updates = int(tensors["updates"])
+        self.updates = int(tensors["updates"].item())
 
 
 def follow(network: DuelingNetwork, leader: DuelingNetwork, rate: float) -> None:

@@ -53,7 +53,9 @@ class Dddqn(Policy):
         if self.weights in known:
             return {self.weights: known[self.weights]}
         if "/" not in self.weights and not self.weights.endswith(".safetensors"):
-            raise InputError(f"unknown weights {self.weights!r}{did_you_mean(self.weights, known)}, or give a path")
+            raise InputError(
+                f"unknown weights {self.weights!r} (expected a name or a path){did_you_mean(self.weights, known)}"
+            )
         return {self.weights: Path(self.weights)}
 
     def suited(self, briefing: Briefing) -> str:

@@ -1,4 +1,4 @@
-"""How every model that ships was trained: a name, a scenario, settings and a seed."""
+"""How models that ship were trained: a name, a scenario, settings and a seed."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ class Preset(NamedTuple):
     scenario: str
     """Name of the scenario."""
     settings: Mapping[str, Any]
-    """What differs from the defaults of the training's configuration."""
+    """What differs from the defaults of the training's configuration, by dotted keys."""
     seed: int
     """Makes the whole training."""
 
 
 #: The map alone: no planner looks ahead for the network.
-MAP_ALONE: dict[str, Any] = {"observation": {"gains": False, "tours": False}}
+_MAP_ALONE = {"observation.gains": False, "observation.tours": False}
 
 PRESETS: dict[str, Preset] = {
     "thesis-open": Preset("thesis-open", {"total_steps": 2_000_000, "reward_early_step": -0.4}, 1),
     "thesis-obstacles": Preset("thesis-obstacles", {"total_steps": 6_000_000}, 1),
-    "thesis-open-map-alone": Preset("thesis-open", MAP_ALONE | {"total_steps": 4_000_000}, 1),
-    "thesis-obstacles-map-alone": Preset("thesis-obstacles", MAP_ALONE | {"total_steps": 6_000_000}, 1),
+    "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 4_000_000}, 1),
+    "thesis-obstacles-map": Preset("thesis-obstacles", _MAP_ALONE | {"total_steps": 6_000_000}, 1),
 }

@@ -254,4 +254,4 @@ class Replay:
             array[: self.filled] = tensors[f"replay/{name}"]
         if self._tree is not None:
             self._tree.write(np.arange(self._tree.size), tensors["replay/priority"])
-            self._top = float(tensors["replay/top"])
+            self._top = float(tensors["replay/top"].item())

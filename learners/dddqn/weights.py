@@ -26,7 +26,9 @@ from indoor_explorers.learners.dddqn.layout import Layout, layout
 from indoor_explorers.learners.dddqn.prior import INPUTS, UNITS
 
 #: Grows whenever files of before can no longer be read.
-FORMAT = "1"
+FORMAT = 1
+#: The entry of the metadata that holds everything.
+ABOUT = "about"
 #: The largest file that is read as weights.
 MOST_BYTES = 1_000_000_000
 #: The map prior's arrays.
@@ -92,12 +94,8 @@ def write_weights(
     """
     kind = np.float16 if half else np.float32
     tensors = {name: array.astype(kind) for name, array in ({**network_arrays, **prior_arrays}).items()}
-    metadata = {
-        "format": FORMAT,
-        "observation": observation.model_dump_json(),
-        "network": network.model_dump_json(),
-    }
-    write_tensors(path, tensors, metadata)
+    about = {"format": FORMAT, "observation": observation.model_dump(mode="json"), "network": network.model_dump()}
+    write_tensors(path, tensors, {ABOUT: json.dumps(about)})  # one entry: safetensors writes several in any order
 
 
 def load_weights(path: Path) -> Loaded:
@@ -130,17 +128,18 @@ def _read_once(path: Path, changed: int) -> Loaded:
 
 
 def _described(path: Path, metadata: dict[str, str]) -> tuple[ObservationConfig, NetworkConfig]:
-    if metadata.get("format") != FORMAT:
-        raise InputError(
-            f"{path}: expected weights of format {FORMAT}, got {metadata.get('format', 'a file without a format')}; "
-            "give weights that train wrote, or train again with this version"
-        )
     try:
+        about = json.loads(metadata.get(ABOUT, "{}"))
+        if about.get("format") != FORMAT:
+            raise InputError(
+                f"{path}: expected weights of format {FORMAT}, got {about.get('format', 'a file without a format')}; "
+                "give weights that train wrote, or train again with this version"
+            )
         return (
-            ObservationConfig.model_validate(json.loads(metadata["observation"])),
-            NetworkConfig.model_validate(json.loads(metadata["network"])),
+            ObservationConfig.model_validate(about["observation"]),
+            NetworkConfig.model_validate(about["network"]),
         )
-    except (KeyError, json.JSONDecodeError, ValidationError) as error:
+    except (KeyError, AttributeError, json.JSONDecodeError, ValidationError) as error:
         reason = " ".join(str(error).split())
         raise InputError(
             f"{path}: expected a network that this version knows, got another ({reason}); train again with this version"

@@ -108,7 +108,9 @@ def test_results_can_tell_which_weights_were_flown(untrained: str) -> None:
 
 
 def test_unknown_weights_are_told_in_one_line() -> None:
-    with pytest.raises(InputError, match=r"unknown weights 'generel', did you mean 'general'"):
+    with pytest.raises(
+        InputError, match=r"unknown weights 'generel' \(expected a name or a path\); did you mean 'general'"
+    ):
         Dddqn(weights="generel")
 
 

@@ -16,6 +16,7 @@ from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationCon
 from indoor_explorers.learners.dddqn.layout import layout
 from indoor_explorers.learners.dddqn.network import arrays, new_network
 from indoor_explorers.learners.dddqn.weights import (
+    ABOUT,
     PRIOR_SHAPES,
     load_weights,
     read_tensors,
@@ -73,7 +74,7 @@ def test_a_file_is_read_once_until_it_changes(plain: Path) -> None:
 
 def test_what_ships_is_found_by_name() -> None:
     assert all(path.name == f"{name}.safetensors" and path.is_file() for name, path in shipped().items())
-    assert "thesis-obstacles" in shipped()
+    assert "general" in shipped()
 
 
 def refused(path: Path, match: str) -> None:
@@ -95,16 +96,19 @@ def test_a_missing_a_damaged_and_a_huge_file_are_refused(plain: Path, monkeypatc
 
 def test_a_file_that_does_not_describe_itself_is_refused(plain: Path) -> None:
     tensors, metadata = read_tensors(plain)
+    about = json.loads(metadata[ABOUT])
     for changed, match in (
         ({}, "got a file without a format; .*train again with this version"),
-        (metadata | {"format": "7"}, "got 7"),
-        ({"format": "1", "network": metadata["network"]}, "'observation'"),
-        (metadata | {"network": "{"}, "train again with this version"),
-        (metadata | {"network": json.dumps({"depth": 3})}, "depth .*train again with this version"),
+        (about | {"format": 7}, "got 7"),
+        ({"format": 1, "network": about["network"]}, "'observation'"),
+        (about | {"network": "wide"}, "train again with this version"),
+        (about | {"network": {"depth": 3}}, "depth .*train again with this version"),
     ):
         path = plain.with_name(f"{len(match)}.safetensors")
-        write_tensors(path, tensors, changed)
+        write_tensors(path, tensors, {ABOUT: json.dumps(changed)})
         refused(path, match)
+    write_tensors(plain, tensors, {ABOUT: "{"})
+    refused(plain, "train again with this version")
 
 
 def test_another_network_than_the_one_described_is_refused(plain: Path) -> None:
