@@ -85,23 +85,42 @@ def layout(config: ObservationConfig) -> Layout:
     for layer in config.layers:
         layers[LAYERS.index(layer)], at = at, at + config.crop**2
     mates = "mates" in config.layers or "mates_past" in config.layers
-    places, sizes = [], (
+    coarse_at, sides_at, identity_at, progress_at, scene = _places(
+        at,
         (2 + mates) * config.coarse**2,
         4 * config.sides,
         IDENTITIES * config.identity,
         PROGRESS * config.progress,
-    )  # fmt: skip
+    )
+    gains_at, visits_at, tours_at, features = _places(
+        len(BLOCKED), len(GAINS) * config.gains, len(VISITS) * config.visits, len(TOURS) * config.tours
+    )
+    layers.setflags(write=False)
+    return Layout(
+        crop=config.crop,
+        coarse=config.coarse,
+        layers=layers,
+        coarse_at=coarse_at,
+        coarse_mates=mates,
+        sides_at=sides_at,
+        identity_at=identity_at,
+        progress_at=progress_at,
+        scene=scene,
+        gains_at=gains_at,
+        visits_at=visits_at,
+        tours_at=tours_at,
+        features=features,
+        frames=config.frames,
+    )
+
+
+def _places(at: int, *sizes: int) -> list[int]:
+    """Return where parts of these sizes begin one after another, -1 for those left out, and where the last one ends."""
+    places = []
     for size in sizes:
         places.append(at if size else -1)
         at += size
-    moves, ends = [], len(BLOCKED)
-    for on, names in ((config.gains, GAINS), (config.visits, VISITS), (config.tours, TOURS)):
-        moves.append(ends if on else -1)
-        ends += len(names) * on
-    layers.setflags(write=False)
-    return Layout(
-        config.crop, config.coarse, layers, places[0], mates, *places[1:], at, *moves, ends, config.frames
-    )  # fmt: skip
+    return [*places, at]
 
 
 class Symmetries(NamedTuple):

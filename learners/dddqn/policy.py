@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.grid import Action
-from indoor_explorers.env.maps.thesis import ThesisMaps
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.learners.dddqn.flock import stacked
@@ -78,14 +77,12 @@ class Dddqn(Policy):
 
 
 #: What :func:`suited` says, in words.
-SUITED = "thesis-open in rooms known to be empty, thesis-obstacles otherwise"
+SUITED = "general"
 
 
 def suited(briefing: Briefing) -> str:
     """Return the name of the shipped weights that suit a scenario best."""
-    source = briefing.scenario.map
-    empty = isinstance(source, ThesisMaps) and source.obstacles == 0
-    return "thesis-open" if empty else "thesis-obstacles"
+    return "general"
 
 
 class DddqnPilot(Pilot):
@@ -97,8 +94,8 @@ class DddqnPilot(Pilot):
         self._eyes = eyes(loaded.observation, briefing.shape, briefing.lidar_range, prior_from(loaded.prior))
         self._memory = new_memory(1, briefing.shape, tours=loaded.observation.tours)
         self._scene = np.zeros((1, plan.scene), np.uint8)
-        self._scenes = np.zeros((1, plan.inputs), np.uint8)
-        self._moves = np.zeros((1, 4, plan.features), np.float32)
+        self.scenes = np.zeros((1, plan.inputs), np.uint8)
+        self.moves = np.zeros((1, 4, plan.features), np.float32)
         self._mates = np.zeros((1, self._team, 2), np.int64)
         self._ages = np.full((1, self._team), -1)
         self._facts = np.array([[float(briefing.agent), 0.0]])
@@ -114,7 +111,7 @@ class DddqnPilot(Pilot):
             if self._guard is not None:
                 self._guard.rest()
             return Action.STAY
-        q_values(self._scenes, self._moves, self._loaded.weights, self._q)
+        q_values(self.scenes, self.moves, self._loaded.weights, self._q)
         proposal = int(np.where(legal_A, self._q[0], -np.inf).argmax())
         return proposal if self._guard is None else self._guard.review(view, int(self._memory.gained[0]), proposal)
 
@@ -124,8 +121,8 @@ class DddqnPilot(Pilot):
         for mate in view.mates:
             self._mates[0, mate.agent], self._ages[0, mate.agent] = mate.cell, mate.age
         known = Known(view.belief[None], self._cell, self._mates, self._ages, self._facts)
-        observe(known, self._memory, _ONLY, self._eyes, self._scene, self._moves)
-        self._scenes = stacked(self._scene, self._scenes, np.array([view.step == 0]))
+        observe(known, self._memory, _ONLY, self._eyes, self._scene, self.moves)
+        self.scenes = stacked(self._scene, self.scenes, np.array([view.step == 0]))
 
     def tally(self) -> dict[str, float]:
         """Return ``guarded_share``, the share of the decisions that the guard took over."""

@@ -44,15 +44,21 @@ class MapPrior(NamedTuple):
 
 def no_prior() -> MapPrior:
     """Return the prior that takes all unknown cells to count."""
-    return MapPrior(*(np.zeros(shape, np.float32) for shape in ((0, UNITS), UNITS, UNITS, 1, UNITS)))
+    return _arranged(np.zeros((0, UNITS)), np.zeros(UNITS), np.zeros(UNITS), np.zeros(1))
+
+
+def _arranged(hidden: NDArray[Any], hidden_bias: NDArray[Any], out: NDArray[Any], out_bias: NDArray[Any]) -> MapPrior:
+    first, second, third, fourth = (
+        np.ascontiguousarray(array, np.float32) for array in (hidden, hidden_bias, out, out_bias)
+    )
+    return MapPrior(first, second, third, fourth, np.zeros(UNITS, np.float32))
 
 
 def prior_from(arrays: Mapping[str, NDArray[Any]]) -> MapPrior:
     """Arrange the arrays of a weights file, by the names of :func:`prior_arrays`; no prior where there are none."""
     if not arrays:
         return no_prior()
-    names = ("prior.hidden", "prior.hidden_bias", "prior.out", "prior.out_bias")
-    return MapPrior(*(np.ascontiguousarray(arrays[name], np.float32) for name in names), np.zeros(UNITS, np.float32))
+    return _arranged(arrays["prior.hidden"], arrays["prior.hidden_bias"], arrays["prior.out"], arrays["prior.out_bias"])
 
 
 def prior_arrays(prior: MapPrior) -> dict[str, Array]:
@@ -89,7 +95,7 @@ def _judge(patch: np.ndarray, prior: MapPrior) -> float:
     odds = prior.out_bias[0]
     for u in range(UNITS):
         odds += max(prior.work[u], np.float32(0.0)) * prior.out[u]
-    return odds
+    return float(odds)
 
 
 @leaf()

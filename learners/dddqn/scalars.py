@@ -19,7 +19,7 @@ class Scalars:
     def __enter__(self) -> Scalars:
         """Begin another event file in the training's folder."""
         try:
-            from tensorboardX import SummaryWriter
+            from tensorboardX import SummaryWriter  # type: ignore[import-untyped]  # has no types
         except ModuleNotFoundError:
             return self
         self._writer = SummaryWriter(str(self._out))

@@ -19,7 +19,7 @@ from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.flock import Flock
 from indoor_explorers.learners.dddqn.layout import GAINS
-from indoor_explorers.learners.dddqn.prior import INPUTS, PATCH, UNITS, MapPrior, no_prior, write_patch
+from indoor_explorers.learners.dddqn.prior import INPUTS, PATCH, UNITS, MapPrior, no_prior, prior_from, write_patch
 
 #: Cells noted at most, episodes flown for them side by side, and ticks between two notes.
 MOST, EPISODES, EVERY = 120_000, 128, 5
@@ -81,7 +81,7 @@ def fit_prior(notes: Notes, seed: int) -> MapPrior:
         for tick in range(ROUNDS):
             for group in optimiser.param_groups:
                 group["lr"] = RATE * (1.0 - tick / ROUNDS)
-            for chosen in torch.randperm(len(notes.counts)).split(BATCH):
+            for chosen in torch.split(torch.randperm(len(notes.counts)), BATCH):
                 inputs = torch.from_numpy(_inputs(notes.patch[chosen.numpy()]))
                 wanted = torch.from_numpy(notes.counts[chosen.numpy()].astype(np.float32))
                 loss = nn.functional.binary_cross_entropy_with_logits(net(inputs)[:, 0], wanted)
@@ -89,7 +89,9 @@ def fit_prior(notes: Notes, seed: int) -> MapPrior:
                 loss.backward()  # type: ignore[no-untyped-call]
                 optimiser.step()
     hidden, hidden_bias, out, out_bias = (parameter.detach().numpy() for parameter in net.parameters())
-    return MapPrior(np.ascontiguousarray(hidden.T), hidden_bias, out[0].copy(), out_bias, np.zeros(UNITS, np.float32))
+    return prior_from(
+        {"prior.hidden": hidden.T, "prior.hidden_bias": hidden_bias, "prior.out": out[0], "prior.out_bias": out_bias}
+    )
 
 
 def _inputs(patch: NDArray[np.uint8]) -> NDArray[np.float32]:

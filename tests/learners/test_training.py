@@ -13,9 +13,10 @@ import torch
 
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.state import End
-from indoor_explorers.learners.dddqn.config import TrainingConfig
+from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingConfig
 from indoor_explorers.learners.dddqn.flock import Flock
-from indoor_explorers.learners.dddqn.network import new_network
+from indoor_explorers.learners.dddqn.learner import Learner
+from indoor_explorers.learners.dddqn.prior import no_prior
 from indoor_explorers.learners.dddqn.train import CHECKPOINT, RECORD, Progress, train
 from indoor_explorers.learners.dddqn.training import SEED_BLOCK, Training
 from indoor_explorers.learners.dddqn.trial import evaluate
@@ -159,7 +160,7 @@ def test_the_task_is_the_scenario_with_the_training_rewards() -> None:
 def test_a_flock_goes_on_from_its_tensors() -> None:
     def fresh() -> Flock:
         seeds = iter(range(100, 200))
-        return Flock(small_room(), 3, lambda: next(seeds))
+        return Flock(small_room(), ObservationConfig(frames=2), no_prior(), 3, lambda: next(seeds))
 
     first, second = fresh(), fresh()
     for _ in range(9):
@@ -168,7 +169,7 @@ def test_a_flock_goes_on_from_its_tensors() -> None:
     second.restore({name: array.copy() for name, array in first.tensors().items()})
     for flock in (first, second):
         flock.observe(np.arange(3))
-    assert np.array_equal(first.scene, second.scene)
+    assert np.array_equal(first.scenes, second.scenes)
     assert np.array_equal(first.moves, second.moves)
 
 
@@ -188,6 +189,6 @@ def test_a_short_training_explores_better_than_none(tmp_path: Path) -> None:
     scenario = small_room(0)
     train(config, scenario, tmp_path, seed=1)
     trained = json.loads((tmp_path / RECORD).read_text())["evaluations"][-1]
-    untrained = evaluate(new_network(1), config.task(scenario), 40, 5, 0)
+    untrained = evaluate(Learner(config.observation, config, 1), config.task(scenario), no_prior(), 40, 5, 0)
     assert trained["t_goal"] < 0.6 * untrained.t_goal
     assert torch.get_num_threads() == threads
