@@ -71,9 +71,10 @@ def test_a_file_is_read_once_until_it_changes(plain: Path) -> None:
     assert not np.array_equal(load_weights(plain).weights.look, first.weights.look)
 
 
-def test_what_ships_is_found_by_name() -> None:
-    assert all(path.name == f"{name}.safetensors" and path.is_file() for name, path in shipped().items())
-    assert "thesis-obstacles" in shipped()
+def test_what_ships_is_found_by_name(plain: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_FOLDER", plain.parent)
+    plain.with_suffix(".json").write_text("{}", encoding="utf-8")
+    assert shipped() == {"plain": plain}
 
 
 def refused(path: Path, match: str) -> None:
