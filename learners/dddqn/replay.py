@@ -21,6 +21,8 @@ from indoor_explorers.learners.dddqn.targets import look_forward
 
 #: Added to errors, so that a transition without one may be drawn again.
 LEAST_ERROR = 1e-3
+#: Older episodes are kept as being this old.
+MOST_AGE = 2**16 - 1
 Places = NDArray[np.int64]
 
 
@@ -140,7 +142,16 @@ class Replay:
         """Write one tick of all columns over the oldest one."""
         at = self.written % len(self.data.action)
         ring: tuple[NDArray[Any], ...] = self.data
-        tick: tuple[NDArray[Any], ...] = (scene, moves, action, reward, terminal, explored, over, age)
+        tick: tuple[NDArray[Any], ...] = (
+            scene,
+            moves,
+            action,
+            reward,
+            terminal,
+            explored,
+            over,
+            np.minimum(age, MOST_AGE),
+        )
         for store, new in zip(ring, tick, strict=True):
             store[at] = new
         self.written += 1

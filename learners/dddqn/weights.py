@@ -121,7 +121,7 @@ def _read_once(path: Path, changed: int) -> Loaded:
     prior = {name: array for name, array in found.items() if name.startswith("prior.")}
     own = {name: array for name, array in found.items() if name not in prior}
     _refuse_others(path, own, shapes(plan, network))
-    if prior or observation.tours or "chance" in observation.layers:
+    if prior:
         _refuse_others(path, prior, PRIOR_SHAPES)
     prior = {name: np.ascontiguousarray(array, np.float32) for name, array in prior.items()}
     return Loaded(observation, network, plan, weights_from(own, plan, network), prior)

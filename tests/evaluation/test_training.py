@@ -32,7 +32,8 @@ def test_unknown_presets_and_learners_are_told() -> None:
         preset_of("dddq", "thesis-open")
 
 
-TINY = ["total_steps=200", "environments=4", "warmup_steps=40", "batch=8", "replay_steps=400", "evaluation_every=150", "evaluation_episodes=2", "device=cpu", "network.width=16"]
+SMALL = "total_steps=200 environments=4 warmup_steps=40 batch=8 replay_steps=400 evaluation_every=150"
+TINY = [*SMALL.split(), "evaluation_episodes=2", "device=cpu", "network.width=16"]
 
 
 def test_a_preset_is_trained_with_what_is_set(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

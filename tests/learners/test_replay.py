@@ -120,6 +120,15 @@ def test_frames_are_stacked_latest_first_and_never_across_the_beginning_of_an_ep
     assert checked == set(range(11))
 
 
+def test_a_very_long_episode_never_looks_young() -> None:
+    replay = ring(9, 2, frames=2)
+    for tick in range(9):
+        add(replay, tick, age=np.array([2**16 - 4, 0]) + tick)
+    batch = replay.sample(100, 1, 1.0, np.random.default_rng(0))
+    shown = np.rint(batch.scenes_BI.numpy().reshape(100, 2, -1)[:, :, 0] * 255).astype(np.int64)
+    assert ((shown[:, 0] - shown[:, 1] == 1) == (shown[:, 0] > 0)).all()
+
+
 @pytest.mark.parametrize("size", [1, 5, 64, 300])
 def test_the_sum_tree_finds_what_cumulative_sums_find(size: int) -> None:
     rng, tree, values = np.random.default_rng(size), SumTree(size), np.zeros(size)
