@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import pickle
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +18,11 @@ from numpy.typing import NDArray
 from indoor_explorers.env.encoders import Encoder, make_encoder
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.registry import missing_module
+from indoor_explorers.env.validation import validated
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.learners.baselines.config import EGOCENTRIC, BaselineConfig
-from indoor_explorers.learners.baselines.record import Record
+from indoor_explorers.learners.baselines.record import RECORD, Record, read_record
 from indoor_explorers.learners.baselines.session import one_thread
 from indoor_explorers.learners.baselines.trial import Scores, best_moves
 
@@ -113,10 +118,31 @@ class TrainedPilot(Pilot):
         return seen
 
 
+#: What libraries raise on a file that holds no weights, or those of another network.
+DAMAGE = (RuntimeError, KeyError, ValueError, BadZipFile, pickle.UnpicklingError, OSError)
+
+
 def folder_and_model(path: str, model: str) -> tuple[Path, Path]:
     """Return the folder of a training, and its file ``model`` unless the path is a file's own."""
     given = Path(path)
     return (given.parent, given) if given.is_file() else (given, given / model)
+
+
+def read_training(folder: Path, learners: Sequence[str]) -> tuple[Record, Any, Any]:
+    """Return the record of a folder, the module of its learner and its configuration.
+
+    Raises:
+        InputError: it is no training of one of these learners, or their library is not installed.
+
+    """
+    record = read_record(folder)
+    if record.learner not in learners:
+        raise InputError(f"{folder}: expected a training of {', '.join(learners)}, got one of {record.learner}")
+    try:
+        module = import_module(f"{__package__}.{record.learner.replace('-', '_')}")
+    except ModuleNotFoundError as error:
+        raise InputError(f"{folder}: {missing_module(error)}") from error
+    return record, module, validated(module.TrainingConfig, record.config, str(folder / RECORD))
 
 
 def changed(*paths: Path) -> tuple[int, ...]:

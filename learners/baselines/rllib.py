@@ -9,21 +9,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from importlib import import_module
 from pathlib import Path
 
 from safetensors import SafetensorError
-from safetensors.torch import load_file
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.validation import validated
-from indoor_explorers.learners.baselines.acting import Trained, TrainedPolicy, changed, folder_and_model
-from indoor_explorers.learners.baselines.record import RECORD, read_record
-from indoor_explorers.learners.baselines.rllib_model import RllibConfig
-from indoor_explorers.learners.baselines.rllib_training import WEIGHTS
+from indoor_explorers.learners.baselines.acting import (
+    DAMAGE,
+    Trained,
+    TrainedPolicy,
+    changed,
+    folder_and_model,
+    read_training,
+)
+from indoor_explorers.learners.baselines.record import RECORD
 
 #: The learners whose networks this policy flies; each has a module of that name.
 LEARNERS = ("rllib-ppo", "rllib-sac")
+#: The file of the network that did best.
+WEIGHTS = "weights.safetensors"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,15 +51,13 @@ class Rllib(TrainedPolicy):
 
 @lru_cache(maxsize=8)
 def _opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
-    record = read_record(folder)
-    if record.learner not in LEARNERS:
-        raise InputError(f"{folder}: expected a training of {', '.join(LEARNERS)}, got one of {record.learner}")
-    kind = import_module(f"{__package__}.{record.learner.replace('-', '_')}").TrainingConfig
-    config: RllibConfig = validated(kind, record.config, str(folder / RECORD))
+    from safetensors.torch import load_file  # torch loads when it is used, and not to list the policies
+
+    record, _, config = read_training(folder, LEARNERS)
     module = config.untrained(record.inputs)
     try:
         module.load_state_dict(load_file(model))
-    except (SafetensorError, RuntimeError, OSError) as error:
+    except (SafetensorError, *DAMAGE) as error:
         raise InputError(
             f"{model}: expected the weights that {record.learner} trained with this {RECORD}, got something else "
             f"({error!r:.200})"

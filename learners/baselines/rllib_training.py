@@ -34,12 +34,13 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.books import Books
 from indoor_explorers.learners.baselines.record import new_record
+from indoor_explorers.learners.baselines.rllib import WEIGHTS
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig
 from indoor_explorers.learners.baselines.rllib_team import TrainingTeam, rllib_team
 from indoor_explorers.learners.baselines.session import Progress
 from indoor_explorers.learners.baselines.trial import training_seeds
 
-WEIGHTS, CHECKPOINT = "weights.safetensors", "checkpoint"
+CHECKPOINT = "checkpoint"
 PACKAGES = ("ray", "pettingzoo")
 #: The environment's and the network's names in RLlib, and the file of a checkpoint that says how old it is.
 TEAM, SHARED, STEPS = "indoor-explorers-team", "shared", "moves.txt"

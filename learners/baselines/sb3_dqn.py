@@ -13,6 +13,7 @@ from typing import Any
 import torch
 from pydantic import Field
 from stable_baselines3 import DQN
+from stable_baselines3.common.buffers import NStepReplayBuffer
 from stable_baselines3.dqn.policies import DQNPolicy
 
 from indoor_explorers.env.scenario import Scenario
@@ -65,7 +66,8 @@ class TrainingConfig(StableBaselinesConfig):
             "batch_size": self.batch,
             "buffer_size": self.replay_steps,
             "learning_starts": self.warmup_steps,
-            "n_steps": self.return_steps,
+            "replay_buffer_class": NStepReplayBuffer,
+            "replay_buffer_kwargs": {"n_steps": self.return_steps, "gamma": self.gamma},
             "target_update_interval": self.target_every,
             "exploration_initial_eps": self.epsilon_first,
             "exploration_final_eps": self.epsilon_last,

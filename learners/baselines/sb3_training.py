@@ -31,9 +31,10 @@ from indoor_explorers.learners.baselines.books import Books
 from indoor_explorers.learners.baselines.config import BaselineConfig
 from indoor_explorers.learners.baselines.record import new_record
 from indoor_explorers.learners.baselines.session import Progress
+from indoor_explorers.learners.baselines.stable_baselines import MODEL
 from indoor_explorers.learners.baselines.trial import training_seeds
 
-MODEL, CHECKPOINT, REPLAY = "model.zip", "checkpoint.zip", "replay.pkl"
+CHECKPOINT, REPLAY = "checkpoint.zip", "replay.pkl"
 PACKAGES = ("stable-baselines3", "sb3-contrib")
 #: What the library's loaders raise on damaged files.
 DAMAGE = (BadZipFile, pickle.UnpicklingError, ValueError, KeyError, AttributeError, RuntimeError, EOFError, OSError)

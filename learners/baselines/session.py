@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
 
-import torch
-
 from indoor_explorers.learners.baselines.trial import Trial
 
 
@@ -35,6 +33,8 @@ class Progress:
 @contextmanager
 def one_thread() -> Iterator[None]:
     """Run torch on one thread: the same sums in the same order, and no slower for small networks."""
+    import torch  # loads when it is used, and not to list the policies
+
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:

@@ -8,26 +8,27 @@ does resuming a training: do that with files that you trust.
 from __future__ import annotations
 
 import io
-import pickle
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from importlib import import_module
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile, ZipFile
-
-import torch
+from zipfile import ZipFile
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.validation import validated
-from indoor_explorers.learners.baselines.acting import Trained, TrainedPolicy, changed, folder_and_model
-from indoor_explorers.learners.baselines.record import RECORD, read_record
-from indoor_explorers.learners.baselines.sb3_training import MODEL, Kind
+from indoor_explorers.learners.baselines.acting import (
+    DAMAGE,
+    Trained,
+    TrainedPolicy,
+    changed,
+    folder_and_model,
+    read_training,
+)
+from indoor_explorers.learners.baselines.record import RECORD
 
 #: The learners whose models this policy flies; each has a module of that name.
 LEARNERS = ("sb3-a2c", "sb3-dqn", "sb3-maskable-ppo", "sb3-ppo", "sb3-qrdqn")
-#: The member of a model's zip that holds the weights.
-WEIGHTS = "policy.pth"
+#: The file of the model that did best, and the member of it that holds the weights.
+MODEL, WEIGHTS = "model.zip", "policy.pth"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,25 +52,22 @@ class StableBaselines(TrainedPolicy):
 
 @lru_cache(maxsize=8)
 def _opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
-    record = read_record(folder)
-    if record.learner not in LEARNERS:
-        raise InputError(f"{folder}: expected a training of {', '.join(LEARNERS)}, got one of {record.learner}")
-    module = import_module(f"{__package__}.{record.learner.replace('-', '_')}")
-    config = validated(module.TrainingConfig, record.config, str(folder / RECORD))
-    kind: Kind = module.KIND
-    policy = kind.untrained(config, record.inputs)
+    record, module, config = read_training(folder, LEARNERS)
+    policy = module.KIND.untrained(config, record.inputs)
     try:
         policy.load_state_dict(_weights(model))
-    except (RuntimeError, KeyError, BadZipFile, pickle.UnpicklingError, OSError) as error:
+    except DAMAGE as error:
         raise InputError(
             f"{model}: expected the zip of a model that {record.learner} trained with this {RECORD}, got something "
             f"else ({error!r:.200})"
         ) from error
     policy.set_training_mode(False)
-    return Trained(record, config, partial(kind.rate, policy))
+    return Trained(record, config, partial(module.KIND.rate, policy))
 
 
 def _weights(model: Path) -> dict[str, Any]:
+    import torch  # loads when it is used, and not to list the policies
+
     with ZipFile(model) as archive:
         weights: dict[str, Any] = torch.load(io.BytesIO(archive.read(WEIGHTS)), map_location="cpu", weights_only=True)
     return weights

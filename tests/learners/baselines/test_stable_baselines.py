@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
+import itertools
 import json
 import os
 import pickle
 import shutil
 import signal
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
@@ -16,15 +18,17 @@ import numpy as np
 import pytest
 import torch
 
-from indoor_explorers.env import InputError, World, check_policy, make_policy
+from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
 from indoor_explorers.env.sb3 import StableBaselinesVecEnv
-from indoor_explorers.evaluation.cli import main
-from indoor_explorers.learners.baselines import sb3_dqn, sb3_ppo
+from indoor_explorers.evaluation.experiment import PolicyChoice, Task
+from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.learners.baselines import sb3_ppo
 from indoor_explorers.learners.baselines.stable_baselines import LEARNERS, StableBaselines
 from indoor_explorers.learners.baselines.trial import SEED_BLOCK
 from tests.learners.baselines.tiny import TINY, flown, record_of, train
 from tests.learners.rooms import small_room
 
+PACKAGE = "indoor_explorers.learners.baselines"
 ON_POLICY = ("total_steps=300", "environments=4", "rollout=16")
 OFF_POLICY = ("total_steps=300", "environments=4", "warmup_steps=40", "batch=8", "replay_steps=200")
 SETTINGS = {
@@ -66,11 +70,10 @@ def test_a_training_says_how_it_was_made(learner: str, trained: dict[str, Path])
 @pytest.mark.parametrize("learner", LEARNERS)
 def test_the_policy_chooses_as_the_library_does(learner: str, trained: dict[str, Path]) -> None:
     """Without our mask, its choice is the library's own ``predict``."""
-    module = {"sb3-ppo": sb3_ppo, "sb3-dqn": sb3_dqn}.get(learner)
-    if module is None:
-        pytest.skip("one algorithm of each family")
     policy = StableBaselines(path=str(trained[learner]), mask=False)
-    model = module.KIND.algorithm.load(trained[learner] / "model.zip", device="cpu")
+    model = import_module(f"{PACKAGE}.{learner.replace('-', '_')}").KIND.algorithm.load(
+        trained[learner] / "model.zip", device="cpu"
+    )
     world = World(small_room())
     world.reset([5])
     pilot, rng = policy.pilot(world.briefing(0, 0)), np.random.default_rng(0)
@@ -117,35 +120,38 @@ def test_the_policy_passes_the_conformance_suite(trained: dict[str, Path]) -> No
 
 
 def test_only_with_the_mask_are_all_moves_legal(trained: dict[str, Path]) -> None:
-    policies = [StableBaselines(path=str(trained["sb3-dqn"]), mask=mask) for mask in (True, False)]
-    rng, illegal = np.random.default_rng(0), [0, 0]
-    world = World(small_room(6), 20)
+    rng, illegal = np.random.default_rng(0), {True: 0, False: 0}
+    world = World(small_room(4).with_settings({"on_collision": "block"}), 20)
     world.reset(range(20))
-    for _ in range(40):
-        for k, policy in enumerate(policies):
-            views = [world.view(b, 0) for b in range(20)]
+    for _ in range(20):
+        views = [world.view(b, 0) for b in range(20)]
+        for mask, folder in itertools.product((True, False), trained.values()):
+            policy = StableBaselines(path=str(folder), mask=mask)
             chosen = policy.act([policy.pilot(world.briefing(b, 0)) for b in range(20)], views)
-            illegal[k] += sum(not view.legal[action] for view, action in zip(views, chosen, strict=True))
+            illegal[mask] += sum(not view.legal[action] for view, action in zip(views, chosen, strict=True))
         world.step(rng.integers(5, size=(20, 1)))
-    assert illegal[0] == 0
-    assert illegal[1] > 0
+    assert illegal[True] == 0
+    assert illegal[False] > 0
 
 
-def test_compare_flies_it_beside_planners(trained: dict[str, Path], tmp_path: Path) -> None:
-    names = f"random,sb3:{trained['sb3-maskable-ppo']},sb3:{trained['sb3-dqn'] / 'checkpoint.zip'}"
-    words = ["compare", "--policies", names, "--scenario", "thesis-team-2", "--episodes", "2", "--workers", "0"]
-    assert main([*words, "--set", "budget=20", "--out", str(tmp_path / "out")]) == 0
-    summary = (tmp_path / "out" / "summary.csv").read_text()
-    assert all(name[-60:] in summary for name in names.split(","))
+def test_an_experiment_flies_it_in_a_team_and_gives_a_long_path_a_short_name(
+    trained: dict[str, Path], tmp_path: Path
+) -> None:
+    folder = shutil.copytree(trained["sb3-maskable-ppo"], tmp_path / ("long" * 20))
+    choice = PolicyChoice(use=f"sb3:{folder / 'checkpoint.zip'}", parameters={"mask": False})  # type: ignore[arg-type]
+    assert (len(choice.name), choice.name[:5], choice.name[-14:]) == (80, "sb3:…", "checkpoint.zip")
+    task = PRESETS["thesis-team-2"].for_evaluation().with_settings({"budget": 20, "on_collision": "block"})
+    (record,) = fly(choice.make(), choice.name, task, [Task(task.name, 0, 1)])
+    assert record.steps == 20
+    assert choice.make().provenance()["learner"] == "sb3-maskable-ppo"
 
 
 def test_the_same_seed_gives_the_same_weights(trained: dict[str, Path], tmp_path: Path) -> None:
     train("sb3-ppo", tmp_path / "again", *SETTINGS["sb3-ppo"])
-    first, second = (
-        StableBaselines(path=str(out)).trained().scores(np.ones((3, 97), np.float32))
-        for out in (trained["sb3-ppo"], tmp_path / "again")
-    )
-    assert np.array_equal(first, second)
+    first, second = (StableBaselines(path=str(out)).trained() for out in (trained["sb3-ppo"], tmp_path / "again"))
+    rows = np.random.default_rng(0).random((3, first.record.inputs), np.float32)
+    assert np.array_equal(first.scores(rows), second.scores(rows))
+    assert first.record.evaluations == second.record.evaluations
 
 
 @pytest.mark.parametrize("learner", ["sb3-maskable-ppo", "sb3-dqn"])
