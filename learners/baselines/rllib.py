@@ -56,7 +56,8 @@ def _opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
     record, _, config = read_training(folder, LEARNERS)
     module = config.untrained(record.inputs)
     try:
-        module.load_state_dict(load_file(model))
+        weights = load_file(model)  # the critic's among them, which flying does without
+        module.load_state_dict({name: weights[name] for name in module.state_dict()})
     except (SafetensorError, *DAMAGE) as error:
         raise InputError(
             f"{model}: expected the weights that {record.learner} trained with this {RECORD}, got something else "

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import logging
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, cast
 
 import numpy as np
@@ -55,7 +59,8 @@ class RllibConfig(BaselineConfig):
         spec.observation_space = Dict({UNMASKED: space, MASK: Box(0, 1, (5,), np.int8)}) if self.masked else space
         spec.action_space = Discrete(5)
         spec.inference_only = True
-        return cast(TorchRLModule, spec.build())
+        with quietly():
+            return cast(TorchRLModule, spec.build())
 
     def rate(self, module: TorchRLModule, rows: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return what a network thinks of the actions, (B, 5), for observations (B, D); no action is masked."""
@@ -67,3 +72,19 @@ class RllibConfig(BaselineConfig):
                 Columns.ACTION_DIST_INPUTS
             ].numpy()
         return found
+
+
+@contextmanager
+def quietly() -> Iterator[None]:
+    """Spare the user what RLlib says of itself: its API stack, what it deprecates, environments made anew."""
+    loggers = [logging.getLogger(name) for name in ("ray", "ray.rllib")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.ERROR)
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message=".*Overriding environment .* already in registry")
+            yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)

@@ -13,7 +13,6 @@ import math
 import os
 import pickle
 import shutil
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import count
@@ -29,13 +28,13 @@ from ray.rllib.core.rl_module.torch import TorchRLModule
 from ray.tune.registry import register_env
 from safetensors.torch import save_file
 
-from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.errors import InputError, RunError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.books import Books
 from indoor_explorers.learners.baselines.record import new_record
 from indoor_explorers.learners.baselines.rllib import WEIGHTS
-from indoor_explorers.learners.baselines.rllib_model import RllibConfig
+from indoor_explorers.learners.baselines.rllib_model import RllibConfig, quietly
 from indoor_explorers.learners.baselines.rllib_team import TrainingTeam, rllib_team
 from indoor_explorers.learners.baselines.session import Progress
 from indoor_explorers.learners.baselines.trial import training_seeds
@@ -76,7 +75,7 @@ def train_rllib(
     books = Books.opened(record, config, scenario, out, CHECKPOINT, resume=resume, report=report)
     seeds = count(first + books.record.steps)
     register_env(TEAM, lambda _: rllib_team(task, config.environment_recipe, seeds))
-    with _local_ray(), _quietly():
+    with _local_ray(), quietly():
         trainee = _Trainee(config, _algorithm(config, seed), out)
         try:
             if books.resumed:
@@ -163,31 +162,22 @@ class _Trainee:
 
 @contextmanager
 def _local_ray() -> Iterator[None]:
-    """Run a Ray of our own, unless there is one already."""
+    """Run a Ray of our own, unless there is one already.
+
+    Raises:
+        RunError: it does not start.
+
+    """
     if ray.is_initialized():
         yield
         return
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-    ray.init(
-        "local", include_dashboard=False, log_to_driver=False, logging_level=logging.ERROR, object_store_memory=STORE
-    )
+    quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": logging.ERROR}
+    try:
+        ray.init("local", include_dashboard=False, object_store_memory=STORE, **quiet)
+    except Exception as error:  # Ray raises nothing narrower
+        raise RunError(f"Ray could not be started here: {error}; try again when the machine is less busy") from error
     try:
         yield
     finally:
         ray.shutdown()
-
-
-@contextmanager
-def _quietly() -> Iterator[None]:
-    """Spare the user what RLlib says of itself: its API stack, and that its environment is registered once more."""
-    loggers = [logging.getLogger(name) for name in ("ray", "ray.rllib")]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.ERROR)
-    try:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message=".*Overriding environment .* already in registry")
-            yield
-    finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)
