@@ -22,7 +22,7 @@ class MaskedPPOModule(DefaultPPOTorchRLModule):
     """Take a dict of an observation and its mask, and give illegal actions the least logit there is."""
 
     def __init__(self, *, observation_space: Dict, **settings: Any) -> None:
-        super().__init__(observation_space=observation_space[UNMASKED], **settings)
+        super().__init__(observation_space=observation_space[UNMASKED], **settings)  # type: ignore[no-untyped-call]  # RLlib leaves it untyped
 
     def _forward(self, batch: dict[str, Any], **settings: Any) -> dict[str, Any]:
         return _masked(super()._forward(_bare(batch), **settings), batch)

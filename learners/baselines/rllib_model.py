@@ -6,6 +6,7 @@ import logging
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from typing import Any, cast
 
 import numpy as np
@@ -54,12 +55,13 @@ class RllibConfig(BaselineConfig):
 
     def untrained(self, inputs: int) -> TorchRLModule:
         """Return the network before any training, for observations of so many numbers."""
-        spec = self.spec()
-        space: Space[Any] = Box(0.0, 1.0, (inputs,), np.float32)
-        spec.observation_space = Dict({UNMASKED: space, MASK: Box(0, 1, (5,), np.int8)}) if self.masked else space
-        spec.action_space = Discrete(5)
-        spec.inference_only = True
         with quietly():
+            spec = self.spec()
+            space: Space[Any] = Box(0.0, 1.0, (inputs,), np.float32)
+            spec.observation_space = Dict({UNMASKED: space, MASK: Box(0, 1, (5,), np.int8)}) if self.masked else space
+            spec.action_space = Discrete(5)
+            spec.model_config = self.algorithm().model_config | asdict(cast(DefaultModelConfig, spec.model_config))
+            spec.inference_only = True
             return cast(TorchRLModule, spec.build())
 
     def rate(self, module: TorchRLModule, rows: NDArray[np.float32]) -> NDArray[np.float32]:
