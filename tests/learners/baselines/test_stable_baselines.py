@@ -89,7 +89,7 @@ def test_the_pilot_sees_what_training_saw_bit_for_bit(trained: dict[str, Path]) 
     task = config.task(small_room())
     envs = StableBaselinesVecEnv(2, scenario=task, observation=config.recipe)
     envs.seed(7)
-    seen = envs.reset()
+    seen: Any = envs.reset()
     world = World(task, 2)
     world.reset([7, 8])
     pilots = [policy.pilot(world.briefing(b, 0)) for b in range(2)]
@@ -138,7 +138,7 @@ def test_an_experiment_flies_it_in_a_team_and_gives_a_long_path_a_short_name(
     trained: dict[str, Path], tmp_path: Path
 ) -> None:
     folder = shutil.copytree(trained["sb3-maskable-ppo"], tmp_path / ("long" * 20))
-    choice = PolicyChoice(use=f"sb3:{folder / 'checkpoint.zip'}", parameters={"mask": False})  # type: ignore[arg-type]
+    choice = PolicyChoice(use=f"sb3:{folder / 'checkpoint.zip'}", parameters={"mask": False})
     assert (len(choice.name), choice.name[:5], choice.name[-14:]) == (80, "sb3:…", "checkpoint.zip")
     task = PRESETS["thesis-team-2"].for_evaluation().with_settings({"budget": 20, "on_collision": "block"})
     (record,) = fly(choice.make(), choice.name, task, [Task(task.name, 0, 1)])
