@@ -9,6 +9,7 @@ import os
 import pickle
 import shutil
 import signal
+import sys
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -260,6 +261,12 @@ def test_a_model_of_another_shape_is_one_line(copy: Path) -> None:
     record["config"]["hidden"] = [8]
     (copy / "training.json").write_text(json.dumps(record))
     assert "got something else" in refusal(copy)
+
+
+def test_a_missing_library_is_told_with_its_extra(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, f"{PACKAGE}.sb3_ppo")
+    monkeypatch.setitem(sys.modules, "stable_baselines3", None)
+    assert "no module named 'stable_baselines3'; install indoor-explorers[sb3]" in refusal(copy)
 
 
 class Bomb:
