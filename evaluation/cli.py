@@ -81,7 +81,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_compare(commands_.add_parser("compare", help="fly policies on the same tasks and write a report"))
     _add_watch(commands_.add_parser("watch", help="watch a policy fly one episode, or save it as a video"))
     _add_report(commands_.add_parser("report", help="rebuild a report, or combine several results"))
-    _add_train(commands_.add_parser("train", help="train a DDDQN"))
+    _add_train(commands_.add_parser("train", help="train a learner: the DDDQN, or a baseline through another library"))
     listing = commands_.add_parser("policies", help="list the installed policies")
     listing.set_defaults(run=commands.list_policies)
     listing = commands_.add_parser("scenarios", help="list the preset scenarios")
@@ -89,7 +89,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_maps(commands_.add_parser("maps", help="show map files, or what a scenario generates, and their facts"))
     _add_bench(commands_.add_parser("bench", help="measure the speed figures on this machine"))
     check = commands_.add_parser("check", help="run the conformance suite on a policy")
-    check.add_argument("policy", metavar="MODULE:CLASS", help="or the name of an installed policy")
+    check.add_argument("policy", metavar="MODULE:CLASS", help="or the name of an installed policy, or NAME:PATH")
     check.set_defaults(run=commands.check)
     return parser
 
@@ -112,8 +112,8 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--experiment", metavar="FILE.toml", help="policies, scenarios, episodes, seed and settings")
     parser.add_argument(
         "--policies", type=_names, metavar="a,b,...",
-        help="""names of entries of the experiment, of policies, or module:Class; a name with a comma in it stands in
-        double quotes, which the shell is not to see: '"dddqn, no guard",pso'""",
+        help="""names of entries of the experiment, of policies, NAME:PATH such as sb3:DIR, or module:Class; a name
+        with a comma in it stands in double quotes, which the shell is not to see: '"dddqn, no guard",pso'""",
     )  # fmt: skip
     parser.add_argument(
         "--scenario", type=_names, metavar="PRESET|FILE.toml",
@@ -151,7 +151,9 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_watch(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--policy", required=True, metavar="NAME", help="a name, or module:Class")
+    parser.add_argument(
+        "--policy", required=True, metavar="NAME", help="a name, NAME:PATH such as sb3:DIR, or module:Class"
+    )
     parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="the task (default thesis-obstacles)")
     parser.add_argument("--maps", metavar="PATH", help="a map file to explore instead")
     parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample the map to")
@@ -192,7 +194,7 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--learner", default="dddqn", metavar="NAME", help="what learns (default dddqn)")
+    parser.add_argument("--learner", default="dddqn", metavar="NAME", help="what learns: dddqn (default), sb3-ppo, ...")
     parser.add_argument(
         "--preset", metavar="NAME", help="scenario, hyperparameters and seed of weights that ship, where not given here"
     )

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.env.registry import missing_module
 from indoor_explorers.env.validation import validated
 
 #: Entry points of modules with a ``TrainingConfig`` and a ``train`` function, as those of the DDDQN.
@@ -30,7 +31,7 @@ def find_learner(name: str) -> Any:
     try:
         return known[name].load()
     except ModuleNotFoundError as error:
-        raise InputError(f"learner {name!r} needs {error.name}; install indoor-explorers[rl]") from error
+        raise InputError(f"learner {name!r}: {missing_module(error)}") from error
 
 
 def nested(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -88,7 +89,5 @@ def run_training(
 
 
 def _now(progress: Any) -> str:
-    return (
-        f"{progress.steps / 1e6:.2f} M steps, {progress.steps_per_second:,.0f}/s, "
-        f"loss {progress.loss:.4f}, epsilon {progress.epsilon:.2f}"
-    )
+    epsilon = "" if progress.epsilon is None else f", epsilon {progress.epsilon:.2f}"
+    return f"{progress.steps / 1e6:.2f} M steps, {progress.steps_per_second:,.0f}/s, loss {progress.loss:.4f}{epsilon}"
