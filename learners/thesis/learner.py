@@ -28,7 +28,8 @@ class Learner:
         self.config = config
         self.online = new_network(eye, config.advantage_mean, seed)
         self.target = copy.deepcopy(self.online).requires_grad_(False)
-        self.optimiser = torch.optim.Adam(self.online.parameters(), lr=config.learning_rate, eps=ADAM_EPSILON, fused=True)
+        parameters, rate = self.online.parameters(), config.learning_rate
+        self.optimiser = torch.optim.Adam(parameters, lr=rate, eps=ADAM_EPSILON, fused=True)
 
     def start_from(self, arrays: dict[str, NDArray[np.float32]]) -> None:
         """Take over the weights of another training, for both networks."""
