@@ -15,13 +15,15 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
 from numpy.typing import NDArray
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.palette import COLOURS, DASHES
+from indoor_explorers.evaluation.report.palette import COLOURS, DASHES, MARKERS
 from indoor_explorers.evaluation.report.paper import FORMATS, LOOK
 from indoor_explorers.evaluation.thesis.experiments import GROUPS
 from indoor_explorers.evaluation.thesis.results import Run
 
 #: Episodes of the thesis's moving average; longer trainings than it drew are averaged over a hundredth.
 LEAST_WINDOW = 10
+#: Steps of an episode in all of the thesis's experiments.
+BUDGET = 400
 #: Places in the palette: what was is vermillion, mended blue, single switches what follows.
 _HUES = (1, 0, 2, 3, 4, 5, 6)
 
@@ -94,7 +96,8 @@ def grid_figure(runs: Sequence[Run], title: str, draw: Callable[[Axes, Run, str]
 def _scores(axes: Axes, run: Run, hue: str) -> None:
     """Draw every score and the moving average."""
     episodes = np.arange(1, len(run.scores) + 1)
-    axes.plot(episodes, run.scores, ".", color=hue, markersize=1.3, alpha=0.25, markeredgewidth=0, rasterized=True)
+    size = 1.6 if len(episodes) > 5000 else 2.6
+    axes.plot(episodes, run.scores, ".", color=hue, markersize=size, alpha=0.35, markeredgewidth=0, rasterized=True)
     window = max(LEAST_WINDOW, len(run.scores) // 100)
     mean = moving_average(run.scores, window)
     axes.plot(episodes[len(episodes) - len(mean) :], mean, color="#222222", linewidth=1.0)
@@ -128,15 +131,15 @@ def coverage_figure(runs: Sequence[Run]) -> Figure:
             place = titles.index(run.experiment.title)
             look: dict[str, Any] = {"color": COLOURS[place][0], "linewidth": 1.3, "label": run.experiment.title}
             look["linestyle"] = (0, DASHES[place]) if DASHES[place] else "-"
-            for axes, curve in zip(row, (_training_curve(run), run.record["greedy_coverage_by_step"]), strict=True):
+            for axes, curve in zip(row, (_training_curve(run), _greedy_curve(run)), strict=True):
                 axes.plot(np.arange(len(curve)), curve, **look)
         row[0].set_ylabel(f"{version}\ncoverage")
         for axes in row:
             axes.axhline(0.9, color="#999999", linewidth=0.6, linestyle=(0, (1, 2)))
-            axes.set(xlim=(0, 400), ylim=(0, 1.01))
+            axes.set(xlim=(0, BUDGET), ylim=(0, 1.01))
             axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
-    panels[0][0].set_title("training, over episodes still flying (the thesis's)", fontsize=8.5)
-    panels[0][1].set_title("greedy at the end, over all episodes", fontsize=8.5)
+    panels[0][0].set_title("training: episodes still flying", fontsize=8.5)
+    panels[0][1].set_title("greedy, at the end: all episodes", fontsize=8.5)
     panels[0][1].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
     for axes in panels[-1]:
         axes.set_xlabel("step")
@@ -144,8 +147,14 @@ def coverage_figure(runs: Sequence[Run]) -> Figure:
 
 
 def _training_curve(run: Run) -> list[float]:
-    """Return the curve from step 0 on, where nothing is recorded, on."""
+    """Return the curve from step 0 on, of which training records nothing."""
     return [float("nan"), *run.record["training_coverage_by_step"]]
+
+
+def _greedy_curve(run: Run) -> list[float]:
+    """Return the curve up to the budget; the last episode's end is not the end of its coverage."""
+    curve = list(run.record["greedy_coverage_by_step"])
+    return curve + curve[-1:] * (BUDGET + 1 - len(curve))
 
 
 def cost_figure(runs: Sequence[Run]) -> Figure:
@@ -156,11 +165,15 @@ def cost_figure(runs: Sequence[Run]) -> Figure:
     panels = figure.subplots(1, 3, sharey=True)
     figures = (("reached", "90 % reached"), ("coverage", "coverage"), ("t90", "T90 [steps]"))
     for axes, (key, label) in zip(panels, figures, strict=True):
-        for version in versions:
+        for rank, version in enumerate(versions):
             own = [run for run in runs if run.version == version]
-            places = [names.index(run.experiment.name) for run in own]
-            axes.plot([run.greedy(key)[-1] for run in own], places, "o", color=_hue(versions, version), label=version)
-        axes.set(xlabel=label, ylim=(len(names) - 0.5, -0.5), xlim=(-0.04, 1.04) if key != "t90" else (0, 410))
+            beside = 0.4 * (rank - (len(versions) - 1) / 2) / len(versions)  # so that equal figures are both seen
+            places = [names.index(run.experiment.name) + beside for run in own]
+            dots: dict[str, Any] = {"color": _hue(versions, version), "marker": MARKERS[rank % len(MARKERS)][1]}
+            axes.plot([run.greedy(key)[-1] for run in own], places, linestyle="", label=version, markersize=5, **dots)
+        axes.set(
+            xlabel=label, ylim=(len(names) - 0.5, -0.5), xlim=(-0.04, 1.04) if key != "t90" else (0, 1.04 * BUDGET)
+        )
         axes.grid(color="#e8e8e8", linewidth=0.6)
         axes.set_axisbelow(True)
         if key != "t90":

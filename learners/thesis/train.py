@@ -143,7 +143,7 @@ class _Clock:
 
 def _write(training: Training, scenario: Scenario, out: Path, seconds: float) -> None:
     """Write checkpoint, weights, episodes and record, each in one go."""
-    training.save(out / CHECKPOINT)
+    training.save(out / CHECKPOINT, seconds)
     write_weights(out / WEIGHTS, training.learner.arrays(), training.eye)
     training.history.write(out / EPISODES, training.config.episodes)
     with written_whole(out / RECORD) as partial:
@@ -160,7 +160,7 @@ def _record(training: Training, scenario: Scenario, seconds: float) -> dict[str,
         "versions": {"python": platform.python_version()} | versions(PACKAGES),
         "commit": source_commit(),
         "done": training.done,
-        "seconds": round(seconds, 1),
+        "seconds": round(training.seconds + seconds, 1),
         "steps": training.steps,
         "episodes": training.episodes,
         "evaluations": [trial._asdict() for trial in training.trials],

@@ -33,6 +33,8 @@ class Training:
         self.config, self.seed = config, seed
         self.task = config.task(scenario)
         self.steps = self.begun = 0
+        self.seconds = 0.0
+        """Flown up to the checkpoint that it goes on from."""
         self.evaluations: list[Flown] = []
         self.losses: list[float] = []
         self.rng = np.random.default_rng(np.random.SeedSequence(seed))
@@ -132,12 +134,13 @@ class Training:
         """Return what makes this training: a checkpoint of another one is refused."""
         return {"config": self.config.model_dump(mode="json"), "task": self.task.fingerprint, "seed": self.seed}
 
-    def save(self, path: Path) -> None:
-        """Write everything to a safetensors file."""
+    def save(self, path: Path, seconds: float = 0.0) -> None:
+        """Write everything to a safetensors file, and how many seconds it took since :attr:`seconds`."""
         places = {f"replay/{name}": array[: self.replay.filled] for name, array in self.replay.data._asdict().items()}
         notes = self.identity() | {
             "steps": self.steps,
             "begun": self.begun,
+            "seconds": self.seconds + seconds,
             "written": self.replay.written,
             "evaluations": self.evaluations,
             "rng": self.rng.bit_generator.state,
@@ -165,6 +168,7 @@ class Training:
                 f"{path}: expected a checkpoint of this version, got something else ({error!r})"
             ) from error
         self.steps, self.begun, self.replay.written = notes["steps"], notes["begun"], notes["written"]
+        self.seconds = notes["seconds"]
         self.evaluations = [Flown(Trial(*trial), curve) for trial, curve in notes["evaluations"]]
         self.rng.bit_generator.state = notes["rng"]
 
