@@ -22,6 +22,8 @@ from indoor_explorers.evaluation.thesis.results import Run
 
 #: Episodes of the thesis's moving average; longer trainings than it drew are averaged over a hundredth.
 LEAST_WINDOW = 10
+#: Scores below this are drawn on a logarithmic scale, so that the others are seen.
+LARGE = 20_000.0
 #: Steps of an episode in all of the thesis's experiments.
 BUDGET = 400
 #: Places in the palette: what was is vermillion, mended blue, single switches what follows.
@@ -51,7 +53,7 @@ def figures(runs: Sequence[Run]) -> Iterator[tuple[str, Figure]]:
             yield f"{group}-coverage", coverage_figure(own)
             yield (
                 f"{group}-greedy",
-                grid_figure(own, "Greedy evaluation, apart from training", _reached, "90 % reached"),
+                grid_figure(own, "Greedy evaluation, apart from training", _reached, "share"),
             )
 
 
@@ -102,6 +104,8 @@ def _scores(axes: Axes, run: Run, hue: str) -> None:
     mean = moving_average(run.scores, window)
     axes.plot(episodes[len(episodes) - len(mean) :], mean, color="#222222", linewidth=1.0)
     axes.axhline(0.0, color="#999999", linewidth=0.6)
+    if run.scores.min() < -LARGE:
+        axes.set_yscale("symlog", linthresh=1000.0)
 
 
 def moving_average(values: NDArray[np.float64], window: int) -> NDArray[np.float64]:
@@ -115,7 +119,7 @@ def _reached(axes: Axes, run: Run, hue: str) -> None:
     lines = (("reached", "90 % reached", "-", hue), ("coverage", "coverage at the end", (0, (4, 2)), hue))
     for figure, label, dash, colour in (*lines, ("crashed", "UAVs crashed", (0, (1, 1.5)), "#444444")):
         axes.plot(run.greedy("episodes"), run.greedy(figure), color=colour, linestyle=dash, linewidth=1.3, label=label)
-    axes.set_ylim(-0.03, 1.03)
+    axes.set(xlim=(0, 1.03 * run.greedy("episodes")[-1]), ylim=(-0.03, 1.03))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
     if axes.get_subplotspec().is_first_row() and axes.get_subplotspec().is_last_col():  # type: ignore[union-attr]
         axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
@@ -177,6 +181,7 @@ def cost_figure(runs: Sequence[Run]) -> Figure:
         axes.grid(color="#e8e8e8", linewidth=0.6)
         axes.set_axisbelow(True)
         if key != "t90":
+            axes.set_xticks([0.0, 0.5, 1.0])
             axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
     panels[0].set_yticks(range(len(names)), names)
     panels[-1].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)

@@ -11,7 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.report.numbers import percent
-from indoor_explorers.evaluation.thesis.experiments import GROUPS
+from indoor_explorers.evaluation.thesis.experiments import GROUPS, Experiment
 from indoor_explorers.evaluation.thesis.results import Run
 
 #: The figures of a group, with what is to be seen in them.
@@ -35,7 +35,7 @@ def write_page(runs: Sequence[Run], config: Any, folder: Path, path: Path) -> No
     )
     environment.filters["percent"] = lambda share: percent(share, 0)
     text = environment.get_template("page.html").render(
-        rows=[(run.experiment, run.row()) for run in runs],
+        experiments=_rows(runs),
         groups=[group for group in GROUPS.items() if any(run.experiment.group == group[0] for run in runs)],
         figures=FIGURES,
         picture=lambda stem: _embedded(folder / f"{stem}.png"),
@@ -44,6 +44,12 @@ def write_page(runs: Sequence[Run], config: Any, folder: Path, path: Path) -> No
     )
     with written_whole(path) as partial:
         partial.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _rows(runs: Sequence[Run]) -> list[tuple[Experiment, list[dict[str, Any]]]]:
+    """Return the experiments, each once, with the rows of their versions."""
+    experiments = list(dict.fromkeys(run.experiment for run in runs))
+    return [(one, [run.row() for run in runs if run.experiment == one]) for one in experiments]
 
 
 def _embedded(path: Path) -> str:

@@ -10,9 +10,10 @@ from safetensors.numpy import load_file
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.state import End
+from indoor_explorers.learners.dddqn.training import SEED_BLOCK
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.train import CHECKPOINT, EPISODES, RECORD, train
-from indoor_explorers.learners.thesis.training import SEED_BLOCK, Training
+from indoor_explorers.learners.thesis.training import Training
 
 from .rooms import TINY, short, write_network
 
