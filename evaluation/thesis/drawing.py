@@ -1,4 +1,4 @@
-"""The figures of the thesis's experiments: scores, coverage by step, greedy evaluations, and what the mistakes cost."""
+"""The figures of the thesis's experiments: scores, coverage by step, greedy evaluations, and all versions."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
 
 
 def figures(runs: Sequence[Run]) -> Iterator[tuple[str, Figure]]:
-    """Yield names and figures: what the mistakes cost, and three for each group of experiments."""
-    yield "cost", cost_figure(runs)
+    """Yield names and figures: how all versions ended, and three for each group of experiments."""
+    yield "versions", versions_figure(runs)
     for group in GROUPS:
         own = [run for run in runs if run.experiment.group == group]
         if own:
@@ -76,7 +76,7 @@ def _sheet(width: float, height: float, title: str) -> Figure:
 def grid_figure(runs: Sequence[Run], title: str, draw: Callable[[Axes, Run, str], None], label: str) -> Figure:
     """Draw one panel for each experiment and version, experiments side by side."""
     titles, versions = _names(runs)
-    figure = _sheet(1.0 + 2.5 * len(titles), 0.7 + 1.75 * len(versions), title)
+    figure = _sheet(max(8.2, 1.0 + 2.5 * len(titles)), 0.7 + 1.75 * len(versions), title)
     panels = figure.subplots(len(versions), len(titles), sharex="col", sharey=True, squeeze=False)
     by_place = {(run.version, run.experiment.title): run for run in runs}
     for row, version in zip(panels, versions, strict=True):
@@ -161,11 +161,13 @@ def _greedy_curve(run: Run) -> list[float]:
     return curve + curve[-1:] * (BUDGET + 1 - len(curve))
 
 
-def cost_figure(runs: Sequence[Run]) -> Figure:
+def versions_figure(runs: Sequence[Run]) -> Figure:
     """Draw, for each experiment, how the versions ended: greedy episodes at 90 %, mean coverage, and T90."""
     names = list(dict.fromkeys(run.experiment.name for run in runs))
     _, versions = _names(runs)
-    figure = _sheet(8.2, 1.1 + 0.3 * len(names), "What the mistakes cost: the last greedy evaluation")
+    figure = _sheet(
+        8.2, 1.1 + 0.3 * len(names), "At the end of training, greedy: the thesis's learner and what mending changes"
+    )
     panels = figure.subplots(1, 3, sharey=True)
     figures = (("reached", "90 % reached"), ("coverage", "coverage"), ("t90", "T90 [steps]"))
     for axes, (key, label) in zip(panels, figures, strict=True):

@@ -105,7 +105,7 @@ def test_the_page_holds_everything(flown):
     assert "https://" not in page
     names = {path.name for path in (flown / "figures").iterdir()}
     groups = ("rewards-2", "obstacles")
-    stems = ["cost", *(f"{group}-{figure}" for group in groups for figure in ("scores", "coverage", "greedy"))]
+    stems = ["versions", *(f"{group}-{figure}" for group in groups for figure in ("scores", "coverage", "greedy"))]
     assert names == {f"{stem}.{ending}" for stem in stems for ending in ("svg", "png")}
 
 
