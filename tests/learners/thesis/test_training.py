@@ -231,7 +231,7 @@ def test_a_short_training_learns_to_explore():
     )
     training = Training(config, short("thesis-open", 60), 1)
     before = training.take_trial()
-    while training.steps < 2500:
+    while training.steps < 3500:
         training.tick()
     after = training.take_trial()
     assert after.coverage > before.coverage + 0.1
