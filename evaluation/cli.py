@@ -1,4 +1,4 @@
-"""The command line: ``indoor-explorers compare | watch | report | train | bench | policies | ...``."""
+"""The command line: ``indoor-explorers compare | watch | report | train | thesis | bench | policies | ...``."""
 
 from __future__ import annotations
 
@@ -82,6 +82,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_watch(commands_.add_parser("watch", help="watch a policy fly one episode, or save it as a video"))
     _add_report(commands_.add_parser("report", help="rebuild a report, or combine several results"))
     _add_train(commands_.add_parser("train", help="train a learner: the DDDQN, or a baseline through another library"))
+    _add_thesis(commands_.add_parser("thesis", help="fly every experiment of the IndoorExplorers thesis again"))
     listing = commands_.add_parser("policies", help="list the installed policies")
     listing.set_defaults(run=commands.list_policies)
     listing = commands_.add_parser("scenarios", help="list the preset scenarios")
@@ -204,6 +205,24 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="checkpoints, weights and history")
     parser.add_argument("--resume", action="store_true", help="go on from the checkpoint in DIR")
     parser.set_defaults(run=commands.run_train)
+
+
+def _add_thesis(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--episodes", type=_count, default=10_000, metavar="N",
+        help="training episodes in the empty room, five times as many among obstacles (default 10000, the thesis's)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--versions", type=_names, default=["thesis", "mended"], metavar="a,b,...",
+        help="thesis: as it was; mended: every mistake mended; a switch's name: this one alone; each: all such",
+    )  # fmt: skip
+    parser.add_argument(
+        "--only", type=_names, default=["*"], metavar="PATTERN,...", help="of the experiments, those named so: 'team-*'"
+    )
+    _add_settings(parser, "hyperparameters of all trainings, such as environments=16")
+    parser.add_argument("--seed", type=_natural, default=1, metavar="S", help="makes every training (default 1)")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="trainings, page, figures; resumed")
+    parser.set_defaults(run=commands.run_thesis_experiments)
 
 
 def _add_bench(parser: argparse.ArgumentParser) -> None:

@@ -35,6 +35,7 @@ from indoor_explorers.evaluation.report.ratio_table import ratio_lines
 from indoor_explorers.evaluation.report.table import headline_table
 from indoor_explorers.evaluation.report.tables import failed
 from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.thesis import run_thesis
 from indoor_explorers.evaluation.training import preset_of, run_training
 from indoor_explorers.evaluation.watch import watch
 
@@ -150,6 +151,22 @@ def run_train(arguments: argparse.Namespace) -> int:
         seed=seed if seed is not None else (preset.seed if preset else 1),
         resume=arguments.resume,
     )
+
+
+def run_thesis_experiments(arguments: argparse.Namespace) -> int:
+    """Fly the thesis's experiments and write the page about them."""
+    console = _console()
+    run_thesis(
+        arguments.out,
+        console,
+        episodes=arguments.episodes,
+        version_names=arguments.versions,
+        patterns=arguments.only,
+        settings=dict(arguments.settings),
+        seed=arguments.seed,
+    )
+    console.print(f"Page: {arguments.out / 'thesis.html'}", highlight=False, soft_wrap=True)
+    return 0
 
 
 def list_policies(arguments: argparse.Namespace) -> int:

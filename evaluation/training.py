@@ -80,12 +80,16 @@ def run_training(
             bar.update(line, total=progress.total_steps, completed=progress.steps, description=_now(progress))
             if progress.trial is not None and shown[-1:] != [progress.trial]:
                 shown.append(progress.trial)
-                figures = ", ".join(f"{name} {value:.3g}" for name, value in progress.trial._asdict().items())
+                figures = ", ".join(f"{name} {_short(value)}" for name, value in progress.trial._asdict().items())
                 console.print(f"evaluation: {figures}", highlight=False)
 
         weights = module.train(config, scenario, out, seed=seed, resume=resume, report=show)
     console.print(f"Weights: {weights}", highlight=False, soft_wrap=True)
     return 0
+
+
+def _short(value: float) -> str:
+    return f"{value:,}" if isinstance(value, int) else f"{value:.3g}"
 
 
 def _now(progress: Any) -> str:

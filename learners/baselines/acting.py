@@ -23,8 +23,8 @@ from indoor_explorers.env.validation import validated
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.learners.baselines.config import EGOCENTRIC, BaselineConfig
 from indoor_explorers.learners.baselines.record import RECORD, Record, read_record
-from indoor_explorers.learners.baselines.session import one_thread
 from indoor_explorers.learners.baselines.trial import Scores, best_moves
+from indoor_explorers.learners.session import one_thread
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,9 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.config import BaselineConfig
 from indoor_explorers.learners.baselines.record import RECORD, Record, read_record, refuse_others, write_record
-from indoor_explorers.learners.baselines.session import Progress, one_thread, patience
+from indoor_explorers.learners.baselines.session import Progress
 from indoor_explorers.learners.baselines.trial import evaluate, trial_seeds
+from indoor_explorers.learners.session import one_thread, patience
 
 #: Seconds between two reports.
 REPORT_EVERY = 0.5

@@ -1,13 +1,8 @@
-"""A training as its user meets it: progress to look at, and a Ctrl-C that loses nothing."""
+"""A training as its user meets it: progress to look at."""
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from types import FrameType
 
 from indoor_explorers.learners.baselines.trial import Trial
 
@@ -28,36 +23,3 @@ class Progress:
     """Moves a second since the training was started or resumed, evaluations included."""
     trial: Trial | None
     """The latest evaluation."""
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Run torch on one thread: the same sums in the same order, and no slower for small networks."""
-    import torch  # loads when it is used, and not to list the policies
-
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
-
-
-@contextmanager
-def patience() -> Iterator[threading.Event]:
-    """Turn the first Ctrl-C into an event, so that an update is never cut in half; a second one stops at once."""
-    interrupted = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield interrupted
-        return
-
-    def note(number: int, frame: FrameType | None) -> None:
-        if interrupted.is_set():
-            raise KeyboardInterrupt
-        interrupted.set()
-
-    previous = signal.signal(signal.SIGINT, note)
-    try:
-        yield interrupted
-    finally:
-        signal.signal(signal.SIGINT, previous)

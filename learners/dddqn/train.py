@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import json
 import platform
-import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import numpy as np
-import torch
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
@@ -29,6 +25,7 @@ from indoor_explorers.learners.dddqn.scalars import Scalars
 from indoor_explorers.learners.dddqn.training import Training
 from indoor_explorers.learners.dddqn.trial import Trial
 from indoor_explorers.learners.dddqn.weights import write_weights
+from indoor_explorers.learners.session import one_thread, patience
 
 __all__ = ["PRESETS", "Progress", "TrainingConfig", "train"]
 
@@ -90,7 +87,7 @@ def train(
 
     """
     checkpoint = _open_folder(out, resume)
-    with _one_thread(), _patience() as interrupted:
+    with one_thread(), patience() as interrupted:
         training = Training(config, scenario, seed, checkpoint)
         with Scalars(out) as scalars:
 
@@ -187,33 +184,3 @@ def _record(training: Training, scenario: Scenario) -> dict[str, Any]:
         "episodes": training.episodes,
         "evaluations": [trial._asdict() for trial in training.trials],
     }
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
-
-
-@contextmanager
-def _patience() -> Iterator[threading.Event]:
-    """Turn the first Ctrl-C into an event, so that a tick is never cut in half."""
-    interrupted = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield interrupted
-        return
-
-    def note(number: int, frame: FrameType | None) -> None:
-        if interrupted.is_set():
-            raise KeyboardInterrupt
-        interrupted.set()
-
-    previous = signal.signal(signal.SIGINT, note)
-    try:
-        yield interrupted
-    finally:
-        signal.signal(signal.SIGINT, previous)
