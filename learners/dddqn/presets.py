@@ -21,8 +21,10 @@ class Preset(NamedTuple):
 _MAP_ALONE = {"observation.gains": False, "observation.tours": False}
 
 PRESETS: dict[str, Preset] = {
-    "thesis-open": Preset("thesis-open", {"total_steps": 2_000_000, "reward_early_step": -0.4}, 1),
-    "thesis-obstacles": Preset("thesis-obstacles", {"total_steps": 6_000_000}, 1),
+    "thesis-open": Preset(
+        "thesis-open", {"total_steps": 2_500_000, "updates_per_tick": 2, "reward_early_step": -0.4}, 1
+    ),
+    "thesis-obstacles": Preset("thesis-obstacles", {"total_steps": 5_000_000, "updates_per_tick": 2}, 1),
     "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 4_000_000}, 1),
     "thesis-obstacles-map": Preset("thesis-obstacles", _MAP_ALONE | {"total_steps": 6_000_000}, 1),
 }
