@@ -65,8 +65,12 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         copy: bool = True,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         threads: int = 1,
+        first_seed: int = 0,
     ) -> None:
-        """Prepare ``num_envs`` episodes, shared out among ``threads``; the rest as for the single environment."""
+        """Prepare ``num_envs`` episodes, shared out among ``threads``; the rest as for the single environment.
+
+        Episodes that draw their seeds draw them from ``first_seed`` on, to keep a training's apart from others.
+        """
         if num_envs < 1:
             raise InputError(f"expected num_envs to be at least 1, got {num_envs}")
         self.num_envs = num_envs
@@ -76,6 +80,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         self.metadata = self.metadata | {"autoreset_mode": _find_mode(autoreset_mode)}
         self._lanes = Lanes(observation, self.world.briefing(0, 0), num_envs)
         self._index = index
+        self._first_seed = first_seed
         self._copy = copy
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self._begun = np.zeros(num_envs, np.bool_)
@@ -157,7 +162,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         rng = self._generators[b]
         if rng is None or seed is not None:
             rng = self._generators[b] = np_random(draw_seed(self.np_random) if seed is None else seed)[0]
-        return draw_seed(rng) if seed is None else seed
+        return self._first_seed + draw_seed(rng) if seed is None else seed
 
     def _start_anew(self, over: Mask) -> dict[str, Any]:
         """Start the next episode where one is over; return the infos that tell how the last one ended."""

@@ -1,4 +1,4 @@
-"""The command line: ``indoor-explorers compare | watch | report | train | bench | policies | ...``."""
+"""The command line: ``indoor-explorers compare | watch | report | train | thesis | bench | policies | ...``."""
 
 from __future__ import annotations
 
@@ -81,7 +81,8 @@ def build_parser() -> argparse.ArgumentParser:
     _add_compare(commands_.add_parser("compare", help="fly policies on the same tasks and write a report"))
     _add_watch(commands_.add_parser("watch", help="watch a policy fly one episode, or save it as a video"))
     _add_report(commands_.add_parser("report", help="rebuild a report, or combine several results"))
-    _add_train(commands_.add_parser("train", help="train a DDDQN"))
+    _add_train(commands_.add_parser("train", help="train a learner: the DDDQN, or a baseline through another library"))
+    _add_thesis(commands_.add_parser("thesis", help="fly every experiment of the IndoorExplorers thesis again"))
     listing = commands_.add_parser("policies", help="list the installed policies")
     listing.set_defaults(run=commands.list_policies)
     listing = commands_.add_parser("scenarios", help="list the preset scenarios")
@@ -89,7 +90,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_maps(commands_.add_parser("maps", help="show map files, or what a scenario generates, and their facts"))
     _add_bench(commands_.add_parser("bench", help="measure the speed figures on this machine"))
     check = commands_.add_parser("check", help="run the conformance suite on a policy")
-    check.add_argument("policy", metavar="MODULE:CLASS", help="or the name of an installed policy")
+    check.add_argument("policy", metavar="MODULE:CLASS", help="or the name of an installed policy, or NAME:PATH")
     check.set_defaults(run=commands.check)
     return parser
 
@@ -112,8 +113,8 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--experiment", metavar="FILE.toml", help="policies, scenarios, episodes, seed and settings")
     parser.add_argument(
         "--policies", type=_names, metavar="a,b,...",
-        help="""names of entries of the experiment, of policies, or module:Class; a name with a comma in it stands in
-        double quotes, which the shell is not to see: '"dddqn, no guard",pso'""",
+        help="""names of entries of the experiment, of policies, NAME:PATH such as sb3:DIR, or module:Class; a name
+        with a comma in it stands in double quotes, which the shell is not to see: '"dddqn, no guard",pso'""",
     )  # fmt: skip
     parser.add_argument(
         "--scenario", type=_names, metavar="PRESET|FILE.toml",
@@ -151,7 +152,9 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_watch(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--policy", required=True, metavar="NAME", help="a name, or module:Class")
+    parser.add_argument(
+        "--policy", required=True, metavar="NAME", help="a name, NAME:PATH such as sb3:DIR, or module:Class"
+    )
     parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="the task (default thesis-obstacles)")
     parser.add_argument("--maps", metavar="PATH", help="a map file to explore instead")
     parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample the map to")
@@ -192,13 +195,34 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--learner", default="dddqn", metavar="NAME", help="what learns (default dddqn)")
-    parser.add_argument("--scenario", default="thesis-obstacles", metavar="PRESET|FILE.toml", help="what to train on")
-    _add_settings(parser, "hyperparameters of the training")
-    parser.add_argument("--seed", type=_natural, default=1, metavar="S", help="makes the whole training (default 1)")
+    parser.add_argument("--learner", default="dddqn", metavar="NAME", help="what learns: dddqn (default), sb3-ppo, ...")
+    parser.add_argument(
+        "--preset", metavar="NAME", help="scenario, hyperparameters and seed of weights that ship, where not given here"
+    )
+    parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="what to train on (default thesis-obstacles)")
+    _add_settings(parser, "hyperparameters of the training, such as batch=512 or observation.tours=false")
+    parser.add_argument("--seed", type=_natural, metavar="S", help="makes the whole training (default 1)")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="checkpoints, weights and history")
     parser.add_argument("--resume", action="store_true", help="go on from the checkpoint in DIR")
     parser.set_defaults(run=commands.run_train)
+
+
+def _add_thesis(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--episodes", type=_count, default=10_000, metavar="N",
+        help="training episodes in the empty room, five times as many among obstacles (default 10000, the thesis's)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--versions", type=_names, default=["thesis", "mended"], metavar="a,b,...",
+        help="thesis: as it was; mended: every mistake mended; a switch's name: this one alone; each: all such",
+    )  # fmt: skip
+    parser.add_argument(
+        "--only", type=_names, default=["*"], metavar="PATTERN,...", help="of the experiments, those named so: 'team-*'"
+    )
+    _add_settings(parser, "hyperparameters of all trainings, such as environments=16")
+    parser.add_argument("--seed", type=_natural, default=1, metavar="S", help="makes every training (default 1)")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="trainings, page, figures; resumed")
+    parser.set_defaults(run=commands.run_thesis_experiments)
 
 
 def _add_bench(parser: argparse.ArgumentParser) -> None:

@@ -6,17 +6,17 @@ import argparse
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
 from indoor_explorers.env import PRESETS, InputError, make_policy, run_checks
-from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.presets import named_scenario
-from indoor_explorers.env.registry import policy_entry_points
+from indoor_explorers.env.registry import missing_module, opener_entry_points, policy_entry_points
 from indoor_explorers.env.starts import draw_floorplan
 from indoor_explorers.evaluation import bench
 from indoor_explorers.evaluation.check_table import print_findings, print_header
@@ -35,7 +35,8 @@ from indoor_explorers.evaluation.report.ratio_table import ratio_lines
 from indoor_explorers.evaluation.report.table import headline_table
 from indoor_explorers.evaluation.report.tables import failed
 from indoor_explorers.evaluation.results import Results
-from indoor_explorers.evaluation.training import run_training
+from indoor_explorers.evaluation.thesis import run_thesis
+from indoor_explorers.evaluation.training import preset_of, run_training
 from indoor_explorers.evaluation.watch import watch
 
 #: Characters of a line where the output is no terminal.
@@ -138,28 +139,52 @@ def run_report(arguments: argparse.Namespace) -> int:
 
 
 def run_train(arguments: argparse.Namespace) -> int:
-    """Train a learner on a scenario."""
+    """Train a learner on a scenario, both given or a preset's."""
+    preset = None if arguments.preset is None else preset_of(arguments.learner, arguments.preset)
+    settings = dict(arguments.settings)
+    seed = arguments.seed
     return run_training(
         arguments.learner,
-        named_scenario(arguments.scenario),
-        dict(arguments.settings),
+        named_scenario(arguments.scenario or (preset.scenario if preset else "thesis-obstacles")),
+        {**preset.settings, **settings} if preset else settings,
         out=arguments.out,
-        seed=arguments.seed,
+        seed=seed if seed is not None else (preset.seed if preset else 1),
         resume=arguments.resume,
     )
+
+
+def run_thesis_experiments(arguments: argparse.Namespace) -> int:
+    """Fly the thesis's experiments and write the page about them."""
+    console = _console()
+    run_thesis(
+        arguments.out,
+        console,
+        episodes=arguments.episodes,
+        version_names=arguments.versions,
+        patterns=arguments.only,
+        settings=dict(arguments.settings),
+        seed=arguments.seed,
+    )
+    console.print(f"Page: {arguments.out / 'thesis.html'}", highlight=False, soft_wrap=True)
+    return 0
 
 
 def list_policies(arguments: argparse.Namespace) -> int:
     """Print the installed policies."""
     table = Table("policy", "what it is", "from", box=None, header_style="bold")
     for name, entry in policy_entry_points().items():
-        try:
-            about = (entry.load().__doc__ or "").strip().partition("\n")[0]
-        except ModuleNotFoundError as error:
-            about = f"needs {error.name}: install indoor-explorers[rl]"
-        table.add_row(name, about, entry.dist.name if entry.dist else "")
+        table.add_row(name, _about(entry), entry.dist.name if entry.dist else "")
+    for name, entry in opener_entry_points().items():
+        table.add_row(f"{name}:PATH", _about(entry), entry.dist.name if entry.dist else "")
     _console().print(table)
     return 0
+
+
+def _about(entry: EntryPoint) -> str:
+    try:
+        return (entry.load().__doc__ or "").strip().partition("\n")[0]
+    except ModuleNotFoundError as error:
+        return missing_module(error)
 
 
 def list_scenarios(arguments: argparse.Namespace) -> int:
@@ -205,9 +230,6 @@ def _maps_of(arguments: argparse.Namespace) -> Iterator[Floorplan]:
 
 def check(arguments: argparse.Namespace) -> int:
     """Run the whole conformance suite on a policy and print what it found; the status is 1 where a check fails."""
-    known = policy_entry_points()
-    if ":" not in arguments.policy and arguments.policy not in known:
-        raise InputError(f"unknown policy {arguments.policy!r}{did_you_mean(arguments.policy, known)}")
     policy, console = make_policy(arguments.policy), _console()
     print_header(console, arguments.policy, policy)
     with console.status("checking") if console.is_terminal else nullcontext():

@@ -45,7 +45,7 @@ def connected(address: str | None = None) -> Iterator[None]:
 
 def cpus() -> int:
     """Return how many CPUs the cluster has now."""
-    resources: dict[str, float] = ray.cluster_resources()  # type: ignore[no-untyped-call]  # Ray leaves it untyped
+    resources: dict[str, float] = ray.cluster_resources()
     return int(resources.get("CPU", 0))
 
 

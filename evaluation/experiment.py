@@ -26,15 +26,19 @@ class Task(NamedTuple):
     """Makes the generated map, the spawns, the order of moves and the pilots' draws."""
 
 
+#: Characters of a policy's name in results.
+LONGEST_NAME = 80
+
+
 class PolicyChoice(BaseModel):
-    """A policy by registry name or ``module:Class``, its parameters, and the name it goes by in results."""
+    """A policy by registry name, ``NAME:PATH`` or ``module:Class``, its parameters, and its name in results."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
     use: str = Field(min_length=1)
-    """Registry name or ``module:Class``."""
-    name: str = Field("", max_length=80)
-    """Name in tables and figures; the registry name when left out."""
+    """Registry name, ``NAME:PATH`` or ``module:Class``."""
+    name: str = Field("", max_length=LONGEST_NAME)
+    """Name in tables and figures; the registry name when left out, a path in it shortened where it is long."""
     parameters: dict[str, Any] = {}
     """Arguments of the policy's constructor."""
 
@@ -42,11 +46,19 @@ class PolicyChoice(BaseModel):
     @classmethod
     def _from_name(cls, data: Any) -> Any:
         data = {"use": data} if isinstance(data, str) else data
-        return data | {"name": data.get("name") or data.get("use", "")} if isinstance(data, dict) else data
+        return data | {"name": data.get("name") or _brief(data.get("use", ""))} if isinstance(data, dict) else data
 
     def make(self) -> Policy:
         """Make the policy."""
         return make_policy(self.use, **self.parameters)
+
+
+def _brief(use: Any) -> Any:
+    """Return what is used, without the middle of a long path."""
+    if not isinstance(use, str) or len(use) <= LONGEST_NAME:
+        return use
+    head = use.partition(":")[0][:20]
+    return f"{head}:…{use[len(head) + 2 - LONGEST_NAME :]}"
 
 
 class Job(NamedTuple):

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.env.registry import missing_module
 from indoor_explorers.env.validation import validated
 
 #: Entry points of modules with a ``TrainingConfig`` and a ``train`` function, as those of the DDDQN.
@@ -30,7 +31,37 @@ def find_learner(name: str) -> Any:
     try:
         return known[name].load()
     except ModuleNotFoundError as error:
-        raise InputError(f"learner {name!r} needs {error.name}; install indoor-explorers[rl]") from error
+        raise InputError(f"learner {name!r}: {missing_module(error)}") from error
+
+
+def nested(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings with dotted keys as tables within tables.
+
+    Raises:
+        InputError: a key is both a single setting and a table.
+    """
+    whole: dict[str, Any] = {}
+    for key, value in settings.items():
+        *parents, leaf = key.split(".")
+        place: Any = whole
+        for parent in parents:
+            place = place.setdefault(parent, {})
+            if not isinstance(place, dict):
+                raise InputError(f"no setting {key!r}, since {parent!r} is a single one; set that")
+        place[leaf] = place[leaf] | value if isinstance(value, dict) and isinstance(place.get(leaf), dict) else value
+    return whole
+
+
+def preset_of(learner: str, name: str) -> Any:
+    """Return a learner's preset: its ``scenario``, ``settings`` and ``seed``.
+
+    Raises:
+        InputError: the learner has no preset of that name.
+    """
+    presets = getattr(find_learner(learner), "PRESETS", {})
+    if name not in presets:
+        raise InputError(f"unknown preset {name!r} of learner {learner!r}{did_you_mean(name, presets)}")
+    return presets[name]
 
 
 def run_training(
@@ -38,7 +69,7 @@ def run_training(
 ) -> int:
     """Train, showing steps, speed, loss and the latest evaluation; returns the exit status."""
     module = find_learner(learner)
-    config = validated(module.TrainingConfig, dict(settings), f"settings of learner {learner!r}")
+    config = validated(module.TrainingConfig, nested(settings), f"settings of learner {learner!r}")
     console = Console()
     columns = [TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn()]
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
@@ -49,7 +80,7 @@ def run_training(
             bar.update(line, total=progress.total_steps, completed=progress.steps, description=_now(progress))
             if progress.trial is not None and shown[-1:] != [progress.trial]:
                 shown.append(progress.trial)
-                figures = ", ".join(f"{name} {value:.3g}" for name, value in progress.trial._asdict().items())
+                figures = ", ".join(f"{name} {_short(value)}" for name, value in progress.trial._asdict().items())
                 console.print(f"evaluation: {figures}", highlight=False)
 
         weights = module.train(config, scenario, out, seed=seed, resume=resume, report=show)
@@ -57,8 +88,10 @@ def run_training(
     return 0
 
 
+def _short(value: float) -> str:
+    return f"{value:,}" if isinstance(value, int) else f"{value:.3g}"
+
+
 def _now(progress: Any) -> str:
-    return (
-        f"{progress.steps / 1e6:.2f} M steps, {progress.steps_per_second:,.0f}/s, "
-        f"loss {progress.loss:.4f}, epsilon {progress.epsilon:.2f}"
-    )
+    epsilon = "" if progress.epsilon is None else f", epsilon {progress.epsilon:.2f}"
+    return f"{progress.steps / 1e6:.2f} M steps, {progress.steps_per_second:,.0f}/s, loss {progress.loss:.4f}{epsilon}"

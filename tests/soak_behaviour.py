@@ -58,7 +58,7 @@ RADIOS: dict[str, dict[str, Any]] = {
 #: Steps of an episode, far more than any of them needs; map files have their own, by size.
 BUDGET = 4000
 #: Policies that need not get anywhere.
-EXEMPT = ("random",)
+EXEMPT = ("random", "dddqn-thesis")
 
 
 @dataclass(frozen=True)

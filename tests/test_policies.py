@@ -11,10 +11,9 @@ from indoor_explorers.evaluation.experiment import Task
 from indoor_explorers.evaluation.record import Outcome
 from indoor_explorers.evaluation.runner import fly
 
-from .policies import REGISTERED
+from .policies import PLANNERS, REGISTERED
 
 MAPS = Path(__file__).resolve().parents[2] / "shared" / "maps"
-PLANNERS = tuple(name for name in REGISTERED if name != "random")
 
 
 def flown(name, scenario, seeds, map_count=1):

@@ -1,7 +1,8 @@
 """Dueling double deep Q-learning.
 
-To act: ``sensor`` and ``observation`` (what the network sees), ``inference`` (the compiled network),
-``weights`` (files), ``policy``. To train: ``network``, ``replay`` with ``symmetry``, ``targets``,
-``learner`` (one update), ``flock`` (UAVs in training), ``trial`` (evaluation), ``training`` (all of it as
-one object), ``train`` (the loop), ``config`` and ``provenance``. Only training needs torch.
+What the network sees: ``layout`` (where everything is), ``observation`` with ``scene``, ``gains``, ``tours`` over
+``beam``, ``prior`` (the learned map prior), ``sensor`` and ``memory``. To act: ``inference`` (the compiled network),
+``weights`` (files), ``policy``. To train: ``network``, ``replay`` with ``priorities``, ``targets``, ``learner`` (one
+update), ``flock`` (UAVs in training), ``surveys`` (fits the prior), ``trial`` (evaluation), ``training`` (all of it as
+one object), ``train`` (the loop), ``scalars``, ``config`` (every switch) and ``presets``. Only training needs torch.
 """

@@ -11,29 +11,57 @@ from indoor_explorers.env.arrays import Mask
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 from indoor_explorers.env.world import World
-from indoor_explorers.learners.dddqn.observation import MOVE_FEATURES, SCENE, observe_all
-from indoor_explorers.learners.dddqn.sensor import Scratch, scratch, sensor
+from indoor_explorers.learners.dddqn.config import ObservationConfig
+from indoor_explorers.learners.dddqn.layout import layout
+from indoor_explorers.learners.dddqn.memory import new_memory
+from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
+from indoor_explorers.learners.dddqn.prior import MapPrior
+
+
+def stacked(scene: NDArray[np.uint8], scenes: NDArray[np.uint8], first: Mask) -> NDArray[np.uint8]:
+    """Return the latest scenes (K, I) after new ones (K, S); where they are the ``first`` (K,), they are repeated."""
+    if scene.shape == scenes.shape:
+        return scene
+    frames = scenes.shape[1] // scene.shape[1]
+    later = np.concatenate([scene, scenes[:, : -scene.shape[1]]], axis=1)
+    return np.where(first[:, None], np.tile(scene, (1, frames)), later)
 
 
 class Flock:
     """Fly ``episodes`` episodes side by side; column b * team + n is UAV n of episode b, C columns in all."""
 
-    def __init__(self, scenario: Scenario, episodes: int, next_seed: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        observation: ObservationConfig,
+        prior: MapPrior,
+        episodes: int,
+        next_seed: Callable[[], int],
+    ) -> None:
+        plan = layout(observation)
         self.world = World(scenario, episodes)
         self.columns = episodes * scenario.team
-        self.scene = np.zeros((self.columns, SCENE), np.uint8)
-        self.moves = np.zeros((self.columns, 4, len(MOVE_FEATURES)), np.float32)
+        self.scene = np.zeros((self.columns, plan.scene), np.uint8)
+        """(C, S) as last observed."""
+        self.scenes = np.zeros((self.columns, plan.inputs), np.uint8)
+        """(C, I) the latest scenes, latest first; a young episode repeats its first."""
+        self.moves = np.zeros((self.columns, 4, plan.features), np.float32)
+        """(C, 4, F) as last observed."""
         self._next_seed = next_seed
-        for episode in range(episodes):
-            self._begin(episode, next_seed())
+        self._begin(list(range(episodes)))
         self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
-        self.noted = np.zeros((self.columns, *self.shape), np.uint8)
-        self.visits = np.zeros((self.columns, *self.shape), np.uint8)
-        self._sensor = sensor(scenario.lidar.range)
-        self._scratch: Scratch = scratch(self.shape, self._sensor)
+        self.memory = new_memory(self.columns, self.shape, tours=observation.tours)
+        self._eyes = eyes(observation, self.shape, scenario.lidar.range, prior)
+        self._agent = np.tile(np.arange(scenario.team, dtype=np.float64), episodes)
 
-    def _begin(self, episode: int, seed: int) -> None:
-        self.world.begin(episode, seed, index=seed % self.world.scenario.map.count)
+    def _begin(self, episodes: list[int]) -> None:
+        """Begin episodes; those on files of maps one by one, each on the next map."""
+        seeds, maps = [self._next_seed() for _ in episodes], self.world.scenario.map.count
+        if maps == 1:
+            self.world.restart(episodes, seeds)
+            return
+        for episode, seed in zip(episodes, seeds, strict=True):
+            self.world.begin(episode, seed, index=seed % maps)
 
     @property
     def over(self) -> Mask:
@@ -46,20 +74,27 @@ class Flock:
         end = self.world.state.end.ravel()
         return np.asarray((end != End.FLYING) & (end != End.BUDGET))
 
-    def observe(self, columns: NDArray[np.int64]) -> None:
-        """Refresh ``scene`` (C, 696) and ``moves`` (C, 4, 8) of some columns."""
-        state = self.world.state
-        observe_all(
+    @property
+    def age(self) -> NDArray[np.int64]:
+        """(C,) steps since each UAV's episode began."""
+        return np.repeat(self.world.state.step, self.world.scenario.team)
+
+    def _known(self) -> Known:
+        state, team = self.world.state, self.world.scenario.team
+        heard = state.heard_step.reshape(self.columns, team)
+        steps = self.age
+        return Known(
             state.belief.reshape(self.columns, *self.shape),
             state.cell.reshape(self.columns, 2),
-            self.noted,
-            self.visits,
-            columns,
-            self._sensor,
-            self._scratch,
-            self.scene,
-            self.moves,
+            state.heard_cell.reshape(self.columns, team, 2),
+            np.where(heard >= 0, steps[:, None] - heard, -1),
+            np.stack([self._agent, steps / np.repeat(state.budget, team)], axis=1),
         )
+
+    def observe(self, columns: NDArray[np.int64]) -> None:
+        """Refresh ``scene``, ``scenes`` and ``moves`` of some columns; once a step."""
+        observe(self._known(), self.memory, columns, self._eyes, self.scene, self.moves)
+        self.scenes[columns] = stacked(self.scene[columns], self.scenes[columns], self.age[columns] == 0)
 
     def step(self, actions: NDArray[np.int64]) -> NDArray[np.float64]:
         """Make one move (C,) each; return the rewards (C,)."""
@@ -68,24 +103,26 @@ class Flock:
 
     def restart(self, episodes: NDArray[np.int64]) -> None:
         """Begin new episodes in place of these."""
+        if len(episodes) == 0:
+            return
         team = self.world.scenario.team
-        for episode in episodes.tolist():
-            self._begin(episode, self._next_seed())
-            columns = slice(episode * team, (episode + 1) * team)
-            self.noted[columns] = 0
-            self.visits[columns] = 0
+        self._begin(episodes.tolist())
+        self.memory.forget((episodes[:, None] * team + np.arange(team)).ravel().tolist())
 
     def tensors(self) -> dict[str, NDArray[np.generic]]:
         """Return everything that :meth:`restore` needs, by name."""
         state = {f"world/{name}": array for name, array in self.world.state._asdict().items()}
+        memory = {f"memory/{name}": array for name, array in self.memory._asdict().items()}
         seeds = np.array([[seed >> 32, seed & 0xFFFFFFFF] for seed in self.world.seeds], np.int64)
-        return state | {"flock/noted": self.noted, "flock/visits": self.visits, "flock/seeds": seeds}
+        return state | memory | {"flock/seeds": seeds, "flock/scenes": self.scenes}
 
     def restore(self, tensors: dict[str, NDArray[np.generic]]) -> None:
         """Go on exactly where :meth:`tensors` was taken."""
+        maps = self.world.scenario.map.count
         for episode, (high, low) in enumerate(tensors["flock/seeds"].tolist()):
-            self._begin(episode, (high << 32) | low)
-        for name, array in self.world.state._asdict().items():
-            array[...] = tensors[f"world/{name}"]
-        self.noted[...] = tensors["flock/noted"]
-        self.visits[...] = tensors["flock/visits"]
+            seed = (high << 32) | low
+            self.world.begin(episode, seed, index=seed % maps)
+        self.scenes[...] = tensors["flock/scenes"]
+        for part, arrays in (("world", self.world.state), ("memory", self.memory)):
+            for name, array in arrays._asdict().items():
+                array[...] = tensors[f"{part}/{name}"]

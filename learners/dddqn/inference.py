@@ -15,33 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.compiled import kernel
-from indoor_explorers.learners.dddqn.observation import MOVE_FEATURES, SCENE
+from indoor_explorers.learners.dddqn.config import NetworkConfig
+from indoor_explorers.learners.dddqn.layout import Layout
 
 Array = NDArray[np.float32]
-_WIDTH, _MOVE_WIDTH, _FEATURES = 256, 16, len(MOVE_FEATURES)
-#: Names and shapes of the network's arrays, as torch stores them: (outputs, inputs).
-SHAPES: tuple[tuple[str, tuple[int, ...]], ...] = (
-    ("look.weight", (_WIDTH, SCENE)),
-    ("look.bias", (_WIDTH,)),
-    ("look_norm.weight", (_WIDTH,)),
-    ("look_norm.bias", (_WIDTH,)),
-    ("think.weight", (_WIDTH, _WIDTH + 4 * _FEATURES)),
-    ("think.bias", (_WIDTH,)),
-    ("think_norm.weight", (_WIDTH,)),
-    ("think_norm.bias", (_WIDTH,)),
-    ("value.weight", (1, _WIDTH)),
-    ("value.bias", (1,)),
-    ("advantage.weight", (4, _WIDTH)),
-    ("advantage.bias", (4,)),
-    ("move_hidden.weight", (_MOVE_WIDTH, _FEATURES)),
-    ("move_hidden.bias", (_MOVE_WIDTH,)),
-    ("move_out.weight", (1, _MOVE_WIDTH)),
-    ("move_out.bias", (1,)),
-)
 
 
 class Weights(NamedTuple):
-    """The network's arrays; matrices are (inputs, outputs)."""
+    """The network's arrays; matrices are (inputs, outputs). Arrays of parts that are switched off are empty."""
 
     look: Array
     look_bias: Array
@@ -59,11 +40,37 @@ class Weights(NamedTuple):
     move_hidden_bias: Array
     move_out: Array
     move_out_bias: Array
+    layer_norm: bool
+    dueling: bool
 
 
-def weights_from(arrays: Mapping[str, NDArray[Any]]) -> Weights:
-    """Arrange the arrays of :data:`SHAPES` for acting."""
-    return Weights(*(np.ascontiguousarray(arrays[name].T, np.float32) for name, _ in SHAPES))
+def shapes(layout: Layout, config: NetworkConfig) -> dict[str, tuple[int, ...]]:
+    """Return names and shapes of the network's arrays as torch stores them: (outputs, inputs)."""
+    joined = config.width + 4 * layout.features
+    linear = {"look": (config.width, layout.inputs), "think": (config.width, joined)}
+    if config.dueling:
+        linear["value"] = (1, config.width)
+    linear["advantage"] = (4, config.width)
+    linear |= {"move_hidden": (config.move_width, layout.features), "move_out": (1, config.move_width)}
+    found: dict[str, tuple[int, ...]] = {}
+    for name, shape in linear.items():
+        found |= {f"{name}.weight": shape, f"{name}.bias": shape[:1]}
+        if config.layer_norm and name in ("look", "think"):
+            found |= {f"{name}_norm.weight": shape[:1], f"{name}_norm.bias": shape[:1]}
+    return found
+
+
+def weights_from(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: NetworkConfig) -> Weights:
+    """Arrange the arrays of :func:`shapes` for acting."""
+    matrices = ("think", "value", "advantage", "move_hidden", "move_out")
+    names = ["look.weight", "look.bias", "look_norm.weight", "look_norm.bias"]
+    for name in matrices:
+        names += [f"{name}.weight", f"{name}.bias"]
+        names += [f"{name}_norm.weight", f"{name}_norm.bias"] * (name == "think")
+    there = shapes(layout, config)
+    empty = {name: np.zeros((0, 0) if name == "value.weight" else 0, np.float32) for name in names if name not in there}
+    found: list[Any] = [np.ascontiguousarray({**arrays, **empty}[name].T, np.float32) for name in names]
+    return Weights._make([*found, config.layer_norm, config.dueling])
 
 
 @kernel()
@@ -78,8 +85,8 @@ def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray
 
 
 @kernel()
-def _norm_relu(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
-    """Apply layer normalisation (Ba et al. 2016) and ReLU in place."""
+def _norm(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
+    """Apply layer normalisation (Ba et al. 2016) in place."""
     mean = variance = 0.0
     for j in range(x.shape[0]):
         mean += x[j]
@@ -88,12 +95,18 @@ def _norm_relu(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
         variance += (x[j] - mean) ** 2
     spread = 1.0 / np.sqrt(variance / x.shape[0] + 1e-5)
     for j in range(x.shape[0]):
-        x[j] = max(np.float32((x[j] - mean) * spread) * scale[j] + shift[j], np.float32(0.0))
+        x[j] = np.float32((x[j] - mean) * spread) * scale[j] + shift[j]
 
 
 @kernel()
-def _own_advantages(moves: np.ndarray, weights: Weights, out: np.ndarray) -> None:
-    """Add what each move's own features say to its advantage."""
+def _relu(x: np.ndarray) -> None:
+    for j in range(x.shape[0]):
+        x[j] = max(x[j], np.float32(0.0))
+
+
+@kernel()
+def _own_values(moves: np.ndarray, weights: Weights, out: np.ndarray) -> None:
+    """Add what each move's own features say."""
     hidden = np.empty(weights.move_hidden.shape[1], np.float32)
     for k in range(4):
         _linear(moves[k], weights.move_hidden, weights.move_hidden_bias, hidden)
@@ -104,25 +117,30 @@ def _own_advantages(moves: np.ndarray, weights: Weights, out: np.ndarray) -> Non
 
 
 @kernel()
-def q_values(scene: np.ndarray, moves: np.ndarray, weights: Weights, q: np.ndarray) -> None:
-    """Write the values ``q`` (B, 4) of scenes (B, 696) uint8 and move features (B, 4, 8) float32."""
+def q_values(scenes: np.ndarray, moves: np.ndarray, weights: Weights, q: np.ndarray) -> None:
+    """Write the values ``q`` (B, 4) of scenes (B, inputs) uint8 and move features (B, 4, features) float32."""
     width = weights.look.shape[1]
     look, think = np.empty(width, np.float32), np.empty(width, np.float32)
-    pixels = np.empty(scene.shape[1], np.float32)
+    pixels = np.empty(scenes.shape[1], np.float32)
     joined = np.empty(width + moves.shape[1] * moves.shape[2], np.float32)
     value = np.empty(1, np.float32)
-    for b in range(scene.shape[0]):
+    for b in range(scenes.shape[0]):
         for i in range(pixels.shape[0]):
-            pixels[i] = scene[b, i] * np.float32(1.0 / 255.0)
+            pixels[i] = scenes[b, i] * np.float32(1.0 / 255.0)
         _linear(pixels, weights.look, weights.look_bias, look)
-        _norm_relu(look, weights.look_scale, weights.look_shift)
+        if weights.layer_norm:
+            _norm(look, weights.look_scale, weights.look_shift)
+        _relu(look)
         joined[:width] = look
         joined[width:] = moves[b].ravel()
         _linear(joined, weights.think, weights.think_bias, think)
-        _norm_relu(think, weights.think_scale, weights.think_shift)
-        _linear(think, weights.value, weights.value_bias, value)
+        if weights.layer_norm:
+            _norm(think, weights.think_scale, weights.think_shift)
+        _relu(think)
         _linear(think, weights.advantage, weights.advantage_bias, q[b])
-        _own_advantages(moves[b], weights, q[b])
-        mean = (q[b, 0] + q[b, 1] + q[b, 2] + q[b, 3]) / np.float32(4.0)
-        for k in range(4):
-            q[b, k] += value[0] - mean
+        _own_values(moves[b], weights, q[b])
+        if weights.dueling:
+            _linear(think, weights.value, weights.value_bias, value)
+            mean = (q[b, 0] + q[b, 1] + q[b, 2] + q[b, 3]) / np.float32(4.0)
+            for k in range(4):
+                q[b, k] += value[0] - mean

@@ -1,232 +1,162 @@
-"""What the network sees: 728 numbers around one UAV, computed from its own belief map alone.
+"""What the network sees of one UAV, computed from its own belief and what it heard alone.
 
-``scene`` (696,) uint8, 255 standing for 1: a 15x15 fine map (unknown, known free), an 11x11 coarse map of
-3x3 blocks (the same two), both centred on the UAV and zero off the map, and the unknown cells on each of
-its four sides. ``moves`` (4, 8) float32: for each move what lies behind it, see :data:`MOVE_FEATURES`.
+``scene`` (S,) uint8, 255 standing for 1, is a picture of the surroundings
+(:mod:`indoor_explorers.learners.dddqn.scene`). ``moves`` (4, F) float32 says of each move whether it is blocked and,
+as switched on, what planners would see behind it (:mod:`indoor_explorers.learners.dddqn.gains`,
+:mod:`indoor_explorers.learners.dddqn.tours`) and how often the next cell was visited since the last gain.
+:mod:`indoor_explorers.learners.dddqn.layout` tells where everything is.
 
-Everything is measured in lidar ranges: one fine pixel is one cell at range 3 and a block of 3x3 cells at
-range 10, gains are shares of the lidar disc, and distances count in units of a third of the range. So the
-input has the same size and about the same meaning for any map and lidar. Rotating or mirroring the world
-only permutes the numbers (:mod:`indoor_explorers.learners.dddqn.symmetry`).
+Everything is measured in lidar ranges, so the input has the same size and about the same meaning for any map and
+lidar. Rotating or mirroring the world only permutes the numbers.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from indoor_explorers.env.compiled import kernel, leaf
-from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, distances_from, touches_unknown
-from indoor_explorers.env.lidar import new_scan, unknown_in_view, visible_cells
-from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
-
-#: Pixels a side of the fine and of the coarse map.
-FINE, COARSE = 15, 11
-#: Length of ``scene``.
-SCENE = 2 * FINE * FINE + 2 * COARSE * COARSE + 4
-#: The eight numbers of each move, all from 0 to 1 save the sum, which may pass 1.
-MOVE_FEATURES = (
-    "blocked",
-    "gain there",
-    "distance to the nearest gain",
-    "best gain ahead, discount .7",
-    "best gain ahead, discount .85",
-    "best gain ahead, discount .95",
-    "sum of the gain ahead, discount .7",
-    "visits since the last gain",
-)
-#: Visits beyond this many look the same.
-VISIT_CAP = 4
-#: Reference steps at which the distance feature is one half.
-HALF_DISTANCE = 8.0
+from indoor_explorers.env.compiled import inner, kernel, leaf
+from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN
+from indoor_explorers.env.lidar import visible_cells
+from indoor_explorers.learners.dddqn.config import ObservationConfig
+from indoor_explorers.learners.dddqn.gains import look_ahead, survey
+from indoor_explorers.learners.dddqn.layout import Layout, layout
+from indoor_explorers.learners.dddqn.memory import Memory
+from indoor_explorers.learners.dddqn.prior import MapPrior, write_chances
+from indoor_explorers.learners.dddqn.scene import VISIT_CAP, tabulate, write_scene
+from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor, scratch, sensor
+from indoor_explorers.learners.dddqn.tours import Planner, keep_up, look_for_tours, new_planner
 
 
-@kernel()
-def remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, noted: np.ndarray, visits: np.ndarray) -> int:
-    """Count a visit of (row, col) in ``visits`` (H, W) uint8, forgetting all of them after a gain of its own.
+class Eyes(NamedTuple):
+    """Everything that observing on maps of one shape needs besides the UAV's own state."""
 
-    ``noted`` (H, W) uint8 marks the cells known at the last call and is brought up to date. Returns the gain:
-    the newly known cells in view of the UAV. What it does not see came by radio, and says nothing about
+    plan: Layout
+    sensor: Sensor
+    scratch: Scratch
+    planner: Planner
+    prior: MapPrior
+
+
+class Known(NamedTuple):
+    """What C UAVs know, of up to M teammates each."""
+
+    belief: np.ndarray
+    """(C, H, W) uint8."""
+    cell: np.ndarray
+    """(C, 2) int64."""
+    mates: np.ndarray
+    """(C, M, 2) int64: where each UAV of the team was last heard."""
+    ages: np.ndarray
+    """(C, M) int64: how many steps ago, -1 for never and for itself."""
+    facts: np.ndarray
+    """(C, 2) float64: the UAV's number in its team, and the share of its steps that are flown."""
+
+
+def eyes(config: ObservationConfig, shape: tuple[int, int], lidar_range: float, prior: MapPrior) -> Eyes:
+    """Prepare to observe on (H, W) maps with a lidar range in cells."""
+    lens = sensor(lidar_range)
+    return Eyes(layout(config), lens, scratch(shape, lens), new_planner(), prior)
+
+
+@leaf()
+def _remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, memory: Memory, i: int) -> bool:
+    """Count a visit, forgetting all of them after a gain of its own; return whether anything became known.
+
+    The gain is the newly known cells in view of the UAV. What it does not see came by radio, and says nothing about
     whether it is getting anywhere itself.
     """
     height, width = belief.shape
-    scan = new_scan(sensor.optics)
-    gain = 0
-    for k in range(visible_cells(belief, row, col, sensor.optics, scan)):
-        r, c = divmod(scan.cells[k], width)
-        if belief[r, c] != UNKNOWN and noted[r, c] == 0:
-            noted[r, c] = 1
-            gain += 1
+    noted, visits = memory.noted[i], memory.visits[i]
+    gain, grown = 0, False
+    for k in range(visible_cells(belief, row, col, sensor.optics, scratch.scan)):
+        r, c = divmod(scratch.scan.cells[k], width)
+        gain += belief[r, c] != UNKNOWN and noted[r, c] == 0
     for r in range(height):
         for c in range(width):
-            noted[r, c] = belief[r, c] != UNKNOWN
+            known = belief[r, c] != UNKNOWN
+            grown |= known and noted[r, c] == 0
+            noted[r, c] = known
+    memory.gained[i] += gain
+    memory.idle[i] = 0 if gain > 0 else memory.idle[i] + 1
     if gain > 0:
         visits[:] = 0
     visits[row, col] = min(visits[row, col] + 1, 255)
-    return gain
+    return grown
 
 
-@leaf()
-def _tabulate(belief: np.ndarray, unknown: np.ndarray, free: np.ndarray) -> None:
-    """Fill the summed-area tables (H + 1, W + 1) of unknown and of known free cells."""
-    for r in range(belief.shape[0]):
-        row_unknown = row_free = 0
-        for c in range(belief.shape[1]):
-            row_unknown += belief[r, c] == UNKNOWN
-            row_free += belief[r, c] == FREE
-            unknown[r + 1, c + 1] = unknown[r, c + 1] + row_unknown
-            free[r + 1, c + 1] = free[r, c + 1] + row_free
-
-
-@leaf()
-def _within(table: np.ndarray, top: int, left: int, bottom: int, right: int) -> int:
-    """Sum a summed-area table over rows top..bottom - 1 and columns left..right - 1, cut to the map."""
-    height, width = table.shape[0] - 1, table.shape[1] - 1
-    top, bottom = min(max(top, 0), height), min(max(bottom, 0), height)
-    left, right = min(max(left, 0), width), min(max(right, 0), width)
-    return int(table[bottom, right] - table[top, right] - table[bottom, left] + table[top, left])
-
-
-@leaf()
-def _pool(table: np.ndarray, row: int, col: int, pixels: int, side: int, out: np.ndarray) -> None:
-    """Write the share of each of pixels x pixels blocks, ``side`` (odd) cells wide, centred on (row, col)."""
-    first = -((pixels * side) // 2)
-    for i in range(pixels):
-        top = row + first + i * side
-        for j in range(pixels):
-            left = col + first + j * side
-            count = _within(table, top, left, top + side, left + side)
-            out[i * pixels + j] = (510 * count + side * side) // (2 * side * side)
-
-
-@leaf()
-def _look_around(row: int, col: int, sensor: Sensor, scratch: Scratch, out: np.ndarray) -> None:
-    """Write ``scene``: the fine and coarse maps and the unknown cells down, left, up and right."""
-    fine, coarse = FINE * FINE, COARSE * COARSE
-    _pool(scratch.unknown, row, col, FINE, sensor.scale, out[:fine])
-    _pool(scratch.free, row, col, FINE, sensor.scale, out[fine : 2 * fine])
-    at = 2 * fine
-    _pool(scratch.unknown, row, col, COARSE, 3 * sensor.scale, out[at : at + coarse])
-    _pool(scratch.free, row, col, COARSE, 3 * sensor.scale, out[at + coarse : at + 2 * coarse])
-    at += 2 * coarse
-    height, width = scratch.gain.shape
-    table = scratch.unknown
-    sides = (
-        _within(table, row + 1, 0, height, width),
-        _within(table, 0, 0, height, col),
-        _within(table, 0, 0, row, width),
-        _within(table, 0, col + 1, height, width),
-    )
-    for k in range(4):
-        out[at + k] = int(255.0 * sides[k] / (sides[k] + 4.0 * sensor.disc) + 0.5)
-
-
-@leaf()
-def _gain_at(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> int:
-    reach = sensor.reach
-    if _within(scratch.unknown, row - reach, col - reach, row + reach + 1, col + reach + 1) == 0:
-        return 0
-    return unknown_in_view(belief, row, col, sensor.optics, scratch.scan)
-
-
-@leaf()
-def _survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> int:
-    """Fill ``gain`` at reachable places: a lattice around the UAV and every frontier cell.
-
-    Returns the steps to the nearest gain, -1 when nothing within reach is unknown.
-    """
-    reached = distances_from(belief, row, col, scratch.queue, scratch.steps)
-    width, nearest = belief.shape[1], -1
-    for i in range(reached):
-        r, c = divmod(scratch.queue[i], width)
-        on_lattice = (r - row) % sensor.scale == 0 and (c - col) % sensor.scale == 0
-        gain = 0
-        if on_lattice or touches_unknown(belief, r, c):
-            gain = _gain_at(belief, r, c, sensor, scratch)
-        scratch.gain[r, c] = gain
-        if gain > 0 and nearest < 0:
-            nearest = scratch.steps[r, c]
-    return nearest
-
-
-@leaf()
-def _look_ahead(
-    belief: np.ndarray, row: int, col: int, move: int, sensor: Sensor, scratch: Scratch, out: np.ndarray
-) -> None:
-    """Write the distance to and the discounted gains of what can be reached after one move."""
-    width = belief.shape[1]
-    r0, c0 = row + MOVES[move, 0], col + MOVES[move, 1]
-    reached = distances_from(belief, r0, c0, scratch.queue, scratch.steps)
-    weight = (sensor.scale * sensor.rate) ** 2 / sensor.disc
-    near, middle, far, total, nearest, at = 0.0, 0.0, 0.0, 0.0, -1, 0
-    power = (1.0, 1.0, 1.0)
-    for i in range(reached):
-        r, c = divmod(scratch.queue[i], width)
-        gain = scratch.gain[r, c]
-        if gain == 0:
-            continue
-        while at < scratch.steps[r, c]:
-            at += 1
-            power = (power[0] * sensor.decay[0], power[1] * sensor.decay[1], power[2] * sensor.decay[2])
-        if nearest < 0:
-            nearest = at
-        near, middle, far = max(near, gain * power[0]), max(middle, gain * power[1]), max(far, gain * power[2])
-        if (r - row) % sensor.scale == 0 and (c - col) % sensor.scale == 0:
-            total += gain * power[0] * weight
-    distance = nearest * sensor.rate
-    out[2] = distance / (distance + HALF_DISTANCE) if nearest >= 0 else 1.0
-    out[3], out[4], out[5] = np.sqrt(near / sensor.disc), np.sqrt(middle / sensor.disc), np.sqrt(far / sensor.disc)
-    out[6] = np.sqrt(total)
-
-
-@leaf()
-def observe(
-    belief: np.ndarray,
-    row: int,
-    col: int,
-    visits: np.ndarray,
-    sensor: Sensor,
-    scratch: Scratch,
-    scene: np.ndarray,
-    moves: np.ndarray,
-) -> int:
-    """Write the observation of a UAV at (row, col) with ``visits`` (H, W) since its last gain.
-
-    Fills ``scene`` (696,) uint8 and ``moves`` (4, 8) float32. Returns the steps to the nearest place from
-    which something unknown is in view, -1 when nothing within reach is unknown.
-    """
-    _tabulate(belief, scratch.unknown, scratch.free)
-    _look_around(row, col, sensor, scratch, scene)
-    nearest = _survey(belief, row, col, sensor, scratch)
+@inner()
+def _write_moves(belief: np.ndarray, row: int, col: int, visits: np.ndarray, eyes: Eyes, out: np.ndarray) -> None:
+    """Write what is known of each move but for its tours."""
+    plan = eyes.plan
     for k in range(4):
         r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-        moves[k] = 0.0
-        if not (0 <= r < belief.shape[0] and 0 <= c < belief.shape[1] and belief[r, c] == FREE):
-            moves[k, 0] = moves[k, 2] = 1.0
-            continue
-        moves[k, 1] = np.sqrt(_gain_at(belief, r, c, sensor, scratch) / sensor.disc)
-        _look_ahead(belief, row, col, k, sensor, scratch, moves[k])
-        moves[k, 7] = min(visits[r, c], VISIT_CAP) / VISIT_CAP
-    return nearest
+        out[k] = 0.0
+        blocked = not (0 <= r < belief.shape[0] and 0 <= c < belief.shape[1] and belief[r, c] == FREE)
+        eyes.scratch.blocked[k] = out[k, 0] = blocked
+        if plan.gains_at >= 0:
+            if blocked:
+                out[k, plan.gains_at + 1] = 1.0
+            else:
+                look_ahead(belief, row, col, k, eyes.sensor, eyes.scratch, out[k, plan.gains_at :])
+        if plan.visits_at >= 0 and not blocked:
+            out[k, plan.visits_at] = min(visits[r, c], VISIT_CAP) / VISIT_CAP
+
+
+@inner(inlined=False)
+def _observe(
+    known: Known, memory: Memory, i: int, eyes: Eyes, facts: np.ndarray, scene: np.ndarray, moves: np.ndarray
+) -> None:
+    belief, row, col, plan = known.belief[i], known.cell[i, 0], known.cell[i, 1], eyes.plan
+    grown = _remember(belief, row, col, eyes.sensor, eyes.scratch, memory, i)
+    if grown:
+        write_chances(belief, eyes.prior, eyes.scratch.patch, memory.chance[i])
+    tabulate(belief, eyes.scratch.unknown, eyes.scratch.free)
+    facts[0], facts[1], facts[2] = known.facts[i, 0], known.facts[i, 1], memory.idle[i]
+    mates, ages = known.mates[i], known.ages[i]
+    write_scene(
+        belief,
+        known.cell[i],
+        mates,
+        ages,
+        memory.visits[i],
+        memory.chance[i],
+        facts,
+        eyes.sensor,
+        eyes.scratch,
+        plan,
+        scene,
+    )
+    memory.nearest[i] = survey(belief, row, col, eyes.sensor, eyes.scratch)
+    _write_moves(belief, row, col, memory.visits[i], eyes, moves)
+    if plan.tours_at >= 0 and memory.views.shape[1] > 0:
+        views, passages = memory.views[i], memory.passages[i]
+        obstructed = keep_up(belief, eyes.sensor, eyes.scratch, eyes.planner, memory.obstacles[i], views, passages)
+        look_for_tours(
+            belief,
+            known.cell[i],
+            mates,
+            ages,
+            memory.chance[i],
+            views,
+            passages,
+            memory.tour[i],
+            eyes.planner,
+            obstructed,
+            eyes.scratch.blocked,
+            moves[:, plan.tours_at :],
+        )
 
 
 @kernel()
-def observe_all(
-    belief: np.ndarray,
-    cell: np.ndarray,
-    noted: np.ndarray,
-    visits: np.ndarray,
-    columns: np.ndarray,
-    sensor: Sensor,
-    scratch: Scratch,
-    scene: np.ndarray,
-    moves: np.ndarray,
+def observe(
+    known: Known, memory: Memory, columns: np.ndarray, eyes: Eyes, scene: np.ndarray, moves: np.ndarray
 ) -> None:
     """Remember and observe for some ``columns`` (K,) of C UAVs on maps of one shape.
 
-    ``belief``, ``noted`` and ``visits`` are (C, H, W) uint8, ``cell`` (C, 2); fills the columns of ``scene``
-    (C, 696) and ``moves`` (C, 4, 8).
+    Fills those columns of ``scene`` (C, S) uint8 and ``moves`` (C, 4, F) float32.
     """
+    facts = np.zeros(3)
     for i in columns:
-        row, col = cell[i, 0], cell[i, 1]
-        remember(belief[i], row, col, sensor, noted[i], visits[i])
-        observe(belief[i], row, col, visits[i], sensor, scratch, scene[i], moves[i])
+        _observe(known, memory, i, eyes, facts, scene[i], moves[i])

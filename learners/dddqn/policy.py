@@ -6,18 +6,20 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.grid import Action
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.learners.dddqn.flock import stacked
 from indoor_explorers.learners.dddqn.inference import q_values
-from indoor_explorers.learners.dddqn.observation import MOVE_FEATURES, SCENE, observe, remember
-from indoor_explorers.learners.dddqn.sensor import scratch, sensor
-from indoor_explorers.learners.dddqn.weights import SHIPPED, acting_weights
+from indoor_explorers.learners.dddqn.memory import new_memory
+from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
+from indoor_explorers.learners.dddqn.prior import prior_from
+from indoor_explorers.learners.dddqn.weights import Loaded, load_weights, shipped
 from indoor_explorers.learners.guard import Guard
 
 
@@ -35,70 +37,98 @@ class Dddqn(Policy):
     """
 
     weights: str | None = None
-    """Path of a safetensors file from training; None: the weights that ship."""
+    """Name of weights that ship, or path of a safetensors file from training; None: those that suit the scenario."""
     guard: bool = True
     """Hand over to the nearest frontier while the network goes nowhere."""
 
     def __post_init__(self) -> None:
-        acting_weights(self._path)
+        for path in self._paths().values():
+            load_weights(path)
 
-    @property
-    def _path(self) -> Path:
-        return SHIPPED if self.weights is None else Path(self.weights)
+    def _paths(self) -> dict[str, Path]:
+        """Return the weights that may be used, by name."""
+        known = shipped()
+        if self.weights is None:
+            return known
+        if self.weights in known:
+            return {self.weights: known[self.weights]}
+        if "/" not in self.weights and not self.weights.endswith(".safetensors"):
+            raise InputError(
+                f"unknown weights {self.weights!r} (expected a name or a path){did_you_mean(self.weights, known)}"
+            )
+        return {self.weights: Path(self.weights)}
+
+    def suited(self, briefing: Briefing) -> str:
+        """Return the name of the weights that a UAV with this briefing flies with."""
+        return suited(briefing) if self.weights is None else self.weights
 
     def provenance(self) -> dict[str, str]:
-        """Return the hash of the weights."""
-        return {"weights_sha256": hashlib.sha256(self._path.read_bytes()).hexdigest()}
+        """Return the hashes of the weights, and which are flown where."""
+        hashes = {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in self._paths().items()}
+        if self.weights is not None:
+            return {"weights_sha256": hashes[self.weights]}
+        return {f"weights_{name}_sha256": digest for name, digest in hashes.items()} | {"weights_for": SUITED}
 
     def pilot(self, briefing: Briefing) -> DddqnPilot:
         """Make the mind of one UAV for one episode."""
-        return DddqnPilot(self, briefing)
+        return DddqnPilot(self, briefing, load_weights(self._paths()[self.suited(briefing)]))
 
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
-        """Choose for many UAVs with one forward pass; each choice is what it would be alone."""
-        scene_BS = np.empty((len(pilots), SCENE), np.uint8)
-        moves_BAF = np.empty((len(pilots), 4, len(MOVE_FEATURES)), np.float32)
-        q_BA = np.empty((len(pilots), 4), np.float32)
-        minds = cast("Sequence[DddqnPilot]", pilots)
-        for mind, view, scene_S, moves_AF in zip(minds, views, scene_BS, moves_BAF, strict=True):
-            mind.perceive(view, scene_S, moves_AF)
-        q_values(scene_BS, moves_BAF, acting_weights(self._path), q_BA)
-        return [mind.decide(view, q_A) for mind, view, q_A in zip(minds, views, q_BA, strict=True)]
+        """Choose for many UAVs; each choice is what it would be alone."""
+        return [pilot.act(view) for pilot, view in zip(pilots, views, strict=True)]
+
+
+#: What :func:`suited` says, in words.
+SUITED = "general"
+
+
+def suited(briefing: Briefing) -> str:
+    """Return the name of the shipped weights that suit a scenario best."""
+    return "general"
 
 
 class DddqnPilot(Pilot):
     """Remember where one UAV has been since its last gain."""
 
-    def __init__(self, policy: Dddqn, briefing: Briefing) -> None:
-        self._policy = policy
-        self._sensor = sensor(briefing.lidar_range)
-        self._scratch = scratch(briefing.shape, self._sensor)
-        self._noted = np.zeros(briefing.shape, np.uint8)
-        self._visits = np.zeros(briefing.shape, np.uint8)
-        self._gained = 0
-        self._nearest = -1
+    def __init__(self, policy: Dddqn, briefing: Briefing, loaded: Loaded) -> None:
+        self._loaded, self._team = loaded, briefing.team
+        plan = loaded.layout
+        self._eyes = eyes(loaded.observation, briefing.shape, briefing.lidar_range, prior_from(loaded.prior))
+        self._memory = new_memory(1, briefing.shape, tours=loaded.observation.tours)
+        self._scene = np.zeros((1, plan.scene), np.uint8)
+        self.scenes = np.zeros((1, plan.inputs), np.uint8)
+        self.moves = np.zeros((1, 4, plan.features), np.float32)
+        self._mates = np.zeros((1, self._team, 2), np.int64)
+        self._ages = np.full((1, self._team), -1)
+        self._facts = np.array([[float(briefing.agent), 0.0]])
+        self._cell = np.zeros((1, 2), np.int64)
+        self._q = np.zeros((1, 4), np.float32)
         self._guard = Guard(briefing.shape, briefing.rng) if policy.guard else None
 
     def act(self, view: View) -> int:
-        """Choose alone."""
-        return self._policy.act([self], [view])[0]
-
-    def perceive(self, view: View, scene_S: NDArray[np.uint8], moves_AF: NDArray[np.float32]) -> None:
-        """Write the observation into ``scene_S`` (696,) and ``moves_AF`` (4, 8)."""
-        row, col = view.cell
-        self._gained += remember(view.belief, row, col, self._sensor, self._noted, self._visits)
-        self._nearest = observe(view.belief, row, col, self._visits, self._sensor, self._scratch, scene_S, moves_AF)
-
-    def decide(self, view: View, q_A: NDArray[np.float32]) -> int:
-        """Choose by the values ``q_A`` (4,) of the moves."""
+        """Choose by the values of the moves."""
+        self._observe(view)
         legal_A = view.legal[:4]
-        if self._nearest < 0 or not legal_A.any():
+        if self._memory.nearest[0] < 0 or not legal_A.any():
             if self._guard is not None:
                 self._guard.rest()
             return Action.STAY
-        proposal = int(np.where(legal_A, q_A, -np.inf).argmax())
-        return proposal if self._guard is None else self._guard.review(view, self._gained, proposal)
+        q_values(self.scenes, self.moves, self._loaded.weights, self._q)
+        proposal = int(np.where(legal_A, self._q[0], -np.inf).argmax())
+        return proposal if self._guard is None else self._guard.review(view, int(self._memory.gained[0]), proposal)
+
+    def _observe(self, view: View) -> None:
+        self._cell[0] = view.cell
+        self._facts[0, 1] = view.step / view.budget
+        for mate in view.mates:
+            self._mates[0, mate.agent], self._ages[0, mate.agent] = mate.cell, mate.age
+        known = Known(view.belief[None], self._cell, self._mates, self._ages, self._facts)
+        observe(known, self._memory, _ONLY, self._eyes, self._scene, self.moves)
+        self.scenes = stacked(self._scene, self.scenes, np.array([view.step == 0]))
 
     def tally(self) -> dict[str, float]:
         """Return ``guarded_share``, the share of the decisions that the guard took over."""
         return {} if self._guard is None else {"guarded_share": self._guard.share}
+
+
+_ONLY: NDArray[np.int64] = np.zeros(1, np.int64)

@@ -46,6 +46,12 @@ class Scratch(NamedTuple):
     """(H + 1, W + 1) summed-area table of unknown cells."""
     free: NDArray[np.int64]
     """(H + 1, W + 1) summed-area table of known free cells."""
+    layer: NDArray[np.uint8]
+    """(H, W) one layer of the fine map, cell by cell."""
+    patch: NDArray[np.uint8]
+    """(49,) cells around one."""
+    blocked: NDArray[np.uint8]
+    """(4,) moves that are blocked."""
     scan: Scan
     """Working arrays of scans."""
 
@@ -74,5 +80,8 @@ def scratch(shape: tuple[int, int], sensor: Sensor) -> Scratch:
         queue=np.empty(height * width, np.int32),
         unknown=np.zeros((height + 1, width + 1), np.int64),
         free=np.zeros((height + 1, width + 1), np.int64),
+        layer=np.zeros(shape, np.uint8),
+        patch=np.zeros(49, np.uint8),
+        blocked=np.zeros(4, np.uint8),
         scan=new_scan(sensor.optics),
     )

@@ -1,4 +1,4 @@
-"""What the network learns towards: n-step sums of rewards and double-Q bootstrapping."""
+"""What the network learns towards: n-step sums of rewards and the value of what follows."""
 
 from __future__ import annotations
 
@@ -45,18 +45,25 @@ def look_forward(
         returns[i], discount[i], after[i] = total, factor, at
 
 
-def masked(q_BA: Tensor, blocked_BA: Tensor) -> Tensor:
-    """Return q_BA with the moves that are blocked put below all others."""
-    return q_BA.masked_fill(blocked_BA, torch.finfo(q_BA.dtype).min)
+def masked(q_BA: Tensor, blocked_BA: Tensor | None) -> Tensor:
+    """Return q_BA with the moves that are blocked put below all others; without ``blocked_BA``, as it is."""
+    return q_BA if blocked_BA is None else q_BA.masked_fill(blocked_BA, torch.finfo(q_BA.dtype).min)
 
 
-def double_q_target(
-    return_B: Tensor, discount_B: Tensor, online_BA: Tensor, target_BA: Tensor, blocked_BA: Tensor
+def q_target(
+    return_B: Tensor,
+    discount_B: Tensor,
+    online_BA: Tensor,
+    target_BA: Tensor,
+    blocked_BA: Tensor | None,
+    *,
+    double: bool = True,
 ) -> Tensor:
-    """Return target_B = R + discount * Q_target(s', argmax over legal moves of Q_online(s', .)).
+    """Return target_B = R + discount * Q_target(s', a'), where a' is the best move in s' that is not blocked.
 
-    van Hasselt, Guez and Silver 2016, eq. 4. ``discount_B`` is 0 where R ends in a terminal reward: the
-    target then is R alone.
+    The online network chooses a' (van Hasselt, Guez and Silver 2016, eq. 4), or, unless ``double``, the target
+    network itself (Mnih et al. 2015). ``discount_B`` is 0 where R ends in a terminal reward: the target then is
+    R alone.
     """
-    best_B1 = masked(online_BA, blocked_BA).argmax(dim=1, keepdim=True)
+    best_B1 = masked(online_BA if double else target_BA, blocked_BA).argmax(dim=1, keepdim=True)
     return return_B + discount_B * target_BA.gather(1, best_B1).squeeze(1)

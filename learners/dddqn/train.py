@@ -4,27 +4,30 @@ from __future__ import annotations
 
 import json
 import platform
-import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import numpy as np
-import torch
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
+from indoor_explorers.learners.dddqn.network import arrays
+from indoor_explorers.learners.dddqn.presets import PRESETS
+from indoor_explorers.learners.dddqn.prior import prior_arrays
+from indoor_explorers.learners.dddqn.scalars import Scalars
 from indoor_explorers.learners.dddqn.training import Training
 from indoor_explorers.learners.dddqn.trial import Trial
-from indoor_explorers.learners.dddqn.weights import write_tensors
+from indoor_explorers.learners.dddqn.weights import write_weights
+from indoor_explorers.learners.session import one_thread, patience
+
+__all__ = ["PRESETS", "Progress", "TrainingConfig", "train"]
 
 CHECKPOINT, WEIGHTS, RECORD = "checkpoint.safetensors", "weights.safetensors", "training.json"
 #: Packages that the result of a training depends on.
@@ -47,10 +50,20 @@ class Progress:
     """Probability of a random move now."""
     loss: float
     """Mean loss since the last report; not a number before the first update."""
+    episode_steps: float
+    """Mean steps of the training episodes that ended since the last report; not a number when none did."""
     steps_per_second: float
     """Moves a second since the training was started or resumed, evaluations included."""
     trial: Trial | None
     """The latest evaluation."""
+
+    def scalars(self) -> dict[str, float]:
+        """Return the figures by name, without those that are missing."""
+        found = {f"training/{name}": getattr(self, name) for name in ("epsilon", "loss", "episode_steps")}
+        found |= {"training/episodes": self.episodes, "training/steps_per_second": self.steps_per_second}
+        if self.trial is not None:
+            found |= {f"evaluation/{name}": value for name, value in self.trial._asdict().items() if name != "steps"}
+        return {name: float(value) for name, value in found.items() if not np.isnan(value)}
 
 
 def train(
@@ -73,23 +86,30 @@ def train(
         InputError: ``out`` holds another training, or one that was not asked to be resumed.
 
     """
-    training = Training(config, scenario, seed)
-    _open_folder(training, out, resume)
-    with _one_thread(), _patience() as interrupted:
-        _loop(training, scenario, out, report or (lambda progress: None), interrupted)
+    checkpoint = _open_folder(out, resume)
+    with one_thread(), patience() as interrupted:
+        training = Training(config, scenario, seed, checkpoint)
+        with Scalars(out) as scalars:
+
+            def tell(progress: Progress) -> None:
+                scalars.write(progress.steps, progress.scalars())
+                if report is not None:
+                    report(progress)
+
+            _loop(training, scenario, out, tell, interrupted)
     return out / WEIGHTS
 
 
-def _open_folder(training: Training, out: Path, resume: bool) -> None:
+def _open_folder(out: Path, resume: bool) -> Path | None:
+    """Make the folder of the training; return the checkpoint to go on from, if there is one."""
     checkpoint = out / CHECKPOINT
     if checkpoint.exists() and not resume:
         raise InputError(f"{out} already holds a training; give --resume to go on with it, or another --out")
-    if checkpoint.exists():
-        training.load(checkpoint)
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{out}: cannot be made a folder for the training: {error.strerror}") from error
+    return checkpoint if checkpoint.exists() else None
 
 
 def _loop(
@@ -121,14 +141,16 @@ def _passed(before: int, after: int, every: int) -> bool:
 
 
 def _progress(training: Training, speed: float) -> Progress:
-    loss = float(np.mean(training.losses)) if training.losses else float("nan")
+    loss, episode_steps = (float(np.mean(past)) if past else float("nan") for past in (training.losses, training.ended))
     training.losses.clear()
+    training.ended.clear()
     return Progress(
         steps=training.steps,
         total_steps=training.config.total_steps,
         episodes=training.episodes,
         epsilon=training.config.epsilon(training.share),
         loss=loss,
+        episode_steps=episode_steps,
         steps_per_second=speed,
         trial=training.trials[-1] if training.trials else None,
     )
@@ -138,7 +160,13 @@ def _write(training: Training, scenario: Scenario, out: Path) -> None:
     """Write checkpoint, weights and record, each in one go."""
     training.save(out / CHECKPOINT)
     best = training.learner.best if training.trials else training.learner.average
-    write_tensors(out / WEIGHTS, {name: value.numpy() for name, value in best.state_dict().items()})
+    write_weights(
+        out / WEIGHTS,
+        arrays(best),
+        prior_arrays(training.prior),
+        training.config.observation,
+        training.config.network,
+    )
     with written_whole(out / RECORD) as partial:
         partial.write_text(json.dumps(_record(training, scenario), indent=2) + "\n", encoding="utf-8")
 
@@ -156,33 +184,3 @@ def _record(training: Training, scenario: Scenario) -> dict[str, Any]:
         "episodes": training.episodes,
         "evaluations": [trial._asdict() for trial in training.trials],
     }
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
-
-
-@contextmanager
-def _patience() -> Iterator[threading.Event]:
-    """Turn the first Ctrl-C into an event, so that a tick is never cut in half."""
-    interrupted = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield interrupted
-        return
-
-    def note(number: int, frame: FrameType | None) -> None:
-        if interrupted.is_set():
-            raise KeyboardInterrupt
-        interrupted.set()
-
-    previous = signal.signal(signal.SIGINT, note)
-    try:
-        yield interrupted
-    finally:
-        signal.signal(signal.SIGINT, previous)

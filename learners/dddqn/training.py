@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,20 +16,41 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.flock import Flock
-from indoor_explorers.learners.dddqn.learner import BLOCKED, Learner, greedy
+from indoor_explorers.learners.dddqn.learner import BLOCKED, Learner
+from indoor_explorers.learners.dddqn.prior import MapPrior, no_prior, prior_arrays, prior_from
 from indoor_explorers.learners.dddqn.replay import Replay
+from indoor_explorers.learners.dddqn.surveys import collect, fit_prior
 from indoor_explorers.learners.dddqn.trial import Trial, evaluate
 from indoor_explorers.learners.dddqn.weights import read_tensors, write_tensors
 
 #: Episode seeds of trainings start here, 2 * SEED_BLOCK apart, far from any seed that comparisons use; each
-#: block's second half is for evaluation.
+#: block's second half is for evaluation, and the last quarter of the first for the map prior.
 SEED_BLOCK = 2**40
+#: Coverage until which a step costs ``reward_early_step`` more.
+EARLY = 0.9
+
+
+class Flown(NamedTuple):
+    """What one tick of all C UAVs was like, as the replay keeps it."""
+
+    scene: NDArray[np.uint8]
+    moves: NDArray[np.float32]
+    action: NDArray[np.int64]
+    reward: NDArray[np.float64]
+    terminal: Mask
+    explored: Mask
+    over: Mask
+    age: NDArray[np.int64]
 
 
 class Training:
-    """Train on the world's batch directly; every tick is a move of all UAVs and an update of the network."""
+    """Train on the world's batch directly; every tick is a move of all UAVs and some updates of the network.
 
-    def __init__(self, config: TrainingConfig, scenario: Scenario, seed: int) -> None:
+    In a tick the UAVs fly in one thread, by the weights from its beginning, while the network learns from earlier
+    ticks in another. Neither sees what the other does before the tick ends, so the same seed gives the same training.
+    """
+
+    def __init__(self, config: TrainingConfig, scenario: Scenario, seed: int, checkpoint: Path | None = None) -> None:
         if seed < 0:
             raise InputError(f"expected a seed of at least 0, got {seed}")
         self.config, self.seed = config, seed
@@ -35,16 +58,38 @@ class Training:
         self.steps = self.episodes = 0
         self.trials: list[Trial] = []
         self.losses: list[float] = []
-        self.rng = np.random.default_rng(np.random.SeedSequence(seed))
-        self.learner = Learner(seed, config.learning_rate)
-        self.flock = Flock(self.task, config.environments, self._next_seed)
-        self.replay = Replay(self._slots(), self.flock.columns)
+        self.ended: list[int] = []
+        """Steps of the episodes that ended since this was last cleared."""
+        found = None if checkpoint is None else self._read(checkpoint)
+        self.prior = self._survey() if found is None else prior_from(_part(found[0], "prior."))
+        self.flying_rng, self.learning_rng = (
+            np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(2)
+        )
+        self.learner = Learner(config.observation, config, seed)
+        self.flock = Flock(self.task, config.observation, self.prior, config.environments, self._next_seed)
+        self.replay = Replay(
+            self._slots(),
+            self.flock.columns,
+            config.observation,
+            prioritised=config.prioritised,
+            symmetries=config.symmetries,
+        )
+        self._pool = ThreadPoolExecutor(1, "flying")
+        if found is not None and checkpoint is not None:
+            self._restore(*found, checkpoint)
+
+    def _survey(self) -> MapPrior:
+        observation = self.config.observation
+        if not (observation.tours or "chance" in observation.layers):
+            return no_prior()
+        return fit_prior(collect(self.task, SEED_BLOCK * (1 + 2 * self.seed) + 3 * SEED_BLOCK // 4), self.seed)
 
     def _slots(self) -> int:
         slots = self.config.replay_steps // self.flock.columns
-        if slots <= 2 * self.config.return_steps:
+        least = 2 * self.config.return_steps + self.config.observation.frames
+        if slots <= least:
             raise InputError(
-                f"expected replay_steps of more than {2 * self.config.return_steps} times the {self.flock.columns} "
+                f"expected replay_steps of more than {least} times the {self.flock.columns} "
                 f"UAVs in training, got {self.config.replay_steps}; raise replay_steps or lower environments"
             )
         return slots
@@ -64,42 +109,52 @@ class Training:
         return self.steps >= self.config.total_steps
 
     def tick(self) -> None:
-        """Make one move of every UAV, remember it, begin new episodes where due, and learn."""
-        flock, over = self.flock, self.flock.over
+        """Make one move of every UAV and learn meanwhile; then remember the move and begin new episodes."""
+        self.learner.refresh()
+        flying = self._pool.submit(self._fly)
+        if self.steps >= self.config.warmup_steps and self.replay.ready(self.config.return_steps) > 0:
+            self.losses += [self._learn() for _ in range(self.config.updates_per_tick)]
+        flown = flying.result()
+        self.replay.add(*flown)
+        self.steps += int((~flown.over).sum())
+        over = np.flatnonzero(flown.over.reshape(self.config.environments, -1).all(axis=1))
+        self.ended += self.flock.world.state.step[over].tolist()
+        self.flock.restart(over)
+
+    def _fly(self) -> Flown:
+        flock = self.flock
+        over, age = flock.over, flock.age
         flock.observe(np.arange(flock.columns))
         action, explored = self._choose()
-        reward = flock.step(action)
-        scene, moves = flock.scene, flock.moves
-        self.replay.add(scene, moves, action, reward, flock.terminal & ~over, explored, over)
-        flock.restart(np.flatnonzero(over.reshape(self.config.environments, -1).all(axis=1)))
-        self.steps += int((~over).sum())
-        if self.steps >= self.config.warmup_steps and self.replay.filled > 2 * self.config.return_steps:
-            self.losses += [self._learn() for _ in range(self.config.updates_per_tick)]
+        reward = flock.step(action) + self.config.reward_early_step * self._early()
+        return Flown(flock.scene, flock.moves, action, reward, flock.terminal & ~over, explored, over, age)
+
+    def _early(self) -> Mask:
+        """(C,) episodes in which less than 90 % of the cells are known."""
+        return np.repeat(self.flock.world.team_coverage < EARLY, self.task.team)
 
     def _choose(self) -> tuple[NDArray[np.int64], Mask]:
-        """Choose epsilon-greedily among the legal moves; return them (C,) and which were drawn at random."""
-        scene, moves = self.flock.scene, self.flock.moves
-        explored = self.rng.random(len(scene)) < self.config.epsilon(self.share)
-        lots = self.rng.random((len(scene), 4)) - moves[:, :, BLOCKED]
-        return np.where(explored, lots.argmax(axis=1), greedy(self.learner.online, scene, moves)), explored
+        """Choose epsilon-greedily; return the moves (C,) and which were drawn at random."""
+        flock, mask = self.flock, self.config.mask
+        explored = self.flying_rng.random(flock.columns) < self.config.epsilon(self.share)
+        lots = self.flying_rng.random((flock.columns, 4)) - (flock.moves[:, :, BLOCKED] if mask else 0.0)
+        best = self.learner.greedy(self.learner.acting, flock.scenes, flock.moves, mask=mask)
+        return np.where(explored, lots.argmax(axis=1), best), explored
 
     def _learn(self) -> float:
         config, share = self.config, self.share
-        batch = self.replay.sample(config.batch, config.return_steps, config.gamma(share), self.rng)
-        loss = self.learner.update(
-            batch,
-            rate=config.rate(share),
-            clip=config.gradient_clip,
-            target_rate=config.target_rate,
-            average_rate=config.average_rate,
+        batch = self.replay.sample(
+            config.batch, config.return_steps, config.gamma(share), self.learning_rng, importance=config.beta(share)
         )
-        return float(loss)
+        loss, errors = self.learner.update(batch, share)
+        self.replay.reprioritise(batch.place, errors)
+        return loss
 
     def take_trial(self) -> Trial:
         """Evaluate the averaged weights and keep them when they are the best so far."""
         first = SEED_BLOCK * (2 + 2 * self.seed)
-        trial = evaluate(self.learner.average, self.task, self.config.evaluation_episodes, first, self.steps)
-        if not self.trials or trial.t_goal <= min(other.t_goal for other in self.trials):
+        trial = evaluate(self.learner, self.task, self.prior, self.config.evaluation_episodes, first, self.steps)
+        if not self.trials or trial.score <= min(other.score for other in self.trials):
             self.learner.best.load_state_dict(self.learner.average.state_dict())
         self.trials.append(trial)
         return trial
@@ -110,19 +165,18 @@ class Training:
 
     def save(self, path: Path) -> None:
         """Write everything to a safetensors file."""
-        filled = self.replay.filled
-        slots = {f"replay/{name}": array[:filled] for name, array in self.replay.data._asdict().items()}
         notes = self.identity() | {
             "steps": self.steps,
             "episodes": self.episodes,
-            "written": self.replay.written,
             "trials": self.trials,
-            "rng": self.rng.bit_generator.state,
+            "flying_rng": self.flying_rng.bit_generator.state,
+            "learning_rng": self.learning_rng.bit_generator.state,
         }
-        write_tensors(path, self.learner.tensors() | self.flock.tensors() | slots, {"training": json.dumps(notes)})
+        tensors = self.learner.tensors() | self.flock.tensors() | self.replay.tensors() | prior_arrays(self.prior)
+        write_tensors(path, tensors, {"training": json.dumps(notes)})
 
-    def load(self, path: Path) -> None:
-        """Go on exactly where :meth:`save` left off.
+    def _read(self, path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+        """Return the arrays and notes of a checkpoint of this training.
 
         Raises:
             InputError: the file is damaged, or from another configuration, scenario or seed.
@@ -132,17 +186,22 @@ class Training:
         try:
             notes = json.loads(metadata["training"])
             self._refuse_others(notes, path)
+        except (KeyError, json.JSONDecodeError) as error:
+            raise _damaged(path, error) from error
+        return tensors, notes
+
+    def _restore(self, tensors: dict[str, NDArray[Any]], notes: dict[str, Any], path: Path) -> None:
+        """Go on exactly where :meth:`save` left off."""
+        try:
             self.learner.restore(tensors)
             self.flock.restore(tensors)
-            for name, array in self.replay.data._asdict().items():
-                array[: len(tensors[f"replay/{name}"])] = tensors[f"replay/{name}"]
-        except (KeyError, RuntimeError, json.JSONDecodeError) as error:
-            raise InputError(
-                f"{path}: expected a checkpoint of this version, got something else ({error!r})"
-            ) from error
-        self.steps, self.episodes, self.replay.written = notes["steps"], notes["episodes"], notes["written"]
+            self.replay.restore(tensors)
+        except (KeyError, RuntimeError, ValueError) as error:
+            raise _damaged(path, error) from error
+        self.steps, self.episodes = notes["steps"], notes["episodes"]
         self.trials = [Trial(*trial) for trial in notes["trials"]]
-        self.rng.bit_generator.state = notes["rng"]
+        self.flying_rng.bit_generator.state = notes["flying_rng"]
+        self.learning_rng.bit_generator.state = notes["learning_rng"]
 
     def _refuse_others(self, notes: dict[str, Any], path: Path) -> None:
         mine = self.identity()
@@ -154,3 +213,11 @@ class Training:
                 raise InputError(
                     f"{path}: expected {key} {value}, got {notes['config'].get(key)}; resume with the same settings"
                 )
+
+
+def _damaged(path: Path, error: Exception) -> InputError:
+    return InputError(f"{path}: expected a checkpoint of this version, got something else ({error!r})")
+
+
+def _part(tensors: Mapping[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:
+    return {name: array for name, array in tensors.items() if name.startswith(prefix)}

@@ -8,8 +8,8 @@ import numpy as np
 
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.flock import Flock
-from indoor_explorers.learners.dddqn.learner import greedy
-from indoor_explorers.learners.dddqn.network import DuelingNetwork
+from indoor_explorers.learners.dddqn.learner import Learner
+from indoor_explorers.learners.dddqn.prior import MapPrior
 
 
 class Trial(NamedTuple):
@@ -24,17 +24,22 @@ class Trial(NamedTuple):
     missed: float
     """Share of the episodes that never reached the goal."""
 
+    @property
+    def score(self) -> float:
+        """What the best weights have least of: the steps to both marks."""
+        return self.t90 + self.t_goal
 
-def evaluate(network: DuelingNetwork, task: Scenario, episodes: int, first_seed: int, steps: int) -> Trial:
-    """Fly ``episodes`` episodes of the task with seeds from ``first_seed`` on, greedily."""
+
+def evaluate(learner: Learner, task: Scenario, prior: MapPrior, episodes: int, first_seed: int, steps: int) -> Trial:
+    """Fly ``episodes`` episodes of the task with seeds from ``first_seed`` on, greedily by the averaged weights."""
     seeds = iter(range(first_seed, first_seed + episodes))
-    flock = Flock(task, episodes, lambda: next(seeds))
+    flock = Flock(task, learner.config.observation, prior, episodes, lambda: next(seeds))
     world = flock.world
     reached = np.where(world.team_coverage >= 0.9, 0, world.state.budget)
     while len(flying := np.flatnonzero(~flock.over)):
         flock.observe(flying)
         action = np.full(flock.columns, 4)
-        action[flying] = greedy(network, flock.scene[flying], flock.moves[flying])
+        action[flying] = learner.greedy(learner.average, flock.scenes[flying], flock.moves[flying], mask=True)
         flock.step(action)
         reached = np.where(world.team_coverage >= 0.9, np.minimum(reached, world.state.step), reached)
     missed = world.state.team_covered < world.state.needed

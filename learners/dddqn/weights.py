@@ -1,26 +1,60 @@
-"""Weights on disk: safetensors files, which hold numbers and nothing that could run."""
+"""Weights on disk: safetensors files, which hold numbers and nothing that could run.
+
+A weights file describes itself: its metadata tells what the network sees and how it is built, so that a policy
+needs the file alone.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.learners.dddqn.inference import SHAPES, Weights, weights_from
+from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
+from indoor_explorers.learners.dddqn.inference import Weights, shapes, weights_from
+from indoor_explorers.learners.dddqn.layout import Layout, layout
+from indoor_explorers.learners.dddqn.prior import INPUTS, UNITS
 
-#: The weights that ship, trained on thesis-obstacles.
-SHIPPED = Path(__file__).parent / "weights" / "thesis-obstacles.safetensors"
+#: Grows whenever files of before can no longer be read.
+FORMAT = 1
+#: The entry of the metadata that holds everything.
+ABOUT = "about"
+#: The largest file that is read as weights.
+MOST_BYTES = 1_000_000_000
+#: The map prior's arrays.
+PRIOR_SHAPES = {
+    "prior.hidden": (INPUTS, UNITS),
+    "prior.hidden_bias": (UNITS,),
+    "prior.out": (UNITS,),
+    "prior.out_bias": (1,),
+}
+_FOLDER = Path(__file__).parent / "weights"
 
-#: The largest file that is read as weights; the network has some 255,000 numbers.
-MOST_BYTES = 32_000_000
+
+class Loaded(NamedTuple):
+    """All that a weights file holds."""
+
+    observation: ObservationConfig
+    network: NetworkConfig
+    layout: Layout
+    weights: Weights
+    prior: dict[str, NDArray[np.float32]]
+    """The map prior's arrays, of :data:`PRIOR_SHAPES`; empty when the observation does without."""
+
+
+def shipped() -> dict[str, Path]:
+    """Return the weights that ship, by name."""
+    return {path.stem: path for path in sorted(_FOLDER.glob("*.safetensors"))}
 
 
 def write_tensors(path: Path, tensors: Mapping[str, NDArray[Any]], metadata: dict[str, str] | None = None) -> None:
@@ -45,24 +79,79 @@ def read_tensors(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
         raise InputError(f"{path}: expected a safetensors file, got something else ({error})") from error
 
 
-def load_weights(path: Path) -> dict[str, NDArray[np.float32]]:
-    """Return a network's arrays, float32 by name.
+def write_weights(
+    path: Path,
+    network_arrays: Mapping[str, NDArray[np.float32]],
+    prior_arrays: Mapping[str, NDArray[np.float32]],
+    observation: ObservationConfig,
+    network: NetworkConfig,
+    *,
+    half: bool = False,
+) -> None:
+    """Write a network and its map prior, with what :func:`load_weights` needs to know about them.
+
+    ``half`` stores float16: half the size, and values rounded to three digits.
+    """
+    kind = np.float16 if half else np.float32
+    tensors = {name: array.astype(kind) for name, array in ({**network_arrays, **prior_arrays}).items()}
+    about = {"format": FORMAT, "observation": observation.model_dump(mode="json"), "network": network.model_dump()}
+    write_tensors(path, tensors, {ABOUT: json.dumps(about)})  # one entry: safetensors writes several in any order
+
+
+def load_weights(path: Path) -> Loaded:
+    """Return all that a weights file holds; read once in each process, unless the file changes.
 
     Raises:
-        InputError: the file is missing, too large, no safetensors file, or holds another network.
+        InputError: the file is missing, too large, no safetensors file, or holds something else.
 
     """
+    return _read_once(path, path.stat().st_mtime_ns if path.is_file() else 0)
+
+
+@lru_cache(maxsize=8)
+def _read_once(path: Path, changed: int) -> Loaded:
     if path.is_file() and path.stat().st_size > MOST_BYTES:
         raise InputError(
             f"{path}: expected weights of at most {MOST_BYTES // 10**6} MB, got {path.stat().st_size / 1e6:.0f} MB; "
             "give weights that train wrote, not a checkpoint"
         )
-    found, _ = read_tensors(path)
-    expected = dict(SHAPES)
-    if missing := sorted(expected.keys() ^ found.keys()):
+    found, metadata = read_tensors(path)
+    observation, network = _described(path, metadata)
+    plan = layout(observation)
+    prior = {name: array for name, array in found.items() if name.startswith("prior.")}
+    own = {name: array for name, array in found.items() if name not in prior}
+    _refuse_others(path, own, shapes(plan, network))
+    if prior:
+        _refuse_others(path, prior, PRIOR_SHAPES)
+    prior = {name: np.ascontiguousarray(array, np.float32) for name, array in prior.items()}
+    return Loaded(observation, network, plan, weights_from(own, plan, network), prior)
+
+
+def _described(path: Path, metadata: dict[str, str]) -> tuple[ObservationConfig, NetworkConfig]:
+    try:
+        about = json.loads(metadata.get(ABOUT, "{}"))
+        if about.get("format") != FORMAT:
+            raise InputError(
+                f"{path}: expected weights of format {FORMAT}, got {about.get('format', 'a file without a format')}; "
+                "give weights that train wrote, or train again with this version"
+            )
+        return (
+            ObservationConfig.model_validate(about["observation"]),
+            NetworkConfig.model_validate(about["network"]),
+        )
+    except (KeyError, AttributeError, json.JSONDecodeError, ValidationError) as error:
+        reason = " ".join(str(error).split())
         raise InputError(
-            f"{path}: expected exactly the arrays of the dueling network, but {missing[0]!r} is "
-            f"{'missing' if missing[0] in expected else 'unknown'}; give weights that train wrote"
+            f"{path}: expected a network that this version knows, got another ({reason}); train again with this version"
+        ) from error
+
+
+def _refuse_others(path: Path, found: Mapping[str, NDArray[Any]], expected: Mapping[str, tuple[int, ...]]) -> None:
+    """Raise an error unless ``found`` has exactly these names and shapes."""
+    if wrong := sorted(expected.keys() ^ found.keys()):
+        raise InputError(
+            f"{path}: expected exactly the arrays of the network that it describes, but {wrong[0]!r} is "
+            f"{'missing' if wrong[0] in expected else 'unknown'}; give weights that train wrote"
         )
     for name, shape in expected.items():
         if found[name].shape != shape or found[name].dtype.kind != "f":
@@ -70,19 +159,3 @@ def load_weights(path: Path) -> dict[str, NDArray[np.float32]]:
                 f"{path}: expected {name!r} to be numbers of shape {shape}, "
                 f"got {found[name].dtype} of shape {found[name].shape}; train again with this version"
             )
-    return {name: array.astype(np.float32) for name, array in found.items()}
-
-
-def acting_weights(path: Path) -> Weights:
-    """Return a network's arrays arranged for acting; read once in each process, unless the file changes.
-
-    Raises:
-        InputError: as :func:`load_weights`.
-
-    """
-    return _read_once(path, path.stat().st_mtime_ns if path.is_file() else 0)
-
-
-@lru_cache(maxsize=8)
-def _read_once(path: Path, changed: int) -> Weights:
-    return weights_from(load_weights(path))

@@ -13,12 +13,19 @@ from indoor_explorers.env import PRESETS, Policy, Scenario, World
 from indoor_explorers.env.arrays import Belief, Mask
 from indoor_explorers.env.lidar import scan
 from indoor_explorers.env.maps import Floorplan
-from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.dddqn.network import new_network
-from indoor_explorers.learners.dddqn.weights import write_tensors
+from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig, TrainingConfig
+from indoor_explorers.learners.dddqn.layout import layout
+from indoor_explorers.learners.dddqn.network import arrays, new_network
+from indoor_explorers.learners.dddqn.prior import MapPrior, prior_arrays, prior_from
+from indoor_explorers.learners.dddqn.weights import write_weights
+
+#: A network that is quick to make.
+NARROW = NetworkConfig(width=32, move_width=4)
 
 #: A training of a few seconds.
 TINY = TrainingConfig(
+    network=NARROW,
+    device="cpu",
     total_steps=600,
     environments=4,
     warmup_steps=40,
@@ -82,9 +89,24 @@ def fly(policy: Policy, scenario: Scenario, seed: int, free: Mask | None = None)
     return world
 
 
-def write_network(path: Path, seed: int) -> str:
+def some_prior(seed: int = 0) -> MapPrior:
+    """A map prior that says something about every patch."""
+    rng = np.random.default_rng(seed)
+    return prior_from(
+        {
+            "prior.hidden": rng.normal(size=(147, 16)),
+            "prior.hidden_bias": rng.normal(size=16),
+            "prior.out": rng.normal(size=16),
+            "prior.out_bias": rng.normal(size=1),
+        }
+    )
+
+
+def write_network(path: Path, seed: int, observation: ObservationConfig | None = None) -> str:
     """Write the weights of an untrained network."""
-    write_tensors(path, {name: value.numpy() for name, value in new_network(seed).state_dict().items()})
+    sight = observation or ObservationConfig()
+    network = new_network(layout(sight), NARROW, seed)
+    write_weights(path, arrays(network), prior_arrays(some_prior(seed)), sight, NARROW)
     return str(path)
 
 

@@ -1,4 +1,4 @@
-"""The observation: symmetric, complete, and of nothing but the belief."""
+"""The observation: symmetric, complete, and of nothing but what the UAV knows."""
 
 from __future__ import annotations
 
@@ -8,52 +8,88 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import FREE, UNKNOWN, World
 from indoor_explorers.env.arrays import Belief
-from indoor_explorers.env.grid import MOVES, distance_field
+from indoor_explorers.env.grid import MOVES, distance_field, frontier_mask
 from indoor_explorers.env.lidar import view_gain
-from indoor_explorers.learners.dddqn.observation import COARSE, FINE, MOVE_FEATURES, SCENE, observe, remember
-from indoor_explorers.learners.dddqn.sensor import scratch, sensor
-from indoor_explorers.learners.dddqn.symmetry import SYMMETRIES, symmetries, turned
-from tests.learners.rooms import random_belief, small_room
+from indoor_explorers.learners.dddqn.config import LAYERS, Layer, ObservationConfig
+from indoor_explorers.learners.dddqn.layout import GAINS, SYMMETRIES, VISITS, Layout, layout, symmetries, turned
+from indoor_explorers.learners.dddqn.memory import Memory, new_memory
+from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
+from indoor_explorers.learners.dddqn.sensor import sensor
+from tests.learners.rooms import random_belief, small_room, some_prior
 
-Numbers = tuple[NDArray[np.uint8], NDArray[np.float32], int]
-
-
-def observed(
-    belief: Belief, cell: tuple[int, int], visits: NDArray[np.uint8] | None = None, lidar: float = 3.0
-) -> Numbers:
-    scene, moves = np.zeros(SCENE, np.uint8), np.zeros((4, len(MOVE_FEATURES)), np.float32)
-    if visits is None:
-        visits = np.zeros(belief.shape, np.uint8)
-    belief = np.ascontiguousarray(belief)
-    nearest = observe(belief, *cell, visits, sensor(lidar), scratch(belief.shape, sensor(lidar)), scene, moves)
-    return scene, moves, nearest
+Cell = tuple[int, int]
+#: All but the chance, which turns with the world only as far as the prior has learned that it should.
+EVEN: tuple[Layer, ...] = tuple(layer for layer in LAYERS if layer != "chance")
+EVERYTHING = ObservationConfig(layers=EVEN, identity=True, progress=True, tours=False)
 
 
-def test_it_has_728_numbers() -> None:
-    assert SCENE + 4 * len(MOVE_FEATURES) == 728
+class Watcher:
+    """One UAV that observes, with up to two teammates."""
+
+    def __init__(self, config: ObservationConfig, shape: tuple[int, int], lidar: float = 3.0) -> None:
+        self.plan: Layout = layout(config)
+        self.memory: Memory = new_memory(1, shape, tours=config.tours)
+        self._eyes = eyes(config, shape, lidar, some_prior())
+        self.scene = np.zeros((1, self.plan.scene), np.uint8)
+        self.moves = np.zeros((1, 4, self.plan.features), np.float32)
+
+    def look(
+        self, belief: Belief, cell: Cell, mates: list[Cell] | None = None, ages: tuple[int, int] = (-1, -1)
+    ) -> None:
+        """Observe as UAV 2, half-way through its steps."""
+        known = Known(
+            np.ascontiguousarray(belief)[None],
+            np.array([cell]),
+            np.array([mates or [(0, 0), (0, 0)]]),
+            np.array([ages]),
+            np.array([[2.0, 0.5]]),
+        )
+        observe(known, self.memory, np.zeros(1, np.int64), self._eyes, self.scene, self.moves)
+
+    def layer(self, name: Layer) -> NDArray[np.uint8]:
+        at, side = self.plan.layers[LAYERS.index(name)], self.plan.crop
+        return self.scene[0, at : at + side * side].reshape(side, side)
+
+
+def watched(belief: Belief, cell: Cell, config: ObservationConfig = EVERYTHING, lidar: float = 3.0) -> Watcher:
+    watcher = Watcher(config, belief.shape, lidar)
+    watcher.look(belief, cell)
+    return watcher
+
+
+def turned_cell(cell: Cell, shape: tuple[int, int], symmetry: int) -> Cell:
+    marked = np.zeros(shape)
+    marked[cell] = 1
+    row, col = np.argwhere(turned(marked, symmetry))[0].tolist()
+    return row, col
 
 
 @pytest.mark.parametrize("lidar", [1.0, 3.0, 7.0, 12.5])
 @pytest.mark.parametrize("symmetry", range(SYMMETRIES))
 def test_turning_the_world_permutes_the_numbers(symmetry: int, lidar: float) -> None:
     rng = np.random.default_rng(symmetry)
-    tables = symmetries()
+    tables = symmetries(EVERYTHING)
     for _ in range(5):
         belief, cell = random_belief(rng)
+        mates = [tuple(place) for place in rng.integers((0, 0), belief.shape, (2, 2)).tolist()]
         visits = rng.integers(0, 6, belief.shape, dtype=np.uint8)
-        scene, moves, nearest = observed(belief, cell, visits, lidar)
-        marked = np.zeros(belief.shape)
-        marked[cell] = 1
-        row, col = np.argwhere(turned(marked, symmetry))[0].tolist()
-        turned_visits = np.ascontiguousarray(turned(visits, symmetry))
-        got = observed(turned(belief, symmetry), (row, col), turned_visits, lidar)
-        assert np.array_equal(got[0], scene[tables.scene[symmetry]])
-        np.testing.assert_allclose(got[1], moves[tables.moves[symmetry]], atol=1e-6)
-        assert got[2] == nearest
+        found = []
+        for g in (0, symmetry):
+            watcher = Watcher(EVERYTHING, turned(belief, g).shape, lidar)
+            for _ in range(2):  # the first look is a gain, which visits are forgotten at
+                places = [turned_cell(mate, belief.shape, g) for mate in mates]
+                watcher.look(turned(belief, g), turned_cell(cell, belief.shape, g), places, (0, 7))
+                watcher.memory.visits[0] = turned(visits, g)
+            watcher.look(turned(belief, g), turned_cell(cell, belief.shape, g), places, (0, 7))
+            found.append(watcher)
+        before, after = found
+        assert np.array_equal(after.scene[0], before.scene[0, tables.scene[symmetry]])
+        np.testing.assert_allclose(after.moves[0], before.moves[0, tables.moves[symmetry]], atol=1e-6)
+        assert after.memory.nearest[0] == before.memory.nearest[0]
 
 
 def test_moves_turn_with_the_world() -> None:
-    for symmetry, row in enumerate(symmetries().action):
+    for symmetry, row in enumerate(symmetries(EVERYTHING).action):
         for action in range(4):
             before, after = np.zeros((5, 5)), np.zeros((5, 5))
             before[tuple(2 + MOVES[action])] = 1
@@ -63,16 +99,17 @@ def test_moves_turn_with_the_world() -> None:
 
 def test_it_depends_on_nothing_outside_the_belief() -> None:
     rng = np.random.default_rng(5)
-    scenario = small_room()
-    world = World(scenario, 2)
+    world = World(small_room(), 2)
     world.reset([1, 1])
+    watchers = [Watcher(ObservationConfig(layers=LAYERS), (8, 8)) for _ in range(2)]
     for _ in range(30):
         views = [world.view(b, 0) for b in range(2)]
         world.state.truth[1][views[1].belief == UNKNOWN] = rng.integers(1, 3)
-        first, second = (observed(view.belief, view.cell) for view in views)
+        for watcher, view in zip(watchers, views, strict=True):
+            watcher.look(view.belief, view.cell)
         assert np.array_equal(views[0].belief, views[1].belief)
-        assert np.array_equal(first[0], second[0])
-        assert np.array_equal(first[1], second[1])
+        assert np.array_equal(watchers[0].scene, watchers[1].scene)
+        assert np.array_equal(watchers[0].moves, watchers[1].moves)
         world.state.truth[1] = world.state.truth[0]
         action = rng.choice(np.flatnonzero(views[0].legal))
         world.step(np.full((2, 1), action))
@@ -80,28 +117,64 @@ def test_it_depends_on_nothing_outside_the_belief() -> None:
 
 def test_the_maps_show_what_is_around() -> None:
     belief, (row, col) = random_belief(np.random.default_rng(8))
-    scene, _, _ = observed(belief, (row, col))
-    reach = FINE // 2
-    padded = np.pad(belief, reach, constant_values=2)[row : row + FINE, col : col + FINE]
-    maps = scene[: 2 * FINE * FINE].reshape(2, FINE, FINE)
-    assert np.array_equal(maps[0] == 255, padded == UNKNOWN)
-    assert np.array_equal(maps[1] == 255, padded == FREE)
-    reach = 3 * COARSE // 2
-    padded = np.pad(belief, reach, constant_values=2)[row : row + 3 * COARSE, col : col + 3 * COARSE]
-    blocks = (padded == UNKNOWN).reshape(COARSE, 3, COARSE, 3).sum(axis=(1, 3))
-    coarse = scene[2 * FINE * FINE :][: COARSE * COARSE].reshape(COARSE, COARSE)
-    assert np.array_equal(coarse, np.rint(255 * blocks / 9))
+    watcher = watched(belief, (row, col))
+    fine, coarse = watcher.plan.crop, watcher.plan.coarse
+
+    def around(array: NDArray[np.bool_], side: int) -> NDArray[np.bool_]:
+        return np.pad(array, side // 2)[row : row + side, col : col + side]
+
+    assert np.array_equal(watcher.layer("unknown") == 255, around(belief == UNKNOWN, fine))
+    assert np.array_equal(watcher.layer("free") == 255, around(belief == FREE, fine))
+    assert np.array_equal(watcher.layer("frontier") == 255, around(frontier_mask(belief), fine))
+    blocks = around(belief == UNKNOWN, 3 * coarse).reshape(coarse, 3, coarse, 3).sum(axis=(1, 3))
+    shown = watcher.scene[0, watcher.plan.coarse_at :][: coarse * coarse].reshape(coarse, coarse)
+    assert np.array_equal(shown, np.rint(255 * blocks / 9))
+
+
+def test_the_distance_layer_counts_steps_to_the_nearest_frontier() -> None:
+    belief, (row, col) = random_belief(np.random.default_rng(11))
+    watcher = watched(belief, (row, col))
+    steps = np.min([distance_field(belief, (r, c)) for r, c in np.argwhere(frontier_mask(belief)).tolist()], axis=0)
+    shown = watcher.layer("distance")
+    for r, c in np.argwhere((belief == FREE) & (steps < 1000)).tolist():
+        i, j = r - row + 7, c - col + 7
+        if 0 <= i < 15 and 0 <= j < 15:
+            assert shown[i, j] == int(255 * steps[r, c] / (steps[r, c] + 8) + 0.5)
+
+
+def test_teammates_are_shown_where_they_were_heard_and_fade() -> None:
+    belief = np.full((13, 13), FREE, np.uint8)
+    watcher = Watcher(EVERYTHING, (13, 13))
+    watcher.look(belief, (6, 6), [(5, 6), (6, 9)], (0, 10))
+    assert np.argwhere(watcher.layer("mates")).tolist() == [[6, 7]]
+    assert np.argwhere(watcher.layer("mates_past")).tolist() == [[7, 10]]
+    assert watcher.layer("mates_past")[7, 10] == int(255 * 0.95**10 + 0.5)
+    watcher.look(belief, (6, 6), [(5, 6), (6, 9)], (-1, -1))
+    assert watcher.layer("mates").sum() == watcher.layer("mates_past").sum() == 0
+
+
+def test_identity_and_progress_say_who_and_how_far() -> None:
+    belief = np.full((4, 5), FREE, np.uint8)
+    belief[0] = UNKNOWN
+    watcher = watched(belief, (2, 2))
+    scene, plan = watcher.scene[0], watcher.plan
+    assert np.flatnonzero(scene[plan.identity_at : plan.identity_at + 8]).tolist() == [2]
+    assert scene[plan.progress_at : plan.scene].tolist() == [191, 128, 0]
+    for _ in range(8):
+        watcher.look(belief, (2, 2))
+    assert scene[plan.progress_at + 2] == 128
 
 
 def test_the_move_features_are_what_they_say() -> None:
     belief, (row, col) = random_belief(np.random.default_rng(9))
-    visits = np.full(belief.shape, 2, np.uint8)
-    _, moves, _ = observed(belief, (row, col), visits)
+    watcher = watched(belief, (row, col))
+    watcher.memory.visits[:] = 2
+    watcher.look(belief, (row, col))
     disc = sensor(3.0).disc
-    for k in range(4):
+    for k, features in enumerate(watcher.moves[0]):
         r, c = (np.array((row, col)) + MOVES[k]).tolist()
         if not (0 <= r < belief.shape[0] and 0 <= c < belief.shape[1] and belief[r, c] == FREE):
-            assert moves[k].tolist() == [1, 0, 1, 0, 0, 0, 0, 0]
+            assert features.tolist() == [1, 0, 1, 0, 0, 0, 0, 0]
             continue
         steps = distance_field(belief, (r, c))
         places = [(int(r), int(c)) for r, c in np.argwhere(steps < 1000)]
@@ -110,26 +183,52 @@ def test_the_move_features_are_what_they_say() -> None:
         expected = [0.0, gains[r, c] ** 0.5, nearest / (nearest + 8)]
         expected += [max(gain * k ** steps[at] for at, gain in gains.items()) ** 0.5 for k in (0.7, 0.85, 0.95)]
         expected += [sum(gain * 0.7 ** steps[at] for at, gain in gains.items()) ** 0.5, 0.5]
-        np.testing.assert_allclose(moves[k], expected, rtol=1e-5)
+        np.testing.assert_allclose(features, expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize(("switched_off", "fewer"), [({"gains": False}, len(GAINS)), ({"visits": False}, len(VISITS))])
+def test_what_is_switched_off_is_left_out(switched_off: dict[str, bool], fewer: int) -> None:
+    belief, cell = random_belief(np.random.default_rng(3))
+    whole = watched(belief, cell).moves[0]
+    config = EVERYTHING.model_copy(update=switched_off)
+    names = ["blocked", *GAINS, *VISITS]
+    kept = [names.index(name) for name in names if name not in (GAINS if "gains" in switched_off else VISITS)]
+    part = watched(belief, cell, config).moves[0]
+    assert part.shape[1] == whole.shape[1] - fewer
+    assert np.array_equal(part, whole[:, kept])
 
 
 def test_nothing_in_reach_is_told_apart() -> None:
     belief = np.full((6, 7), FREE, np.uint8)
-    assert observed(belief, (2, 3))[2] == -1
+    assert watched(belief, (2, 3)).memory.nearest[0] == -1
     belief[5, 6] = UNKNOWN
-    assert observed(belief, (5, 5))[2] == 0
+    assert watched(belief, (5, 5)).memory.nearest[0] == 0
 
 
 def test_visits_are_forgotten_after_a_gain_of_its_own() -> None:
-    belief, noted, visits = (np.zeros((4, 9), np.uint8) for _ in range(3))
+    belief = np.zeros((4, 9), np.uint8)
     belief[:2, :3] = FREE
-    assert remember(belief, 0, 0, sensor(3.0), noted, visits) == 6
-    assert remember(belief, 0, 1, sensor(3.0), noted, visits) == 0
-    assert remember(belief, 0, 0, sensor(3.0), noted, visits) == 0
-    assert visits[0, :2].tolist() == [2, 1]
+    watcher = Watcher(EVERYTHING, (4, 9))
+    memory = watcher.memory
+    for cell, gained, idle in (((0, 0), 6, 0), ((0, 1), 6, 1), ((0, 0), 6, 2)):
+        watcher.look(belief, cell)
+        assert (memory.gained[0], memory.idle[0]) == (gained, idle)
+    assert memory.visits[0, 0, :2].tolist() == [2, 1]
     belief[0, 8] = FREE  # out of sight: heard by radio
-    assert remember(belief, 0, 1, sensor(3.0), noted, visits) == 0
-    assert visits[0, :2].tolist() == [2, 2]
+    watcher.look(belief, (0, 1))
+    assert memory.gained[0] == 6
+    assert memory.visits[0, 0, :2].tolist() == [2, 2]
     belief[2, :3] = FREE
-    assert remember(belief, 1, 0, sensor(3.0), noted, visits) == 3
-    assert visits.sum() == visits[1, 0] == 1
+    watcher.look(belief, (1, 0))
+    assert memory.gained[0] == 9
+    assert memory.visits.sum() == memory.visits[0, 1, 0] == 1
+    memory.forget([0])
+    assert memory.visits.sum() == memory.gained[0] == 0
+
+
+def test_a_layout_needs_a_middle_and_a_layer() -> None:
+    with pytest.raises(ValueError, match="expected an odd number"):
+        ObservationConfig(crop=14)
+    with pytest.raises(ValueError, match="expected at least one layer"):
+        ObservationConfig(layers=())
+    assert ObservationConfig(layers=("free", "unknown")).layers == ("unknown", "free")

@@ -1,4 +1,4 @@
-"""Targets: terminal, truncated, n-step and double-Q."""
+"""Targets: terminal, truncated, n-step, and the value of what follows."""
 
 from __future__ import annotations
 
@@ -7,10 +7,7 @@ import pytest
 import torch
 from numpy.typing import NDArray
 
-from indoor_explorers.learners.dddqn.learner import Learner, td_loss
-from indoor_explorers.learners.dddqn.observation import MOVE_FEATURES, SCENE
-from indoor_explorers.learners.dddqn.replay import Batch
-from indoor_explorers.learners.dddqn.targets import double_q_target, look_forward
+from indoor_explorers.learners.dddqn.targets import look_forward, q_target
 
 
 def looked_forward(
@@ -38,7 +35,7 @@ def test_the_target_of_a_terminal_step_is_its_reward_alone(bonus: float) -> None
     returns, discount, _ = looked_forward([bonus, 7, 7, 7], terminal=[0])
     assert (returns, discount) == (bonus, 0.0)
     anything = torch.full((1, 4), 1e6)
-    target = double_q_target(
+    target = q_target(
         torch.tensor([returns]), torch.tensor([discount]), anything, anything, torch.zeros(1, 4, dtype=torch.bool)
     )
     assert target.item() == bonus
@@ -70,27 +67,18 @@ def test_returns_equal_a_plain_loop_also_around_the_end_of_the_ring() -> None:
 def test_the_online_network_chooses_and_the_target_network_values() -> None:
     online_BA, target_BA = torch.tensor([[1.0, 5.0, 2.0, 9.0]]), torch.tensor([[10.0, 20.0, 30.0, 40.0]])
     blocked_BA = torch.tensor([[False, False, False, True]])
-    target = double_q_target(torch.tensor([1.0]), torch.tensor([0.5]), online_BA, target_BA, blocked_BA)
+    target = q_target(torch.tensor([1.0]), torch.tensor([0.5]), online_BA, target_BA, blocked_BA)
     assert target.item() == 1.0 + 0.5 * 20.0
 
 
-@pytest.mark.parametrize("bonus", [400.0, -400.0])
-def test_terminal_rewards_are_learned(bonus: float) -> None:
-    rng = np.random.default_rng(0)
-    scene_BS = torch.from_numpy(rng.random((8, SCENE)).astype(np.float32))
-    moves_BAF = torch.zeros(8, 4, len(MOVE_FEATURES))
-    batch = Batch(
-        scene_BS,
-        moves_BAF,
-        torch.zeros(8, dtype=torch.int64),
-        torch.full((8,), bonus),
-        torch.zeros(8),
-        scene_BS,
-        moves_BAF,
-    )
-    learner = Learner(0, 0.02)
-    for _ in range(250):
-        learner.update(batch, rate=0.02, clip=10.0, target_rate=0.1, average_rate=0.1)
-    q_B = learner.online(scene_BS, moves_BAF)[:, 0]
-    assert torch.allclose(q_B, torch.full((8,), bonus), rtol=0.05)
-    assert td_loss(learner.online, learner.target, batch) < 20.0
+def test_without_double_the_target_network_chooses_too() -> None:
+    online_BA, target_BA = torch.tensor([[1.0, 5.0, 2.0, 9.0]]), torch.tensor([[10.0, 20.0, 30.0, 40.0]])
+    blocked_BA = torch.tensor([[False, False, False, True]])
+    known = torch.tensor([1.0]), torch.tensor([0.5]), online_BA, target_BA
+    assert q_target(*known, blocked_BA, double=False).item() == 1.0 + 0.5 * 30.0
+    assert q_target(*known, None, double=False).item() == 1.0 + 0.5 * 40.0
+
+
+def test_without_a_mask_blocked_moves_count() -> None:
+    online_BA, target_BA = torch.tensor([[1.0, 5.0, 2.0, 9.0]]), torch.tensor([[10.0, 20.0, 30.0, 40.0]])
+    assert q_target(torch.tensor([1.0]), torch.tensor([0.5]), online_BA, target_BA, None).item() == 1.0 + 0.5 * 40.0

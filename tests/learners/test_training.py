@@ -13,9 +13,13 @@ import torch
 
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.state import End
-from indoor_explorers.learners.dddqn.config import TrainingConfig
+from indoor_explorers.evaluation.training import nested
+from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingConfig
 from indoor_explorers.learners.dddqn.flock import Flock
-from indoor_explorers.learners.dddqn.network import new_network
+from indoor_explorers.learners.dddqn.learner import Learner
+from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
+from indoor_explorers.learners.dddqn.prior import no_prior
+from indoor_explorers.learners.dddqn.scalars import FOLDER
 from indoor_explorers.learners.dddqn.train import CHECKPOINT, RECORD, Progress, train
 from indoor_explorers.learners.dddqn.training import SEED_BLOCK, Training
 from indoor_explorers.learners.dddqn.trial import evaluate
@@ -65,7 +69,7 @@ def test_the_record_tells_how_the_weights_were_made(tmp_path: Path) -> None:
     seen: list[Progress] = []
     path = train(TINY, scenario, tmp_path / "out", seed=5, report=seen.append)
     record = json.loads((path.parent / RECORD).read_text())
-    assert record["config"] == TINY.model_dump()
+    assert record["config"] == TINY.model_dump(mode="json")
     assert (record["seed"], record["fingerprint"]) == (5, scenario.fingerprint)
     assert [trial["steps"] >= 300 for trial in record["evaluations"]] == [True, True]
     assert seen[-1].steps >= seen[-1].total_steps == TINY.total_steps
@@ -146,7 +150,7 @@ def test_the_schedules_end_where_they_say() -> None:
     config = TrainingConfig()
     assert (config.epsilon(0.0), config.gamma(0.0), config.rate(0.0)) == (0.25, 0.97, 5e-4)
     assert config.epsilon(0.35) == pytest.approx(0.01)
-    assert config.gamma(0.4) == config.gamma(1.0) == pytest.approx(0.998)
+    assert config.gamma(0.5) == config.gamma(1.0) == pytest.approx(0.999)
     assert config.rate(1.0) == pytest.approx(2.5e-5)
 
 
@@ -159,7 +163,7 @@ def test_the_task_is_the_scenario_with_the_training_rewards() -> None:
 def test_a_flock_goes_on_from_its_tensors() -> None:
     def fresh() -> Flock:
         seeds = iter(range(100, 200))
-        return Flock(small_room(), 3, lambda: next(seeds))
+        return Flock(small_room(), ObservationConfig(frames=2), no_prior(), 3, lambda: next(seeds))
 
     first, second = fresh(), fresh()
     for _ in range(9):
@@ -168,7 +172,7 @@ def test_a_flock_goes_on_from_its_tensors() -> None:
     second.restore({name: array.copy() for name, array in first.tensors().items()})
     for flock in (first, second):
         flock.observe(np.arange(3))
-    assert np.array_equal(first.scene, second.scene)
+    assert np.array_equal(first.scenes, second.scenes)
     assert np.array_equal(first.moves, second.moves)
 
 
@@ -188,6 +192,23 @@ def test_a_short_training_explores_better_than_none(tmp_path: Path) -> None:
     scenario = small_room(0)
     train(config, scenario, tmp_path, seed=1)
     trained = json.loads((tmp_path / RECORD).read_text())["evaluations"][-1]
-    untrained = evaluate(new_network(1), config.task(scenario), 40, 5, 0)
+    untrained = evaluate(Learner(config.observation, config, 1), config.task(scenario), no_prior(), 40, 5, 0)
     assert trained["t_goal"] < 0.6 * untrained.t_goal
     assert torch.get_num_threads() == threads
+
+
+def test_scalars_are_written_for_tensorboard(tmp_path: Path) -> None:
+    train(TINY, small_room(), tmp_path, seed=1)
+    files = list((tmp_path / FOLDER).iterdir())
+    assert len(files) == 1
+    written = files[0].read_bytes()
+    for name in (b"training/loss", b"training/episode_steps", b"evaluation/t_goal"):
+        assert name in written
+
+
+@pytest.mark.parametrize("name", LEARNED)
+def test_presets_are_trainings(name: str) -> None:
+    preset = LEARNED[name]
+    config = TrainingConfig.model_validate(nested(preset.settings))
+    assert config != TrainingConfig()
+    assert PRESETS[preset.scenario]

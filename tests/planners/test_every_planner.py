@@ -7,11 +7,10 @@ import pytest
 
 from indoor_explorers.env import InputError, Policy, make_policy
 from indoor_explorers.env.arrays import Mask
-from tests.policies import REGISTERED
+from tests.policies import PLANNERS
 
 from .flights import fly, maze, rooms
 
-PLANNERS = [name for name in REGISTERED if name != "random"]
 RADIOS = [("none", 0.0), ("square", 3.0), ("disc", 5.0), ("unlimited", 0.0)]
 
 

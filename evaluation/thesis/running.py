@@ -1,0 +1,103 @@
+"""Fly the thesis's experiments one after the other; what is finished is skipped, what was cut goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from indoor_explorers.env import InputError
+from indoor_explorers.env.presets import named_scenario
+from indoor_explorers.env.validation import validated
+from indoor_explorers.evaluation.thesis.drawing import write_figures
+from indoor_explorers.evaluation.thesis.experiments import Experiment, chosen, versions
+from indoor_explorers.evaluation.thesis.page import write_page
+from indoor_explorers.evaluation.thesis.results import WEIGHTS, Run, read_run, write_summary
+from indoor_explorers.evaluation.training import find_learner, run_training
+
+LEARNER = "dddqn-thesis"
+#: Greedy evaluations in the course of a training, and checkpoints.
+EVALUATIONS, CHECKPOINTS = 20, 5
+
+
+def run_thesis(
+    out: Path,
+    console: Console,
+    *,
+    episodes: int,
+    version_names: Sequence[str],
+    patterns: Sequence[str],
+    settings: Mapping[str, Any],
+    seed: int,
+) -> list[Run]:
+    """Fly the experiments that match ``patterns`` in the named versions and write what came out into ``out``.
+
+    Writes a folder for each training, ``summary.csv``, ``figures/`` and ``thesis.html``; returns the trainings.
+
+    Raises:
+        InputError: there is no such experiment, version or setting, or ``out`` holds a training that differs.
+
+    """
+    learner = find_learner(LEARNER)
+    flown = versions(version_names, learner.MENDED)
+    experiments = chosen(patterns)
+    runs = []
+    for experiment in experiments:
+        for version, switches in flown.items():
+            own = {**settings, **switches, **_pace(experiment.episodes(episodes), settings)}
+            if experiment.starts_from is not None:
+                own["initial_weights"] = str((out / experiment.starts_from / version / WEIGHTS).resolve())
+            runs.append(_trained(experiment, version, own, out / experiment.name / version, seed, console))
+    _write(runs, out, learner.TrainingConfig)
+    return runs
+
+
+def _pace(episodes: int, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return how many episodes are flown, and between evaluations and checkpoints where that is not set."""
+    pace = {
+        "evaluation_every": max(1, episodes // EVALUATIONS),
+        "checkpoint_every": max(1, episodes // CHECKPOINTS),
+    }
+    return {"episodes": episodes} | {name: value for name, value in pace.items() if name not in settings}
+
+
+def _trained(
+    experiment: Experiment, version: str, settings: Mapping[str, Any], folder: Path, seed: int, console: Console
+) -> Run:
+    """Return a training, flown now where it is not finished."""
+    run = read_run(experiment, version, folder)
+    if run is None:
+        console.print(f"{experiment.name}, {version}: {settings['episodes']} episodes", highlight=False)
+        scenario = named_scenario(experiment.scenario)
+        run_training(LEARNER, scenario, settings, out=folder, seed=seed, resume=True)
+        run = read_run(experiment, version, folder)
+        assert run is not None
+    else:
+        _refuse_others(run, settings, folder, seed)
+    return run
+
+
+def _refuse_others(run: Run, settings: Mapping[str, Any], folder: Path, seed: int) -> None:
+    """Refuse a finished training that was asked for otherwise now."""
+    config = validated(find_learner(LEARNER).TrainingConfig, dict(settings), f"settings of learner {LEARNER!r}")
+    mine = {"seed": seed, **config.model_dump(mode="json")}
+    for name, value in mine.items():
+        found = run.record["seed"] if name == "seed" else run.record["config"].get(name)
+        if found != value:
+            raise InputError(
+                f"{folder} holds a training with {name} {found}, expected {value}; give the same settings as then, "
+                "or another --out"
+            )
+
+
+def _write(runs: Sequence[Run], out: Path, config: Any) -> None:
+    try:
+        write_summary(runs, out / "summary.csv")
+        write_figures(runs, out / "figures")
+        write_page(runs, config, out / "figures", out / "thesis.html")
+    except OSError as error:
+        raise InputError(
+            f"{error.filename or out}: cannot be written: {error.strerror}; choose another --out"
+        ) from error

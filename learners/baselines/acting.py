@@ -1,0 +1,150 @@
+"""A trained network as a policy: the observation that its training saw, and the best legal action."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any, cast
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.encoders import Encoder, make_encoder
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.registry import missing_module
+from indoor_explorers.env.validation import validated
+from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.learners.baselines.config import EGOCENTRIC, BaselineConfig
+from indoor_explorers.learners.baselines.record import RECORD, Record, read_record
+from indoor_explorers.learners.baselines.trial import Scores, best_moves
+from indoor_explorers.learners.session import one_thread
+
+
+@dataclass(frozen=True)
+class Trained:
+    """What a folder of a training holds, as far as flying it needs."""
+
+    record: Record
+    """How it was made."""
+    config: BaselineConfig
+    """Its hyperparameters."""
+    scores: Scores
+    """The network."""
+
+    def encoder(self, briefing: Briefing) -> Encoder:
+        """Return what encodes a UAV's views as in training.
+
+        Raises:
+            InputError: the observation depends on the map's size, which is another one.
+
+        """
+        if self.config.observation != EGOCENTRIC and briefing.shape != self.record.shape:
+            raise InputError(
+                f"expected a map of {self.record.shape[0]} x {self.record.shape[1]} cells as in training, got "
+                f"{briefing.shape[0]} x {briefing.shape[1]}; train with observation={EGOCENTRIC} for maps of any size"
+            )
+        return make_encoder(self.config.recipe, briefing)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainedPolicy(Policy):
+    """Fly the network of a training, greedily and without memory.
+
+    Each UAV's action is computed from its own row alone, so that it is the same in any batch; torch runs on one
+    thread meanwhile. Deterministic. The folder is read once in each process, unless it changes.
+
+    Raises:
+        InputError: ``path`` is missing or is no training of this library.
+
+    """
+
+    path: str
+    """The folder that ``indoor-explorers train`` wrote, or a model file in it."""
+    mask: bool = True
+    """Choose among the legal actions alone, also for a learner that knows no mask; else among all."""
+
+    def __post_init__(self) -> None:
+        self.trained()
+
+    @abstractmethod
+    def model_file(self) -> Path:
+        """Return the path of the model."""
+
+    @abstractmethod
+    def trained(self) -> Trained:
+        """Return what the path holds."""
+
+    def provenance(self) -> dict[str, str]:
+        """Return the hash of the model, and what trained it."""
+        record = self.trained().record
+        digest = hashlib.sha256(self.model_file().read_bytes()).hexdigest()
+        return {"weights_sha256": digest, "learner": record.learner, "trained_on": record.fingerprint}
+
+    def pilot(self, briefing: Briefing) -> TrainedPilot:
+        """Make the mind of one UAV for one episode."""
+        return TrainedPilot(self, self.trained().encoder(briefing))
+
+    def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
+        """Choose for many UAVs, each as it would alone."""
+        scores = self.trained().scores
+        minds = cast("Sequence[TrainedPilot]", pilots)
+        with one_thread():
+            found = [scores(mind.perceive(view)[None])[0] for mind, view in zip(minds, views, strict=True)]
+        legal = np.array([view.legal if self.mask else np.ones(5, np.bool_) for view in views])
+        actions: list[int] = best_moves(np.array(found), legal).tolist()
+        return actions
+
+
+class TrainedPilot(Pilot):
+    """Encode one UAV's views."""
+
+    def __init__(self, policy: TrainedPolicy, encoder: Encoder) -> None:
+        self._policy, self._encoder = policy, encoder
+
+    def act(self, view: View) -> int:
+        """Choose alone."""
+        return self._policy.act([self], [view])[0]
+
+    def perceive(self, view: View) -> NDArray[np.float32]:
+        """Return the observation (D,) that the training would have given the network."""
+        seen: NDArray[np.float32] = self._encoder.observation(view)
+        return seen
+
+
+#: What libraries raise on a file that holds no weights, or those of another network.
+DAMAGE = (RuntimeError, KeyError, ValueError, BadZipFile, pickle.UnpicklingError, OSError)
+
+
+def folder_and_model(path: str, model: str) -> tuple[Path, Path]:
+    """Return the folder of a training, and its file ``model`` unless the path is a file's own."""
+    given = Path(path)
+    return (given.parent, given) if given.is_file() else (given, given / model)
+
+
+def read_training(folder: Path, learners: Sequence[str]) -> tuple[Record, Any, Any]:
+    """Return the record of a folder, the module of its learner and its configuration.
+
+    Raises:
+        InputError: it is no training of one of these learners, or their library is not installed.
+
+    """
+    record = read_record(folder)
+    if record.learner not in learners:
+        raise InputError(f"{folder}: expected a training of {', '.join(learners)}, got one of {record.learner}")
+    try:
+        module = import_module(f"{__package__}.{record.learner.replace('-', '_')}")
+    except ModuleNotFoundError as error:
+        raise InputError(f"{folder}: {missing_module(error)}") from error
+    return record, module, validated(module.TrainingConfig, record.config, str(folder / RECORD))
+
+
+def changed(*paths: Path) -> tuple[int, ...]:
+    """Return when files were changed last, 0 for those that are missing."""
+    return tuple(path.stat().st_mtime_ns if path.is_file() else 0 for path in paths)

@@ -1,0 +1,79 @@
+"""What the trainings of all baselines have in common: observation, network, rewards, evaluation."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from indoor_explorers.env.encoders import Egocentric, Flat
+from indoor_explorers.env.scenario import Scenario
+
+#: The observation that is the same on maps of any size.
+EGOCENTRIC = "egocentric"
+
+
+class BaselineConfig(BaseModel):
+    """Describe one training completely, together with its scenario and seed."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+
+    total_steps: int = Field(1_000_000, ge=1)
+    """Moves made in training, all UAVs of all environments together; the last round may go a little beyond."""
+    environments: int = Field(32, ge=1, le=4096)
+    """Episodes flown side by side."""
+    observation: str = Field(EGOCENTRIC, min_length=1)
+    """``egocentric``, or a name of :mod:`indoor_explorers.env.encoders` whose vector is as long as the map is large."""
+    side: int = Field(15, ge=1)
+    """Cells along a side of the egocentric crop; odd."""
+    zones: int = Field(8, ge=1)
+    """Zones along a side of the egocentric coarse map."""
+    hidden: tuple[int, ...] = Field((256, 256), min_length=1)
+    """Units of the network's hidden layers."""
+    learning_rate: float = Field(3e-4, gt=0.0)
+    """Step size of the optimiser."""
+    gamma: float = Field(0.99, gt=0.0, le=1.0)
+    """Discount a step."""
+    goal: float = Field(0.99, gt=0.0, le=1.0)
+    """Share of the reachable cells that ends a training episode."""
+    reward_step: float = -0.1
+    """Paid for each step."""
+    reward_discovered: float = 0.1
+    """Paid for each cell that the UAV's own lidar discovers."""
+    reward_blocked: float = -0.1
+    """Paid for a move into a wall or off the map, where the UAV then stays; of no use where moves are masked."""
+    reward_goal: float = 1.0
+    """Paid for reaching the goal."""
+    evaluation_every: int = Field(100_000, ge=1)
+    """Moves between two evaluations."""
+    evaluation_episodes: int = Field(100, ge=1, le=100_000)
+    """Episodes of one evaluation: greedy among the legal moves, on maps kept apart from training and comparisons."""
+    checkpoint_every: int = Field(250_000, ge=1)
+    """Moves between two checkpoints."""
+
+    @model_validator(mode="after")
+    def _can_be_observed(self) -> Self:
+        Egocentric(side=self.side, zones=self.zones)
+        return self
+
+    @property
+    def recipe(self) -> Flat:
+        """What the network sees, as one vector."""
+        if self.observation == EGOCENTRIC:
+            return Flat(Egocentric(side=self.side, zones=self.zones))
+        return Flat(self.observation)
+
+    def task(self, scenario: Scenario) -> Scenario:
+        """Return the scenario as it is trained on: to ``goal`` of the reachable cells, with these rewards."""
+        return scenario.for_evaluation().with_settings(
+            {
+                "goal": self.goal,
+                "on_collision": "block",
+                "rewards.step": self.reward_step,
+                "rewards.discovered": self.reward_discovered,
+                "rewards.received": 0.0,
+                "rewards.collision": self.reward_blocked,
+                "rewards.out_of_bounds": self.reward_blocked,
+                "rewards.goal": self.reward_goal,
+            }
+        )

@@ -1,0 +1,87 @@
+"""PPO of RLlib (Schulman et al. 2017, arXiv:1707.06347) for a team with shared parameters, or for one UAV."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from pydantic import Field
+from ray.rllib.algorithms.ppo import PPOConfig
+from ray.rllib.algorithms.ppo.torch.default_ppo_torch_rl_module import DefaultPPOTorchRLModule
+from ray.rllib.core.rl_module.rl_module import RLModule
+
+from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.learners.baselines.rllib_masking import MaskedPPOModule
+from indoor_explorers.learners.baselines.rllib_model import RllibConfig
+from indoor_explorers.learners.baselines.rllib_training import train_rllib
+from indoor_explorers.learners.baselines.session import Progress
+
+
+class TrainingConfig(RllibConfig):
+    """Every hyperparameter of a PPO; those not named here are the library's own."""
+
+    total_steps: int = Field(500_000, ge=1)
+    """Moves made in training, all UAVs of all environments together; the last round may go a little beyond."""
+    environments: int = Field(16, ge=1, le=4096)
+    """Episodes flown side by side."""
+    mask: bool = True
+    """Whether the network is given the action mask and never draws an illegal move."""
+    learning_rate: float = Field(5e-4, gt=0.0)
+    """Adam's step size."""
+    rollout: int = Field(2048, ge=2)
+    """Steps of all environments together between two rounds of updates."""
+    batch: int = Field(512, ge=2)
+    """Moves in one update."""
+    epochs: int = Field(4, ge=1)
+    """How often each round goes through its moves."""
+    gae_lambda: float = Field(0.95, ge=0.0, le=1.0)
+    """Trade-off of bias and variance in the advantages (Schulman et al. 2016, arXiv:1506.02438)."""
+    clip: float = Field(0.2, gt=0.0)
+    """How far the ratio of new and old probabilities may leave 1 with gain."""
+    value_clip: float = Field(100.0, gt=0.0)
+    """The largest squared error of a value that is learned from."""
+    entropy: float = Field(0.01, ge=0.0)
+    """Weight of the entropy in the loss, which keeps exploration up."""
+    value_weight: float = Field(0.5, ge=0.0)
+    """Weight of the value's error in the loss."""
+    gradient_clip: float = Field(0.5, gt=0.0)
+    """Longest gradient, as a Euclidean norm, that is followed unshortened."""
+
+    @property
+    def masked(self) -> bool:
+        """Whether the network is given the action mask and never draws an illegal move."""
+        return self.mask
+
+    def module(self) -> type[RLModule]:
+        """Return the class of the network."""
+        return MaskedPPOModule if self.mask else DefaultPPOTorchRLModule
+
+    def algorithm(self) -> PPOConfig:
+        """Return the library's description of the algorithm with these hyperparameters."""
+        return PPOConfig().training(
+            lr=self.learning_rate,
+            gamma=self.gamma,
+            train_batch_size_per_learner=self.rollout,
+            minibatch_size=self.batch,
+            num_epochs=self.epochs,
+            lambda_=self.gae_lambda,
+            clip_param=self.clip,
+            vf_clip_param=self.value_clip,
+            entropy_coeff=self.entropy,
+            vf_loss_coeff=self.value_weight,
+            grad_clip=self.gradient_clip,
+            use_kl_loss=False,
+        )
+
+
+def train(
+    config: TrainingConfig,
+    scenario: Scenario,
+    out: Path,
+    *,
+    seed: int,
+    resume: bool = False,
+    report: Callable[[Progress], None] | None = None,
+) -> Path:
+    """Train a PPO on a team, see :func:`train_rllib`."""
+    return train_rllib("rllib-ppo", config, scenario, out, seed=seed, resume=resume, report=report)

@@ -1,0 +1,183 @@
+"""Train with RLlib: a team whose UAVs share one network, or one UAV.
+
+A folder holds ``weights.safetensors``, the network that did best in evaluation, ``checkpoint/``, the library's own
+files of the whole algorithm, and ``training.json``. To resume unpickles the checkpoint, as RLlib does: only go on
+with folders that you trust. To fly reads ``weights.safetensors`` alone, which holds numbers and nothing that could
+run. Everything happens in this process, on RLlib's new API stack, beside a local Ray without a dashboard.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import os
+import pickle
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import ray
+from numpy.typing import NDArray
+from ray.rllib.algorithms.algorithm import Algorithm
+from ray.rllib.core.rl_module.multi_rl_module import MultiRLModuleSpec
+from ray.rllib.core.rl_module.torch import TorchRLModule
+from ray.tune.registry import register_env
+from safetensors.torch import save_file
+
+from indoor_explorers.env.errors import InputError, RunError
+from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.learners.baselines.books import Books
+from indoor_explorers.learners.baselines.record import new_record
+from indoor_explorers.learners.baselines.rllib import WEIGHTS
+from indoor_explorers.learners.baselines.rllib_model import RllibConfig, quietly
+from indoor_explorers.learners.baselines.rllib_team import TrainingTeam, rllib_team
+from indoor_explorers.learners.baselines.session import Progress
+from indoor_explorers.learners.baselines.trial import training_seeds
+
+CHECKPOINT = "checkpoint"
+PACKAGES = ("ray", "pettingzoo")
+#: The environment's and the network's names in RLlib, and the file of a checkpoint that says how old it is.
+TEAM, SHARED, STEPS = "indoor-explorers-team", "shared", "moves.txt"
+#: What the library's loaders raise on damaged files.
+DAMAGE = (pickle.UnpicklingError, ValueError, KeyError, AttributeError, RuntimeError, EOFError, OSError, TypeError)
+#: Bytes of the object store, which a training in one process hardly uses.
+STORE = 100 * 2**20
+
+
+def train_rllib(
+    learner: str,
+    config: RllibConfig,
+    scenario: Scenario,
+    out: Path,
+    *,
+    seed: int,
+    resume: bool = False,
+    report: Callable[[Progress], None] | None = None,
+) -> Path:
+    """Train and return the path of the weights that did best in evaluation.
+
+    Ctrl-C ends the round, writes a checkpoint and raises :class:`KeyboardInterrupt`. A resumed training begins new
+    episodes, so that it differs from one that was not stopped.
+
+    Raises:
+        InputError: ``out`` holds another training, or one that was not asked to be resumed, or a damaged one.
+
+    """
+    first = training_seeds(seed)
+    task = config.task(scenario)
+    briefing = TrainingTeam(task, config.recipe, iter(())).world.briefing(0, 0)
+    record = new_record(learner, PACKAGES, config, scenario, briefing, seed)
+    books = Books.opened(record, config, scenario, out, CHECKPOINT, resume=resume, report=report)
+    seeds = count(first + books.record.steps)
+    register_env(TEAM, lambda _: rllib_team(task, config.environment_recipe, seeds))
+    with _local_ray(), quietly():
+        trainee = _Trainee(config, _algorithm(config, seed), out)
+        try:
+            if books.resumed:
+                trainee.restore()
+            with books.kept(trainee):
+                while trainee.steps < config.total_steps and not books.interrupted:
+                    books.between_updates(trainee)
+                    trainee.update()
+                    books.report(trainee)
+        finally:
+            trainee.stop()
+    return out / WEIGHTS
+
+
+def _algorithm(config: RllibConfig, seed: int) -> Algorithm:
+    description = (
+        config.algorithm()
+        .environment(TEAM, disable_env_checking=True)
+        .env_runners(num_env_runners=0, num_envs_per_env_runner=config.environments)
+        .learners(num_learners=0)
+        .multi_agent(policies={SHARED}, policy_mapping_fn=_shared)
+        .rl_module(rl_module_spec=MultiRLModuleSpec(rl_module_specs={SHARED: config.spec()}))
+        .debugging(seed=seed, log_level="ERROR")
+    )
+    built: Algorithm = description.build_algo()
+    return built
+
+
+def _shared(agent: Any, episode: Any, **_: Any) -> str:
+    return SHARED
+
+
+class _Trainee:
+    """An algorithm of RLlib as the books see it."""
+
+    epsilon = None
+
+    def __init__(self, config: RllibConfig, algorithm: Algorithm, out: Path) -> None:
+        self.steps, self.loss = 0, math.nan
+        self._config, self._algorithm, self._out = config, algorithm, out
+
+    def update(self) -> None:
+        """Fly and learn for one round."""
+        result = self._algorithm.train()
+        self.steps += int(result["env_runners"].get("num_module_steps_sampled", {}).get(SHARED, 0))
+        learned = result.get("learners", {}).get(SHARED, {})
+        self.loss = float(learned.get("total_loss", math.nan))
+
+    def scores(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        return self._config.rate(self._module(), rows)
+
+    def keep(self) -> None:
+        state = self._module().state_dict()
+        with written_whole(self._out / WEIGHTS) as partial:
+            save_file({name: tensor.contiguous() for name, tensor in state.items()}, partial)
+
+    def _module(self) -> TorchRLModule:
+        return cast(TorchRLModule, self._algorithm.get_module(SHARED))
+
+    def save(self) -> None:
+        """Write the checkpoint beside the last one, and then in its place."""
+        partial, last = self._out / f".{CHECKPOINT}.partial", self._out / CHECKPOINT
+        shutil.rmtree(partial, ignore_errors=True)
+        self._algorithm.save_to_path(str(partial.resolve()))
+        (partial / STEPS).write_text(str(self.steps), encoding="utf-8")
+        shutil.rmtree(last, ignore_errors=True)
+        partial.rename(last)
+
+    def restore(self) -> None:
+        """Go on from the checkpoint."""
+        folder = self._out / CHECKPOINT
+        try:
+            self.steps = int((folder / STEPS).read_text(encoding="utf-8"))
+            self._algorithm.restore_from_path(str(folder.resolve()))
+        except DAMAGE as error:
+            raise InputError(f"{folder}: expected a checkpoint of RLlib, got a damaged one ({error!r:.200})") from error
+
+    def stop(self) -> None:
+        """Let go of everything, the folder for logs that RLlib makes in the user's home included."""
+        logs = self._algorithm.logdir
+        self._algorithm.stop()
+        shutil.rmtree(logs, ignore_errors=True)
+
+
+@contextmanager
+def _local_ray() -> Iterator[None]:
+    """Run a Ray of our own, unless there is one already.
+
+    Raises:
+        RunError: it does not start.
+
+    """
+    if ray.is_initialized():
+        yield
+        return
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": logging.ERROR}
+    try:
+        ray.init("local", include_dashboard=False, object_store_memory=STORE, **quiet)
+    except Exception as error:  # Ray raises nothing narrower
+        raise RunError(f"Ray could not be started here: {error}; try again when the machine is less busy") from error
+    try:
+        yield
+    finally:
+        ray.shutdown()

@@ -1,0 +1,89 @@
+"""DQN of Stable-Baselines3: Mnih et al. 2015, doi:10.1038/nature14236; with n-step returns where asked for.
+
+The library's DQN is neither double nor dueling, samples its replay evenly, and knows no action mask: it learns what
+illegal moves cost. In evaluation and as a policy the best legal action is flown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import torch
+from pydantic import Field
+from stable_baselines3 import DQN
+from stable_baselines3.common.buffers import NStepReplayBuffer
+from stable_baselines3.dqn.policies import DQNPolicy
+
+from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.learners.baselines.sb3_training import Kind, StableBaselinesConfig, train_stable_baselines
+from indoor_explorers.learners.baselines.session import Progress
+
+
+def values(policy: DQNPolicy, rows: torch.Tensor) -> torch.Tensor:
+    """Return the values of the actions."""
+    found: torch.Tensor = policy.q_net(rows)
+    return found
+
+
+KIND = Kind("sb3-dqn", DQN, DQNPolicy, values)
+
+
+class TrainingConfig(StableBaselinesConfig):
+    """Every hyperparameter of a DQN; those not named here are the library's own."""
+
+    total_steps: int = Field(500_000, ge=1)
+    """Moves made in training, all environments together."""
+    environments: int = Field(16, ge=1, le=4096)
+    """Episodes flown side by side; ``updates`` of the network follow each move of all of them."""
+    updates: int = Field(2, ge=1, le=1024)
+    """Updates of the network after each move of all environments."""
+    batch: int = Field(128, ge=1)
+    """Transitions in one update."""
+    replay_steps: int = Field(50_000, ge=1)
+    """Latest moves kept for replay; each takes some 10 kB of memory, and of every checkpoint."""
+    warmup_steps: int = Field(5_000, ge=0)
+    """Moves made before the first update."""
+    return_steps: int = Field(3, ge=1, le=100)
+    """Rewards summed before the network's own estimate takes over."""
+    target_every: int = Field(4_000, ge=1)
+    """Moves between two copies of the network to the one that estimates targets."""
+    epsilon_first: float = Field(1.0, ge=0.0, le=1.0)
+    """Probability of a random move, also an illegal one, at the beginning."""
+    epsilon_last: float = Field(0.02, ge=0.0, le=1.0)
+    """The same after ``epsilon_share`` of the training."""
+    epsilon_share: float = Field(0.3, gt=0.0, le=1.0)
+    """Share of the training over which exploration falls."""
+    gradient_clip: float = Field(10.0, gt=0.0)
+    """Longest gradient, as a Euclidean norm, that is followed unshortened."""
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments of the algorithm's constructor."""
+        return super().arguments() | {
+            "train_freq": 1,
+            "gradient_steps": self.updates,
+            "batch_size": self.batch,
+            "buffer_size": self.replay_steps,
+            "learning_starts": self.warmup_steps,
+            "replay_buffer_class": NStepReplayBuffer,
+            "replay_buffer_kwargs": {"n_steps": self.return_steps, "gamma": self.gamma},
+            "target_update_interval": self.target_every,
+            "exploration_initial_eps": self.epsilon_first,
+            "exploration_final_eps": self.epsilon_last,
+            "exploration_fraction": self.epsilon_share,
+            "max_grad_norm": self.gradient_clip,
+        }
+
+
+def train(
+    config: TrainingConfig,
+    scenario: Scenario,
+    out: Path,
+    *,
+    seed: int,
+    resume: bool = False,
+    report: Callable[[Progress], None] | None = None,
+) -> Path:
+    """Train a DQN on one UAV, see :func:`train_stable_baselines`."""
+    return train_stable_baselines(KIND, config, scenario, out, seed=seed, resume=resume, report=report)

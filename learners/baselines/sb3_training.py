@@ -1,0 +1,183 @@
+"""Train with Stable-Baselines3 or sb3-contrib: one UAV, many episodes in one batched world.
+
+A folder holds ``model.zip``, the model that did best in evaluation, ``checkpoint.zip``, the latest one with its
+optimiser, ``replay.pkl``, the replay of those that have one, and ``training.json``. These are the library's own
+files. To resume unpickles them, as SB3 does: only go on with folders that you trust. To fly reads weights alone.
+"""
+
+from __future__ import annotations
+
+import math
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+from zipfile import BadZipFile
+
+import numpy as np
+import torch
+from gymnasium.spaces import Box, Discrete
+from numpy.typing import NDArray
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.policies import BasePolicy
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.sb3 import StableBaselinesVecEnv
+from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.learners.baselines.books import Books
+from indoor_explorers.learners.baselines.config import BaselineConfig
+from indoor_explorers.learners.baselines.record import new_record
+from indoor_explorers.learners.baselines.session import Progress
+from indoor_explorers.learners.baselines.stable_baselines import MODEL
+from indoor_explorers.learners.baselines.trial import training_seeds
+
+CHECKPOINT, REPLAY = "checkpoint.zip", "replay.pkl"
+PACKAGES = ("stable-baselines3", "sb3-contrib")
+#: What the library's loaders raise on damaged files.
+DAMAGE = (BadZipFile, pickle.UnpicklingError, ValueError, KeyError, AttributeError, RuntimeError, EOFError, OSError)
+
+
+class StableBaselinesConfig(BaselineConfig):
+    """What all algorithms of Stable-Baselines3 are told."""
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments of the algorithm's constructor."""
+        return {"learning_rate": self.learning_rate, "gamma": self.gamma, "policy_kwargs": self.network()}
+
+    def network(self) -> dict[str, Any]:
+        """Return the arguments of the network's constructor."""
+        return {"net_arch": list(self.hidden)}
+
+
+class Kind(NamedTuple):
+    """One algorithm of the library."""
+
+    learner: str
+    """Name of the learner."""
+    algorithm: type[BaseAlgorithm]
+    """Its class."""
+    policy: type[BasePolicy]
+    """The class of its networks."""
+    scores: Callable[[Any, torch.Tensor], torch.Tensor]
+    """Gives what ``policy`` thinks of the five actions, (B, 5), for observations (B, D)."""
+
+    def rate(self, policy: BasePolicy, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return what a policy thinks of the actions (B, 5) for observations (B, D)."""
+        with torch.no_grad():
+            found: NDArray[np.float32] = self.scores(policy, torch.from_numpy(rows)).numpy()
+        return found
+
+    def untrained(self, config: StableBaselinesConfig, inputs: int) -> BasePolicy:
+        """Return the networks of a training before it begins, for observations of so many numbers."""
+        return self.policy(Box(0.0, 1.0, (inputs,)), Discrete(5), lambda _: 0.0, **config.network())
+
+
+def logits(policy: Any, rows: torch.Tensor) -> torch.Tensor:
+    """Return the log-probabilities of an actor-critic's actions."""
+    found: torch.Tensor = policy.get_distribution(rows).distribution.logits
+    return found
+
+
+def train_stable_baselines(
+    kind: Kind,
+    config: StableBaselinesConfig,
+    scenario: Scenario,
+    out: Path,
+    *,
+    seed: int,
+    resume: bool = False,
+    report: Callable[[Progress], None] | None = None,
+) -> Path:
+    """Train and return the path of the model that did best in evaluation.
+
+    Ctrl-C ends the round, writes a checkpoint and raises :class:`KeyboardInterrupt`. The same seed gives the same
+    model; a resumed training begins new episodes and draws anew, so that it differs from one that was not stopped.
+
+    Raises:
+        InputError: ``out`` holds another training, or one that was not asked to be resumed, or a damaged one;
+            or the scenario has a larger team.
+
+    """
+    first = training_seeds(seed)
+    envs = StableBaselinesVecEnv(
+        config.environments, scenario=config.task(scenario), observation=config.recipe, first_seed=first
+    )
+    record = new_record(kind.learner, PACKAGES, config, scenario, envs.envs.world.briefing(0, 0), seed)
+    books = Books.opened(record, config, scenario, out, CHECKPOINT, resume=resume, report=report)
+    trainee = _Trainee(kind, _model(kind, config, envs, out, seed, resumed=books.resumed), out)
+    envs.seed(first + trainee.steps)
+    with books.kept(trainee):
+        remaining = config.total_steps - trainee.steps
+        if remaining > 0:
+            trainee.model.learn(remaining, _Callback(books, trainee), log_interval=None, reset_num_timesteps=False)  # type: ignore[arg-type]  # None is meant: never
+    return out / MODEL
+
+
+def _model(
+    kind: Kind, config: StableBaselinesConfig, envs: StableBaselinesVecEnv, out: Path, seed: int, *, resumed: bool
+) -> BaseAlgorithm:
+    if not resumed:
+        return kind.algorithm("MlpPolicy", envs, seed=seed, device="cpu", **config.arguments())
+    try:
+        model = kind.algorithm.load(out / CHECKPOINT, env=envs, device="cpu")
+        if isinstance(model, OffPolicyAlgorithm):
+            model.load_replay_buffer(out / REPLAY)
+    except DAMAGE as error:
+        raise InputError(f"{out}: expected a checkpoint of {kind.learner}, got a damaged one ({error!r})") from error
+    return model
+
+
+class _Trainee:
+    """A model of Stable-Baselines3 as the books see it."""
+
+    def __init__(self, kind: Kind, model: BaseAlgorithm, out: Path) -> None:
+        self.model = model
+        self._kind, self._out = kind, out
+
+    @property
+    def steps(self) -> int:
+        return self.model.num_timesteps
+
+    @property
+    def loss(self) -> float:
+        told = self.model.logger.name_to_value if hasattr(self.model, "_logger") else {}
+        return float(told.get("train/loss", told.get("train/policy_loss", math.nan)))
+
+    @property
+    def epsilon(self) -> float | None:
+        return getattr(self.model, "exploration_rate", None)
+
+    def scores(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        self.model.policy.set_training_mode(False)
+        return self._kind.rate(self.model.policy, rows)
+
+    def keep(self) -> None:
+        self._save(MODEL)
+
+    def save(self) -> None:
+        self._save(CHECKPOINT)
+        if isinstance(self.model, OffPolicyAlgorithm):
+            with written_whole(self._out / REPLAY) as partial:
+                self.model.save_replay_buffer(partial)
+
+    def _save(self, name: str) -> None:
+        with written_whole(self._out / name) as partial:
+            self.model.save(partial)
+
+
+class _Callback(BaseCallback):
+    """Do the books between updates, and stop after a Ctrl-C."""
+
+    def __init__(self, books: Books, trainee: _Trainee) -> None:
+        super().__init__()
+        self._books, self._trainee = books, trainee
+
+    def _on_rollout_start(self) -> None:
+        self._books.between_updates(self._trainee)
+
+    def _on_step(self) -> bool:
+        self._books.report(self._trainee)
+        return not self._books.interrupted

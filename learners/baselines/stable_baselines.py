@@ -1,0 +1,73 @@
+"""The policy ``sb3:DIR``: what Stable-Baselines3 or sb3-contrib has trained.
+
+The networks are built anew from ``training.json``, and of the model's zip the weights alone are read, with torch's
+loader for weights, which runs nothing that a file brings. The library's own ``load`` unpickles what it finds, and so
+does resuming a training: do that with files that you trust.
+"""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+from zipfile import ZipFile
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.learners.baselines.acting import (
+    DAMAGE,
+    Trained,
+    TrainedPolicy,
+    changed,
+    folder_and_model,
+    read_training,
+)
+from indoor_explorers.learners.baselines.record import RECORD
+
+#: The learners whose models this policy flies; each has a module of that name.
+LEARNERS = ("sb3-a2c", "sb3-dqn", "sb3-maskable-ppo", "sb3-ppo", "sb3-qrdqn")
+#: The file of the model that did best, and the member of it that holds the weights.
+MODEL, WEIGHTS = "model.zip", "policy.pth"
+
+
+@dataclass(frozen=True, kw_only=True)
+class StableBaselines(TrainedPolicy):
+    """Fly what ``sb3-ppo`` and its like have trained: ``sb3:DIR``."""
+
+    def model_file(self) -> Path:
+        """Return the path of the model's zip."""
+        return folder_and_model(self.path, MODEL)[1]
+
+    def trained(self) -> Trained:
+        """Return what the path holds.
+
+        Raises:
+            InputError: it is missing, damaged or another library's.
+
+        """
+        folder, model = folder_and_model(self.path, MODEL)
+        return _opened(folder, model, changed(folder / RECORD, model))
+
+
+@lru_cache(maxsize=8)
+def _opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
+    record, module, config = read_training(folder, LEARNERS)
+    policy = module.KIND.untrained(config, record.inputs)
+    try:
+        policy.load_state_dict(_weights(model))
+    except DAMAGE as error:
+        raise InputError(
+            f"{model}: expected the zip of a model that {record.learner} trained with this {RECORD}, got something "
+            f"else ({error!r:.200})"
+        ) from error
+    policy.set_training_mode(False)
+    return Trained(record, config, partial(module.KIND.rate, policy))
+
+
+def _weights(model: Path) -> dict[str, Any]:
+    import torch  # loads when it is used, and not to list the policies
+
+    with ZipFile(model) as archive:
+        weights: dict[str, Any] = torch.load(io.BytesIO(archive.read(WEIGHTS)), map_location="cpu", weights_only=True)
+    return weights

@@ -1,0 +1,70 @@
+"""What a UAV must remember, beyond its belief, to observe: one column for each UAV."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Cells of the largest room that tours are planned in, and a bitboard's words and columns.
+ROOM, WORDS, STRIDE = 16, 4, 16
+#: Cells of the longest tour that is remembered.
+LONGEST = 40
+
+
+class Memory(NamedTuple):
+    """Arrays of C columns for maps of (H, W) cells; R = 256 where tours are planned and 0 elsewhere."""
+
+    noted: NDArray[np.uint8]
+    """(C, H, W) cells known at the last look."""
+    visits: NDArray[np.uint8]
+    """(C, H, W) visits since the last gain."""
+    chance: NDArray[np.uint8]
+    """(C, H, W) chance of an unknown cell to count, 255 for certainly; 0 for known cells."""
+    obstacles: NDArray[np.uint8]
+    """(C, H, W) obstacles that ``views`` and ``passages`` reckon with; 255 everywhere before the first look."""
+    views: NDArray[np.uint64]
+    """(C, R, 4) what is visible from each cell, unknown cells being transparent, as bits."""
+    passages: NDArray[np.int32]
+    """(C, R, 4) neighbours that are not known to be obstacles, -1 for none."""
+    tour: NDArray[np.int64]
+    """(C, 2, 41) the rest of the best tours found so far, to the goal and to the mark on the way: cells, then -1."""
+    gained: NDArray[np.int64]
+    """(C,) cells gained by the own lidar so far."""
+    idle: NDArray[np.int64]
+    """(C,) steps since the last gain."""
+    nearest: NDArray[np.int64]
+    """(C,) steps to the nearest place that shows something unknown, -1 when nothing within reach is unknown."""
+
+    def forget(self, columns: slice | Sequence[int]) -> None:
+        """Begin some columns anew."""
+        self.noted[columns] = 0
+        self.visits[columns] = 0
+        self.chance[columns] = 255
+        self.obstacles[columns] = 255
+        self.tour[columns] = -1
+        self.gained[columns] = 0
+        self.idle[columns] = 0
+        self.nearest[columns] = 0
+
+
+def new_memory(columns: int, shape: tuple[int, int], *, tours: bool) -> Memory:
+    """Allocate the memory of ``columns`` UAVs on (H, W) maps, for ``tours`` where the map is small enough."""
+    cells = (columns, *shape)
+    room = STRIDE * ROOM if tours and max(shape) <= ROOM else 0
+    memory = Memory(
+        noted=np.zeros(cells, np.uint8),
+        visits=np.zeros(cells, np.uint8),
+        chance=np.zeros(cells, np.uint8),
+        obstacles=np.zeros(cells, np.uint8),
+        views=np.zeros((columns, room, WORDS), np.uint64),
+        passages=np.zeros((columns, room, 4), np.int32),
+        tour=np.zeros((columns, 2, LONGEST + 1), np.int64),
+        gained=np.zeros(columns, np.int64),
+        idle=np.zeros(columns, np.int64),
+        nearest=np.zeros(columns, np.int64),
+    )
+    memory.forget(slice(None))
+    return memory

@@ -1,0 +1,30 @@
+"""How models that ship were trained: a name, a scenario, settings and a seed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+
+class Preset(NamedTuple):
+    """One training."""
+
+    scenario: str
+    """Name of the scenario."""
+    settings: Mapping[str, Any]
+    """What differs from the defaults of the training's configuration, by dotted keys."""
+    seed: int
+    """Makes the whole training."""
+
+
+#: The map alone: no planner looks ahead for the network.
+_MAP_ALONE = {"observation.gains": False, "observation.tours": False}
+
+PRESETS: dict[str, Preset] = {
+    "thesis-open": Preset(
+        "thesis-open", {"total_steps": 2_500_000, "updates_per_tick": 2, "reward_early_step": -0.4}, 1
+    ),
+    "thesis-obstacles": Preset("thesis-obstacles", {"total_steps": 5_000_000, "updates_per_tick": 2}, 1),
+    "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 4_000_000}, 1),
+    "thesis-obstacles-map": Preset("thesis-obstacles", _MAP_ALONE | {"total_steps": 6_000_000}, 1),
+}

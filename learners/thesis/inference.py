@@ -1,0 +1,107 @@
+"""The thesis's network for acting, compiled: one image at a time, in one fixed order of additions.
+
+A decision so is the same, bit for bit, in any batch, process and engine, and acting needs no torch. The test
+suite holds it against :class:`indoor_explorers.learners.thesis.network.ThesisNetwork`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.compiled import kernel
+
+Array = NDArray[np.float32]
+
+
+class Weights(NamedTuple):
+    """The network's arrays; kernels are (rows, columns, inputs, filters), matrices (inputs, outputs)."""
+
+    near: Array
+    near_bias: Array
+    middle: Array
+    middle_bias: Array
+    far: Array
+    far_bias: Array
+    first: Array
+    first_bias: Array
+    second: Array
+    second_bias: Array
+    value: Array
+    value_bias: Array
+    advantage: Array
+    advantage_bias: Array
+
+
+def weights_from(arrays: Mapping[str, NDArray[Any]], view: tuple[int, int]) -> Weights:
+    """Arrange a network's arrays as torch stores them; ``view`` is what its convolutions leave of the image."""
+    found = []
+    for layer in ("convolutions.0", "convolutions.1", "convolutions.2", "first", "second", "value", "advantage"):
+        weight, bias = arrays[f"{layer}.weight"], arrays[f"{layer}.bias"]
+        if layer == "first":  # its inputs are counted filter by filter in torch, cell by cell here
+            weight = weight.reshape(len(weight), -1, *view).transpose(0, 2, 3, 1).reshape(len(weight), -1)
+        weight = weight.transpose(2, 3, 1, 0) if weight.ndim == 4 else weight.T
+        found += [np.ascontiguousarray(weight, np.float32), np.ascontiguousarray(bias, np.float32)]
+    return Weights(*found)
+
+
+@kernel()
+def _convolved(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, stride: int) -> np.ndarray:
+    """Return ReLU of the convolution of ``x`` (H, W, C), without padding."""
+    side, filters = weight.shape[0], weight.shape[3]
+    rows, cols = (x.shape[0] - side) // stride + 1, (x.shape[1] - side) // stride + 1
+    out = np.empty((rows, cols, filters), np.float32)
+    for i in range(rows):
+        for j in range(cols):
+            total = out[i, j]
+            total[:] = bias
+            for a in range(side):
+                for b in range(side):
+                    for c in range(x.shape[2]):
+                        seen = x[i * stride + a, j * stride + b, c]
+                        if seen != 0.0:
+                            for f in range(filters):
+                                total[f] += seen * weight[a, b, c, f]
+            for f in range(filters):
+                total[f] = max(total[f], np.float32(0.0))
+    return out
+
+
+@kernel()
+def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray) -> np.ndarray:
+    """Return x W + b; inputs that are zero cost nothing."""
+    out = bias.copy()
+    for i in range(x.shape[0]):
+        value = x[i]
+        if value != 0.0:
+            for j in range(out.shape[0]):
+                out[j] += value * weight[i, j]
+    return out
+
+
+@kernel()
+def q_values(images: np.ndarray, levels: np.ndarray, weights: Weights, q: np.ndarray) -> None:
+    """Write the values ``q`` (B, 4) of images (B, K, H, W) of codes; ``levels`` (256,) are what codes look like.
+
+    The mean advantage is the actions', however the network was trained: what is best is the same either way.
+    """
+    frames, height, width = images.shape[1:]
+    x = np.empty((height, width, frames), np.float32)
+    for b in range(images.shape[0]):
+        for k in range(frames):
+            for r in range(height):
+                for c in range(width):
+                    x[r, c, k] = levels[images[b, k, r, c]]
+        near = _convolved(x, weights.near, weights.near_bias, 1)
+        middle = _convolved(near, weights.middle, weights.middle_bias, 2)
+        far = _convolved(middle, weights.far, weights.far_bias, 4)
+        first = np.maximum(_linear(far.ravel(), weights.first, weights.first_bias), np.float32(0.0))
+        second = np.maximum(_linear(first, weights.second, weights.second_bias), np.float32(0.0))
+        value = _linear(second, weights.value, weights.value_bias)[0]
+        advantage = _linear(second, weights.advantage, weights.advantage_bias)
+        mean = (advantage[0] + advantage[1] + advantage[2] + advantage[3]) / np.float32(4.0)
+        for k in range(4):
+            q[b, k] = value + advantage[k] - mean

@@ -1,0 +1,108 @@
+"""One update of the thesis's network, its two mistakes in the targets included."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any, Literal
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from indoor_explorers.learners.dddqn.targets import q_target
+from indoor_explorers.learners.thesis.config import TrainingConfig
+from indoor_explorers.learners.thesis.eye import Eye
+from indoor_explorers.learners.thesis.network import ThesisNetwork, new_network
+from indoor_explorers.learners.thesis.observation import LEVELS
+from indoor_explorers.learners.thesis.replay import Batch
+
+#: Of Adam, as the thesis's library has it; torch's own is 1e-8.
+ADAM_EPSILON = 1e-7
+
+
+class Learner:
+    """Hold the network, the target network and the optimiser."""
+
+    def __init__(self, config: TrainingConfig, eye: Eye, seed: int) -> None:
+        self.config = config
+        self.online = new_network(eye, config.advantage_mean, seed)
+        self.target = copy.deepcopy(self.online).requires_grad_(False)
+        parameters, rate = self.online.parameters(), config.learning_rate
+        self.optimiser = torch.optim.Adam(parameters, lr=rate, eps=ADAM_EPSILON, fused=True)
+
+    def start_from(self, arrays: dict[str, NDArray[np.float32]]) -> None:
+        """Take over the weights of another training, for both networks."""
+        state = {name: torch.from_numpy(array) for name, array in arrays.items()}
+        self.online.load_state_dict(state)
+        self.target.load_state_dict(state)
+
+    def update(self, batch: Batch) -> Tensor:
+        """Learn from one batch; return the loss, a scalar."""
+        loss = td_loss(self.online, self.target, batch, self.config.gamma, self.config.terminal_target)
+        self.optimiser.zero_grad()
+        loss.backward()  # type: ignore[no-untyped-call]
+        self.optimiser.step()
+        return loss.detach()
+
+    def copy_target(self) -> None:
+        """Set the target network to the network."""
+        self.target.load_state_dict(self.online.state_dict())
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the network's arrays by name."""
+        return {name: value.numpy() for name, value in self.online.state_dict().items()}
+
+    def tensors(self) -> dict[str, NDArray[Any]]:
+        """Return everything that :meth:`restore` needs, by name."""
+        found = {f"online/{name}": array for name, array in self.arrays().items()}
+        found |= {f"target/{name}": value.numpy() for name, value in self.target.state_dict().items()}
+        for place, entries in self.optimiser.state_dict()["state"].items():
+            found |= {f"adam/{place}/{key}": value.numpy() for key, value in entries.items()}
+        return found
+
+    def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
+        """Go on exactly where :meth:`tensors` was taken."""
+        state: dict[int, dict[str, Tensor]] = {}
+        for name, array in tensors.items():
+            if name.startswith("adam/"):
+                _, place, key = name.split("/")
+                state.setdefault(int(place), {})[key] = torch.from_numpy(array)
+        for name, network in (("online", self.online), ("target", self.target)):
+            network.load_state_dict({key: torch.from_numpy(tensors[f"{name}/{key}"]) for key in network.state_dict()})
+        self.optimiser.load_state_dict(self.optimiser.state_dict() | {"state": state})
+
+
+def td_targets(
+    online: ThesisNetwork,
+    target: ThesisNetwork,
+    batch: Batch,
+    gamma: float,
+    terminal_target: Literal["zero", "reward"],
+) -> Tensor:
+    """Return target_B = r + gamma Q_target(s', argmax Q_online(s', .)); after a terminal move r, or 0 (a mistake)."""
+    over_B = batch.terminal_B
+    return_B = batch.reward_B.masked_fill(over_B, 0.0) if terminal_target == "zero" else batch.reward_B
+    online_BA, target_BA = online(batch.next_image_BKHW), target(batch.next_image_BKHW)
+    return q_target(return_B, gamma * (~over_B).float(), online_BA, target_BA, None)
+
+
+def td_loss(
+    online: ThesisNetwork,
+    target: ThesisNetwork,
+    batch: Batch,
+    gamma: float,
+    terminal_target: Literal["zero", "reward"],
+) -> Tensor:
+    """Return the mean squared error over all moves' values, of which only the chosen one's is wrong."""
+    q_BA = online(batch.image_BKHW)
+    with torch.no_grad():
+        target_B = td_targets(online, target, batch, gamma, terminal_target)
+        goal_BA = q_BA.detach().scatter(1, batch.action_B[:, None], target_B[:, None])
+    return nn.functional.mse_loss(q_BA, goal_BA)
+
+
+@torch.no_grad()
+def greedy(network: ThesisNetwork, images: NDArray[np.uint8]) -> NDArray[np.int64]:
+    """Return the moves of highest value (B,) for images (B, K, H, W) of codes."""
+    return np.asarray(network(torch.from_numpy(LEVELS[images])).argmax(dim=1).numpy())

@@ -1,0 +1,65 @@
+"""The thesis's dueling network: three convolutions, two dense layers, a value and four advantages.
+
+The text gives the outline (section 3.3); the sizes are those of the code that its results were made with.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import torch
+from torch import Tensor, nn
+
+from indoor_explorers.learners.thesis.eye import CONVOLUTIONS, DENSE, MOVES, Eye
+
+
+class ThesisNetwork(nn.Module):
+    """Map images to the values of the four moves; 665,765 parameters on one image of 16x16."""
+
+    def __init__(self, eye: Eye, advantage_mean: Literal["batch", "actions"]) -> None:
+        super().__init__()
+        self.advantage_mean = advantage_mean
+        rows, cols = eye.view()
+        layers, channels = [], eye.frames
+        for filters, side, stride in CONVOLUTIONS:
+            layers.append(nn.Conv2d(channels, filters, side, stride))
+            channels = filters
+        self.convolutions = nn.ModuleList(layers)
+        self.first = nn.Linear(channels * rows * cols, DENSE[0])
+        self.second = nn.Linear(*DENSE)
+        self.value = nn.Linear(DENSE[1], 1)
+        self.advantage = nn.Linear(DENSE[1], MOVES)
+        self._draw()
+
+    def _draw(self) -> None:
+        """Initialise as the thesis's library does: He-uniform before its dense ReLUs, else Glorot-uniform."""
+        for layer in self.modules():
+            if isinstance(layer, nn.Conv2d | nn.Linear):
+                nn.init.zeros_(layer.bias)  # type: ignore[arg-type]  # all of them have one
+                if layer in (self.first, self.second):
+                    nn.init.kaiming_uniform_(layer.weight, nonlinearity="relu")
+                else:
+                    nn.init.xavier_uniform_(layer.weight)
+
+    def forward(self, image_BKHW: Tensor) -> Tensor:
+        """Return q_BA for images of levels, float32."""
+        x = image_BKHW
+        for layer in self.convolutions:
+            x = torch.relu(layer(x))
+        x = torch.relu(self.first(x.flatten(1)))
+        x = torch.relu(self.second(x))
+        return duel(self.value(x), self.advantage(x), self.advantage_mean)
+
+
+def duel(value_B1: Tensor, advantage_BA: Tensor, mean: Literal["batch", "actions"]) -> Tensor:
+    """Return q_BA = V + A - mean A: over the actions (Wang et al. 2016, eq. 9), or over the whole batch (a mistake)."""
+    if mean == "batch":
+        return value_B1 + advantage_BA - advantage_BA.mean()
+    return value_B1 + advantage_BA - advantage_BA.mean(dim=1, keepdim=True)
+
+
+def new_network(eye: Eye, advantage_mean: Literal["batch", "actions"], seed: int) -> ThesisNetwork:
+    """Return a network initialised from ``seed`` alone; torch's global generator is left as it was."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        return ThesisNetwork(eye, advantage_mean)

@@ -1,0 +1,74 @@
+"""The thesis's replay memory: the latest transitions of all UAVs that learn, drawn from uniformly."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from indoor_explorers.learners.thesis.eye import Eye
+from indoor_explorers.learners.thesis.observation import LEVELS
+
+
+class Places(NamedTuple):
+    """What the memory holds of M transitions."""
+
+    images: NDArray[np.uint8]
+    """(M, K + 1, H, W) codes: the K images seen before the move, and the one after it."""
+    action: NDArray[np.int64]
+    """(M,) the move."""
+    reward: NDArray[np.float32]
+    """(M,) what it paid."""
+    terminal: NDArray[np.bool_]
+    """(M,) nothing is expected after it."""
+
+
+class Batch(NamedTuple):
+    """B sampled transitions."""
+
+    image_BKHW: Tensor
+    action_B: Tensor
+    reward_B: Tensor
+    terminal_B: Tensor
+    next_image_BKHW: Tensor
+
+
+class Replay:
+    """Keep the last ``places`` transitions."""
+
+    def __init__(self, places: int, eye: Eye) -> None:
+        self.data = Places(
+            images=np.zeros((places, eye.frames + 1, eye.height, eye.width), np.uint8),
+            action=np.zeros(places, np.int64),
+            reward=np.zeros(places, np.float32),
+            terminal=np.zeros(places, np.bool_),
+        )
+        self.written = 0
+
+    @property
+    def filled(self) -> int:
+        """Places that hold something."""
+        return min(self.written, len(self.data.action))
+
+    def add(self, new: Places) -> None:
+        """Write transitions over the oldest ones."""
+        for i in range(len(new.action)):
+            at = self.written % len(self.data.action)
+            for name, store in self.data._asdict().items():
+                store[at] = getattr(new, name)[i]
+            self.written += 1
+
+    def sample(self, size: int, rng: np.random.Generator) -> Batch:
+        """Draw ``size`` different transitions; ``size`` is at most :attr:`filled`."""
+        chosen = rng.choice(self.filled, size, replace=False)
+        levels = torch.from_numpy(LEVELS[self.data.images[chosen]])
+        return Batch(
+            levels[:, :-1],
+            torch.from_numpy(self.data.action[chosen]),
+            torch.from_numpy(self.data.reward[chosen]),
+            torch.from_numpy(self.data.terminal[chosen]),
+            levels[:, 1:],
+        )

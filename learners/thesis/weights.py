@@ -1,0 +1,78 @@
+"""The thesis network's weights on disk: safetensors in half precision, with what the network sees beside them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.learners.dddqn.weights import read_tensors, write_tensors
+from indoor_explorers.learners.thesis.eye import Eye
+from indoor_explorers.learners.thesis.inference import Weights, weights_from
+
+#: The weights that ship: of 4,000 episodes of the thesis's best setting, reward scenario 1 with its stuck rule 2.
+SHIPPED = Path(__file__).parent / "weights" / "rewards-1-stuck-2.safetensors"
+#: The largest file that is read as weights; a network for 16x16 takes 1.3 MB.
+MOST_BYTES = 64_000_000
+
+
+class Trained(NamedTuple):
+    """A network as it acts."""
+
+    eye: Eye
+    weights: Weights
+
+
+def write_weights(path: Path, arrays: Mapping[str, NDArray[Any]], eye: Eye) -> None:
+    """Write a network's arrays in half precision, which rounds them to three digits."""
+    halves = {name: array.astype(np.float16) for name, array in arrays.items()}
+    write_tensors(path, halves, {"eye": json.dumps(eye._asdict())})
+
+
+def load_weights(path: Path) -> tuple[Eye, dict[str, NDArray[np.float32]]]:
+    """Return what a network sees and its arrays, float32 by name.
+
+    Raises:
+        InputError: the file is missing, too large, no safetensors file, or holds another network.
+
+    """
+    if path.is_file() and path.stat().st_size > MOST_BYTES:
+        size = path.stat().st_size / 1e6
+        raise InputError(
+            f"{path}: expected weights of at most {MOST_BYTES // 10**6} MB, got {size:.0f} MB; "
+            "give weights that train wrote, not a checkpoint"
+        )
+    found, metadata = read_tensors(path)
+    try:
+        eye = Eye(**json.loads(metadata["eye"]))
+        expected = eye.shapes()
+    except (KeyError, TypeError, json.JSONDecodeError) as error:
+        raise InputError(
+            f"{path}: expected weights of the thesis's network, got others; give weights that train --learner "
+            "dddqn-thesis wrote"
+        ) from error
+    if {name: array.shape for name, array in found.items()} != expected:
+        raise InputError(f"{path}: expected the arrays of the thesis's network, got others; train again")
+    return eye, {name: array.astype(np.float32) for name, array in found.items()}
+
+
+def trained(path: Path) -> Trained:
+    """Return a network arranged for acting; read once in each process, unless the file changes.
+
+    Raises:
+        InputError: as :func:`load_weights`.
+
+    """
+    return _read_once(path, path.stat().st_mtime_ns if path.is_file() else 0)
+
+
+@lru_cache(maxsize=8)
+def _read_once(path: Path, changed: int) -> Trained:
+    eye, arrays = load_weights(path)
+    return Trained(eye, weights_from(arrays, eye.view()))

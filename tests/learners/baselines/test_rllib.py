@@ -1,0 +1,159 @@
+"""RLlib: a team trained by one command with shared parameters, flown as ``rllib:DIR``."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+from collections.abc import Iterator
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import ray
+import torch
+
+from indoor_explorers.env import InputError, World, check_policy, make_policy
+from indoor_explorers.learners.baselines.rllib import Rllib
+from indoor_explorers.learners.baselines.rllib_ppo import TrainingConfig
+from indoor_explorers.learners.baselines.rllib_team import rllib_team
+from indoor_explorers.learners.baselines.trial import SEED_BLOCK
+from tests.learners.baselines.tiny import flown, record_of, train
+from tests.learners.rooms import small_room
+
+PPO = ("total_steps=300", "environments=2", "rollout=80", "batch=40", "epochs=1")
+SAC = ("total_steps=300", "environments=2", "warmup_steps=40", "batch=8", "replay_steps=400", "intensity=1.0")
+PAIR = {"team": 2, "radio.model": "unlimited"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _one_ray() -> Iterator[None]:
+    """Start Ray once for all trainings; they use it, and leave it running."""
+    ray.init("local", num_cpus=2, object_store_memory=100 * 2**20, include_dashboard=False, log_to_driver=False)
+    yield
+    ray.shutdown()
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a PPO of two UAVs."""
+    out = tmp_path_factory.mktemp("trained") / "ppo"
+    assert train("rllib-ppo", out, *PPO, team=2) == 0
+    return out
+
+
+def test_a_training_says_how_it_was_made(trained: Path) -> None:
+    record = record_of(trained)
+    assert (record["learner"], record["scenario"]["team"], record["shape"]) == ("rllib-ppo", 2, [8, 8])
+    assert {"ray", "torch", "pettingzoo"} <= record["versions"].keys()
+    assert 300 <= record["steps"] < 500
+    assert record["evaluations"][-1]["steps"] == record["steps"]
+    assert {path.name for path in trained.iterdir()} == {"checkpoint", "training.json", "weights.safetensors"}
+    assert ray.is_initialized()
+
+
+@pytest.mark.parametrize("mask", [True, False])
+def test_the_pilots_see_what_training_saw_bit_for_bit(mask: bool, trained: Path) -> None:
+    config = TrainingConfig(side=5, zones=2, hidden=(16,), mask=mask)
+    task = config.task(small_room().with_settings(PAIR))
+    team = rllib_team(task, config.environment_recipe, count(7))
+    seen, _ = team.reset(seed=99)
+    world = World(task)
+    world.reset(team.par_env.world.seeds)
+    policy = Rllib(path=str(trained))
+    pilots = [policy.pilot(world.briefing(0, n)) for n in range(2)]
+    rng = np.random.default_rng(1)
+    heard = 0
+    for _ in range(50):
+        for n, pilot in enumerate(pilots):
+            view, observed = world.view(0, n), seen[f"uav_{n}"]
+            if mask:
+                assert np.array_equal(observed["action_mask"], view.legal)
+                observed = observed["observations"]
+            assert np.array_equal(pilot.perceive(view), observed)
+            heard += bool(view.mates)
+        actions = rng.integers(5, size=2)
+        seen, *_ = team.step({f"uav_{n}": int(actions[n]) for n in range(2)})
+        world.step(actions[None])
+    assert heard > 0
+
+
+def test_acting_together_equals_acting_alone(trained: Path) -> None:
+    policy = make_policy(f"rllib:{trained}")
+    together = flown(policy, [1, 2, 3, 4, 5], together=True)
+    assert np.array_equal(together, flown(policy, [1, 2, 3, 4, 5], together=False))
+    assert np.array_equal(together[:, 2:3], flown(policy, [3], together=True))
+
+
+def test_the_policy_passes_the_conformance_suite(trained: Path) -> None:
+    check_policy(make_policy(f"rllib:{trained}"))
+
+
+def test_the_masking_network_gives_illegal_moves_no_chance(trained: Path) -> None:
+    policy = Rllib(path=str(trained))
+    config = policy.trained().config
+    assert isinstance(config, TrainingConfig)
+    module = config.untrained(policy.trained().record.inputs)
+    rows = torch.rand(6, policy.trained().record.inputs)
+    legal = torch.tensor([[1, 0, 1, 0, 1]] * 6)
+    batch = {"obs": {"observations": rows, "action_mask": legal}}
+    chances = module.forward_exploration(batch)["action_dist_inputs"].softmax(dim=1)
+    assert (chances[:, [1, 3]] == 0).all()
+    assert (chances[:, [0, 2, 4]] > 0).all()
+    assert set(batch["obs"]) == {"observations", "action_mask"}
+
+
+def test_an_interrupted_training_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(books: Any, trainee: Any) -> None:
+        if trainee.steps >= 50 and not books.resumed:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with monkeypatch.context() as patched:
+        patched.setattr("indoor_explorers.learners.baselines.books.Books.report", interrupt)
+        assert train("rllib-ppo", tmp_path / "out", *PPO) == 130
+    cut = record_of(tmp_path / "out")["steps"]
+    assert 50 <= cut < 300
+    make_policy(f"rllib:{tmp_path / 'out'}")
+    assert train("rllib-ppo", tmp_path / "out", *PPO, words=("--resume",)) == 0
+    assert 300 <= record_of(tmp_path / "out")["steps"] < 300 + 80 + cut
+
+
+def test_discrete_sac_trains_and_flies(tmp_path: Path) -> None:
+    assert train("rllib-sac", tmp_path / "out", *SAC, team=2) == 0
+    policy = make_policy(f"rllib:{tmp_path / 'out'}")
+    together = flown(policy, [1, 2], together=True)
+    assert np.array_equal(together, flown(policy, [1, 2], together=False))
+
+
+def test_episodes_of_a_training_are_its_own() -> None:
+    team = rllib_team(small_room(), "thesis", count(SEED_BLOCK))
+    seeds = []
+    for _ in range(3):
+        team.reset(seed=5)
+        seeds += team.par_env.world.seeds
+    assert seeds == [SEED_BLOCK + 1 + k for k in range(3)]  # RLlib's wrapper begins one by itself
+
+
+def test_what_is_no_training_is_one_line(trained: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def refusal(path: Path) -> str:
+        with pytest.raises(InputError) as caught:
+            make_policy(f"rllib:{path}")
+        assert "\n" not in str(caught.value)
+        return str(caught.value)
+
+    copy = shutil.copytree(trained, tmp_path / "copy")
+    assert "found no training.json in it" in refusal(tmp_path / "none")
+    (copy / "weights.safetensors").write_bytes(b"no tensors")
+    assert "expected the weights that rllib-ppo trained" in refusal(copy)
+    (copy / "weights.safetensors").unlink()
+    assert "weights.safetensors" in refusal(copy)
+    (copy / "training.json").write_text(json.dumps(record_of(copy) | {"learner": "sb3-ppo"}))
+    assert "got one of sb3-ppo" in refusal(copy)
+    shutil.copy(trained / "training.json", copy)
+    (copy / "checkpoint" / "moves.txt").write_text("many")
+    assert train("rllib-ppo", copy, *PPO, team=2, words=("--resume",)) == 2
+    errors = capsys.readouterr().err
+    assert "expected a checkpoint of RLlib, got a damaged one" in errors

@@ -1,0 +1,47 @@
+"""Trainings of a moment, and episodes flown beside the environments of a training."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env import Policy, World
+from indoor_explorers.evaluation.cli import main
+from tests.learners.rooms import small_room
+
+#: Settings that every learner has, for a training of a moment.
+TINY = ("side=5", "zones=2", "hidden=[16]", "evaluation_episodes=2", "evaluation_every=150", "checkpoint_every=150")
+
+
+def train(learner: str, out: Path, *settings: str, team: int = 1, words: tuple[str, ...] = ()) -> int:
+    """Train in a small room, as the command line does; return the exit status."""
+    task = small_room().with_settings({"team": team, "radio.model": "square", "radio.range": 3.0})
+    toml = out.parent / f"room-{team}.toml"
+    toml.write_text(task.to_toml(), encoding="utf-8")
+    scenario = ("--scenario", str(toml), "--out", str(out), "--seed", "3")
+    return main(["train", "--learner", learner, *scenario, "--set", *TINY, *settings, *words])
+
+
+def record_of(out: Path) -> Any:
+    """Return what a folder says about its training."""
+    return json.loads((out / "training.json").read_text(encoding="utf-8"))
+
+
+def flown(policy: Policy, seeds: list[int], *, together: bool, team: int = 2, steps: int = 30) -> NDArray[np.int64]:
+    """Return the cells (T, B, N, 2) of episodes whose pilots act in one batch, or one by one."""
+    world = World(small_room().with_settings({"team": team, "budget": steps}), len(seeds))
+    world.reset(seeds)
+    keys = [(b, n) for b in range(len(seeds)) for n in range(team)]
+    pilots = [policy.pilot(world.briefing(*key)) for key in keys]
+    cells = []
+    for _ in range(steps):
+        views = [world.view(*key) for key in keys]
+        alone = [pilot.act(view) for pilot, view in zip(pilots, views, strict=True)] if not together else None
+        actions = policy.act(pilots, views) if alone is None else alone
+        world.step(np.array(actions).reshape(len(seeds), team))
+        cells.append(world.state.cell.copy())
+    return np.array(cells)

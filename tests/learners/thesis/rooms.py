@@ -1,0 +1,37 @@
+"""Settings that the tests of the thesis's learner share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from indoor_explorers.env import PRESETS, Scenario
+from indoor_explorers.learners.thesis.config import TrainingConfig
+from indoor_explorers.learners.thesis.eye import Eye
+from indoor_explorers.learners.thesis.network import new_network
+from indoor_explorers.learners.thesis.weights import write_weights
+
+#: What the thesis's network sees, and what the mended one does.
+THESIS, MENDED_EYE = Eye(16, 16, 1, False), Eye(16, 16, 4, True)
+#: A training of a second or two.
+TINY = TrainingConfig(
+    episodes=12,
+    environments=2,
+    batch=4,
+    target_every=50,
+    memory=60,
+    evaluation_every=6,
+    evaluation_episodes=2,
+    checkpoint_every=4,
+)
+
+
+def short(name: str, budget: int = 25) -> Scenario:
+    """A preset with a short budget; a move into a wall ends an episode, so most are shorter still."""
+    return PRESETS[name].with_settings({"budget": budget})
+
+
+def write_network(path: Path, seed: int, eye: Eye = THESIS) -> str:
+    """Write the weights of an untrained network."""
+    network = new_network(eye, "actions", seed)
+    write_weights(path, {name: value.numpy() for name, value in network.state_dict().items()}, eye)
+    return str(path)
