@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-#: Cells of the largest room that tours are planned in, and a bitboard's words and columns.
-ROOM, WORDS, STRIDE = 16, 4, 16
+from indoor_explorers.learners.dddqn.bitboards import ROOM, STRIDE, WORDS
+
 #: Cells of the longest tour that is remembered.
 LONGEST = 40
 

@@ -26,7 +26,8 @@ from indoor_explorers.learners.dddqn.memory import Memory
 from indoor_explorers.learners.dddqn.prior import MapPrior, write_chances
 from indoor_explorers.learners.dddqn.scene import VISIT_CAP, tabulate, write_scene
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor, scratch, sensor
-from indoor_explorers.learners.dddqn.tours import Planner, keep_up, look_for_tours, new_planner
+from indoor_explorers.learners.dddqn.terrain import keep_up
+from indoor_explorers.learners.dddqn.tours import Planner, look_for_tours, new_planner
 
 
 class Eyes(NamedTuple):
@@ -132,7 +133,9 @@ def _observe(
     _write_moves(belief, row, col, memory.visits[i], eyes, moves)
     if plan.tours_at >= 0 and memory.views.shape[1] > 0:
         views, passages = memory.views[i], memory.passages[i]
-        obstructed = keep_up(belief, eyes.sensor, eyes.scratch, eyes.planner, memory.obstacles[i], views, passages)
+        obstructed = keep_up(
+            belief, eyes.sensor, eyes.scratch, eyes.planner.stale, memory.obstacles[i], views, passages
+        )
         look_for_tours(
             belief,
             known.cell[i],

@@ -15,9 +15,10 @@ from indoor_explorers.env.grid import Action
 from indoor_explorers.env.maps.thesis import ThesisMaps
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.learners.dddqn.bitboards import ROOM
 from indoor_explorers.learners.dddqn.flock import stacked
 from indoor_explorers.learners.dddqn.inference import q_values
-from indoor_explorers.learners.dddqn.memory import ROOM, new_memory
+from indoor_explorers.learners.dddqn.memory import new_memory
 from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
 from indoor_explorers.learners.dddqn.prior import prior_from
 from indoor_explorers.learners.dddqn.sensor import REFERENCE_RANGE
