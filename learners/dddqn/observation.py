@@ -20,7 +20,7 @@ from indoor_explorers.env.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN
 from indoor_explorers.env.lidar import visible_cells
 from indoor_explorers.learners.dddqn.config import ObservationConfig
-from indoor_explorers.learners.dddqn.gains import look_ahead, survey
+from indoor_explorers.learners.dddqn.gains import gain_at, survey, write_gains
 from indoor_explorers.learners.dddqn.layout import Layout, layout
 from indoor_explorers.learners.dddqn.memory import Memory
 from indoor_explorers.learners.dddqn.prior import MapPrior, write_chances
@@ -99,7 +99,8 @@ def _write_moves(belief: np.ndarray, row: int, col: int, visits: np.ndarray, eye
             if blocked:
                 out[k, plan.gains_at + 1] = 1.0
             else:
-                look_ahead(belief, row, col, k, eyes.sensor, eyes.scratch, out[k, plan.gains_at :])
+                here = gain_at(belief, r, c, eyes.sensor, eyes.scratch)
+                write_gains(k, here, eyes.sensor, eyes.scratch, out[k, plan.gains_at :])
         if plan.visits_at >= 0 and not blocked:
             out[k, plan.visits_at] = min(visits[r, c], VISIT_CAP) / VISIT_CAP
 
