@@ -20,12 +20,28 @@ _SUM, _NEAREST = 3, 4
 
 
 @leaf()
-def gain_at(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> int:
-    """Return the unknown cells in view of a cell; the summed-area tables must be filled."""
+def forget_gains(gain: np.ndarray, box: np.ndarray, reach: int) -> None:
+    """Forget the gains that newly known cells in a ``box`` (top, left, bottom, right) may have changed."""
+    gain[max(box[0] - reach, 0) : box[2] + reach, max(box[1] - reach, 0) : box[3] + reach] = -1
+
+
+@leaf()
+def gain_at(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gain: np.ndarray) -> int:
+    """Return the unknown cells in view of a cell, counted if ``gain`` (H, W) holds -1 there and kept in it.
+
+    The summed-area tables must be filled.
+    """
     reach = sensor.reach
-    if within(scratch.unknown, row - reach, col - reach, row + reach + 1, col + reach + 1) == 0:
-        return 0
-    return unknown_in_view(belief, row, col, sensor.optics, scratch.scan)
+    if gain[row, col] < 0:
+        near = within(scratch.unknown, row - reach, col - reach, row + reach + 1, col + reach + 1)
+        gain[row, col] = unknown_in_view(belief, row, col, sensor.optics, scratch.scan) if near > 0 else 0
+    return int(gain[row, col])
+
+
+@leaf()
+def _on_lattice(row: int, col: int, shape: tuple[int, int], scale: int) -> bool:
+    """Tell whether a cell lies on the lattice around the middle of the map, which turns with it."""
+    return (2 * row + 1 - shape[0]) % scale == 0 and (2 * col + 1 - shape[1]) % scale == 0
 
 
 @leaf()
@@ -65,11 +81,11 @@ def _credit(gain: int, steps: int, first: int, share: float, sensor: Sensor, scr
 
 
 @leaf()
-def survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> int:
+def survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gains: np.ndarray) -> int:
     """Look at the gain of reachable places, a lattice and every frontier cell, and fill ``scratch.ahead`` with it.
 
     Returns the steps to the nearest gain, -1 when nothing within reach is unknown. The summed-area tables must be
-    filled.
+    filled; ``gains`` (H, W) keeps what was counted.
     """
     width, nearest, at, head, tail = belief.shape[1], -1, 0, 0, 1
     weight = (sensor.scale * sensor.rate) ** 2
@@ -83,10 +99,10 @@ def survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scra
         head += 1
         tail = _spread(belief, cell, scratch, tail)
         r, c = divmod(cell, width)
-        on_lattice = (r - row) % sensor.scale == 0 and (c - col) % sensor.scale == 0
+        on_lattice = _on_lattice(r, c, belief.shape, sensor.scale)
         gain = 0
         if on_lattice or touches_unknown(belief, r, c):
-            gain = gain_at(belief, r, c, sensor, scratch)
+            gain = gain_at(belief, r, c, sensor, scratch, gains)
         if gain == 0:
             continue
         while at < scratch.steps[r, c]:

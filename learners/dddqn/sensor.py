@@ -46,6 +46,8 @@ class Scratch(NamedTuple):
     """(3,) discounts of a distance."""
     queue: NDArray[np.int32]
     """(H*W,) flood queue."""
+    boxes: NDArray[np.int64]
+    """(B, 4) boxes of newly known cells."""
     unknown: NDArray[np.int64]
     """(H + 1, W + 1) summed-area table of unknown cells."""
     free: NDArray[np.int64]
@@ -84,6 +86,7 @@ def scratch(shape: tuple[int, int], sensor: Sensor) -> Scratch:
         ahead=np.zeros((4, 5)),
         power=np.ones(3),
         queue=np.empty(height * width, np.int32),
+        boxes=np.zeros((height // 2 + 1, 4), np.int64),
         unknown=np.zeros((height + 1, width + 1), np.int64),
         free=np.zeros((height + 1, width + 1), np.int64),
         layer=np.zeros(shape, np.uint8),

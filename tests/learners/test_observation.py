@@ -13,6 +13,7 @@ from indoor_explorers.env.lidar import view_gain
 from indoor_explorers.learners.dddqn.config import LAYERS, Layer, ObservationConfig
 from indoor_explorers.learners.dddqn.layout import GAINS, SYMMETRIES, VISITS, Layout, layout, symmetries, turned
 from indoor_explorers.learners.dddqn.memory import Memory, new_memory
+from indoor_explorers.learners.dddqn.news import note
 from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
 from indoor_explorers.learners.dddqn.sensor import sensor
 from tests.learners.rooms import random_belief, small_room, some_prior
@@ -201,6 +202,51 @@ def test_one_search_tells_what_lies_behind_every_move(lidar: float) -> None:
             np.testing.assert_allclose(moves[k, 1:7], gains_behind(belief, (r, c), lidar), rtol=1e-5)
             compared += 1
     assert compared > 20
+
+
+@pytest.mark.parametrize("lidar", [3.0, 7.0])
+def test_what_is_kept_equals_what_is_worked_out_anew(lidar: float) -> None:
+    scenario = small_room(9).with_settings(
+        {"map.height": 19, "map.width": 22, "team": 3, "lidar.range": lidar, "radio.model": "square", "radio.range": 4}
+    )
+    world, rng = World(scenario), np.random.default_rng(2)
+    world.reset([4])
+    sight = ObservationConfig(layers=("unknown", "free", "chance"), visits=False, tours=False)
+    kept = [Watcher(sight, (19, 22), lidar) for _ in range(3)]
+    heard = 0
+    while world.flying.any():
+        actions = np.full((1, 3), 4)
+        for n in np.flatnonzero(world.flying[0]).tolist():
+            view, fresh = world.view(0, n), Watcher(sight, (19, 22), lidar)
+            heard += any(mate.age == 0 for mate in view.mates)
+            for watcher in (kept[n], fresh):
+                watcher.look(view.belief, view.cell)
+            assert np.array_equal(kept[n].scene, fresh.scene)
+            assert np.array_equal(kept[n].moves, fresh.moves)
+            assert np.array_equal(kept[n].memory.chance, fresh.memory.chance)
+            assert kept[n].memory.nearest[0] == fresh.memory.nearest[0]
+            gains = kept[n].memory.gain[0]
+            for row, col in rng.permutation(np.argwhere(gains >= 0))[:20].tolist():
+                assert gains[row, col] == view_gain(view.belief, (row, col), lidar)
+            actions[0, n] = rng.choice(np.flatnonzero(view.legal[:4]))
+        world.step(actions)
+    assert heard > 10
+
+
+def test_news_come_in_boxes_that_hold_all_of_it() -> None:
+    rng = np.random.default_rng(6)
+    belief, noted, boxes = np.zeros((9, 12), np.uint8), np.zeros((9, 12), np.uint8), np.zeros((5, 4), np.int64)
+    for share in (0.02, 0.1, 0.0, 0.5, 1.0):
+        belief[(rng.random(belief.shape) < share) & (belief == UNKNOWN)] = FREE
+        news, covered = (belief != UNKNOWN) & (noted == 0), np.zeros(belief.shape, np.bool_)
+        count = note(belief, noted, boxes)
+        for top, left, bottom, right in boxes[:count].tolist():
+            assert news[top:bottom, left:right].any(axis=1).all()
+            assert news[top:bottom, left].any()
+            assert news[top:bottom, right - 1].any()
+            covered[top:bottom, left:right] = True
+        assert not news[~covered].any()
+        assert np.array_equal(noted == 1, belief != UNKNOWN)
 
 
 @pytest.mark.parametrize(("switched_off", "fewer"), [({"gains": False}, len(GAINS)), ({"visits": False}, len(VISITS))])
