@@ -9,7 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.ablation.judging import Judged
@@ -99,16 +99,14 @@ def _differences(axes: Axes, ranked: Sequence[Judged], full: Judged, metric: str
 
 def _scale(axes: Axes, ranked: Sequence[Judged], full: Judged, metric: str) -> None:
     """Make an axis logarithmic far from 0 where some variants are very far away."""
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:+g}" if value else "0"))
     far = max(abs(judged.against(full, name).mean) for judged in ranked for name in ("t99", "t90"))
-    if far <= FAR * NEAR:
-        return
-    low, high = axes.dataLim.intervalx
-    axes.set_xscale("symlog", linthresh=NEAR, linscale=2.0)
-    axes.set_xlim(min(1.5 * low, -1.0), max(1.5 * high, 1.0))
-    ticks = [sign * tick for sign in (-1, 1) for tick in TICKS if low <= sign * tick <= high]
-    axes.set_xticks([0, *ticks])
-    axes.xaxis.set_minor_locator(NullLocator())
+    if far > FAR * NEAR:
+        low, high = axes.dataLim.intervalx
+        axes.set_xscale("symlog", linthresh=NEAR, linscale=2.0)
+        axes.set_xlim(min(1.5 * low, -1.0), max(1.5 * high, 1.0))
+        axes.set_xticks([0, *(sign * tick for sign in (-1, 1) for tick in TICKS if low <= sign * tick <= high)])
+        axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:+g}" if value else "0"))
 
 
 def _hue(low: float | None, high: float | None) -> str:
@@ -135,7 +133,7 @@ def _learning(axes: Axes, shown: Sequence[Judged]) -> None:
     axes.set_title("How they learn: greedy evaluations, apart from training", fontsize=8.5)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 1e3:,.0f}k" if value else "0"))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_minor_locator(NullLocator())
     low, high = axes.get_ylim()
     ticks = [tick for tick in (10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 600, 1000) if low <= tick <= high]
     axes.set_yticks(ticks)

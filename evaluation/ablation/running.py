@@ -65,14 +65,14 @@ class Child:
             self._process.send_signal(signal.SIGINT)
 
     def wait(self) -> None:
-        """Wait for the end of the process; end it at once when interrupted meanwhile."""
-        try:
-            self._process.wait()
-        except KeyboardInterrupt:
-            self._process.kill()
-            raise
-        finally:
-            self._errors.close()
+        """Wait for the end of the process."""
+        self._process.wait()
+        self._errors.close()
+
+    def kill(self) -> None:
+        """End the process at once."""
+        self._process.kill()
+        self.wait()
 
 
 def train_all(orders: Sequence[Order], jobs: int, tell: Callable[[str], None]) -> list[Failure]:
@@ -92,11 +92,21 @@ def train_all(orders: Sequence[Order], jobs: int, tell: Callable[[str], None]) -
                 failures += [failure] if failure else []
                 tell(f"{child.order.title}: {failure.reason if failure else _took(child.order)}")
     finally:
-        for child in running:
-            child.interrupt()
+        _stop(running)
+    return failures
+
+
+def _stop(running: Sequence[Child]) -> None:
+    """Let trainings write their checkpoints and end; a Ctrl-C meanwhile ends them at once."""
+    for child in running:
+        child.interrupt()
+    try:
         for child in running:
             child.wait()
-    return failures
+    except KeyboardInterrupt:
+        for child in running:
+            child.kill()
+        raise
 
 
 def _took(order: Order) -> str:

@@ -17,7 +17,7 @@ from indoor_explorers.evaluation.ablation.child import train_one
 from indoor_explorers.evaluation.ablation.drawing import on_one_grid
 from indoor_explorers.evaluation.ablation.judging import Judged
 from indoor_explorers.evaluation.ablation.orders import NOTE, Order, orders_of
-from indoor_explorers.evaluation.ablation.running import Child, Failure, train_all
+from indoor_explorers.evaluation.ablation.running import Failure, train_all
 from indoor_explorers.evaluation.ablation.table import COLUMNS, write_table
 from indoor_explorers.evaluation.cli import main
 from indoor_explorers.evaluation.results import Results
@@ -199,9 +199,6 @@ def test_a_process_tells_why_it_failed_and_goes_on_where_it_was_interrupted(tmp_
     note = json.loads((tmp_path / "long" / NOTE).read_text())
     assert note["minutes"] > 0
     assert "weights" not in note
-    again = Child(long)
-    again.interrupt()
-    again.wait()
 
 
 def test_differences_are_paired_by_map_and_counted_over_seeds(tmp_path):
