@@ -42,8 +42,8 @@ def ablation_figure(found: Sequence[Judged], scenario: str) -> Figure:
     heights = [0.22 * len(found) + 0.3, LEARNING]
     figure = sheet(8.2, sum(heights) + GAP)
     share = GAP / (sum(heights) / 2)
-    above, below = figure.add_gridspec(2, 1, height_ratios=heights, hspace=share, top=1.0, bottom=0.0)
-    panels = above.subgridspec(1, 2, wspace=0.06).subplots(sharey=True)
+    grid = figure.add_gridspec(2, 1, height_ratios=heights, hspace=share, top=1.0, bottom=0.0)
+    panels = grid[0].subgridspec(1, 2, wspace=0.06).subplots(sharey=True)
     for axes, metric, title in zip(panels, ("t99", "t90"), ("T99", "T90"), strict=True):
         _differences(axes, ranked, full, metric)
         _scale(axes, ranked, full, metric)
@@ -51,7 +51,7 @@ def ablation_figure(found: Sequence[Judged], scenario: str) -> Figure:
     panels[0].set_yticks(range(len(ranked)), [plain(judged.variant) for judged in ranked])
     panels[0].set_title(f"What each ingredient is worth on {plain(scenario)}", pad=14)
     _note(panels[0], _made_of(found), above=True)
-    axes = figure.add_subplot(below)
+    axes = figure.add_subplot(grid[1])
     _learning(axes, [full, *_far_apart(ranked, full)])
     return figure
 
@@ -88,7 +88,7 @@ def _differences(axes: Axes, ranked: Sequence[Judged], full: Judged, metric: str
         if judged is full:
             continue
         colour = _hue(estimate.low, estimate.high)
-        if estimate.low is not None:
+        if estimate.low is not None and estimate.high is not None:
             axes.plot([estimate.low, estimate.high], [place, place], color=colour, linewidth=1.5, zorder=3)
         axes.plot([estimate.mean], [place], color=colour, marker="D", markersize=4.2, zorder=4)
     axes.set_ylim(len(ranked) - 0.4, -0.6)

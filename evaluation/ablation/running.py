@@ -79,7 +79,7 @@ def train_all(orders: Sequence[Order], jobs: int, tell: Callable[[str], None]) -
     """Train what is not finished, ``jobs`` at once, and return what failed; Ctrl-C writes checkpoints first."""
     waiting = [order for order in orders if "weights" not in read_note(order)][::-1]
     running: list[Child] = []
-    failures = []
+    failures: list[Failure] = []
     try:
         while waiting or running:
             while waiting and len(running) < jobs:

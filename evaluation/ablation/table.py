@@ -65,5 +65,5 @@ def printed(found: Sequence[Judged]) -> Table:
 
 
 def _signed(estimate: Estimate) -> str:
-    bounds = "" if estimate.low is None else f" [{estimate.low:+.1f}, {estimate.high:+.1f}]"
+    bounds = "" if estimate.low is None or estimate.high is None else f" [{estimate.low:+.1f}, {estimate.high:+.1f}]"
     return f"{estimate.mean:+.1f}{bounds}"
