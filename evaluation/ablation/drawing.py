@@ -43,7 +43,7 @@ def ablation_figure(found: Sequence[Judged], scenario: str) -> Figure:
     figure = sheet(8.2, sum(heights) + GAP)
     share = GAP / (sum(heights) / 2)
     grid = figure.add_gridspec(2, 1, height_ratios=heights, hspace=share, top=1.0, bottom=0.0)
-    panels = grid[0].subgridspec(1, 2, wspace=0.06).subplots(sharey=True)
+    panels = grid[0].subgridspec(1, 2, wspace=0.06).subplots(sharey=True, squeeze=False)[0]
     for axes, metric, title in zip(panels, ("t99", "t90"), ("T99", "T90"), strict=True):
         _differences(axes, ranked, full, metric)
         _scale(axes, ranked, full, metric)
