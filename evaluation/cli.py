@@ -1,4 +1,4 @@
-"""The command line: ``indoor-explorers compare | watch | report | train | thesis | bench | policies | ...``."""
+"""The command line: ``indoor-explorers compare | watch | report | train | ablate | thesis | bench | ...``."""
 
 from __future__ import annotations
 
@@ -82,6 +82,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_watch(commands_.add_parser("watch", help="watch a policy fly one episode, or save it as a video"))
     _add_report(commands_.add_parser("report", help="rebuild a report, or combine several results"))
     _add_train(commands_.add_parser("train", help="train a learner: the DDDQN, or a baseline through another library"))
+    _add_ablate(commands_.add_parser("ablate", help="train a learner without each of its ingredients, and compare"))
     _add_thesis(commands_.add_parser("thesis", help="fly every experiment of the IndoorExplorers thesis again"))
     listing = commands_.add_parser("policies", help="list the installed policies")
     listing.set_defaults(run=commands.list_policies)
@@ -205,6 +206,22 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="checkpoints, weights and history")
     parser.add_argument("--resume", action="store_true", help="go on from the checkpoint in DIR")
     parser.set_defaults(run=commands.run_train)
+
+
+def _add_ablate(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--learner", default="dddqn", metavar="NAME", help="what learns (default dddqn)")
+    parser.add_argument("--scenario", default="thesis-obstacles", metavar="PRESET|FILE.toml", help="what to train on")
+    parser.add_argument(
+        "--only", type=_names, nargs="+", default=[["*"]], metavar="PATTERN", help="these variants and the full one"
+    )
+    parser.add_argument("--seeds", type=_count, default=3, metavar="N", help="trainings of each variant (default 3)")
+    _add_settings(parser, "hyperparameters of all trainings, such as total_steps=2000000")
+    parser.add_argument("--jobs", type=_count, default=1, metavar="N", help="trainings at once (default 1)")
+    parser.add_argument(
+        "--episodes", type=_count, default=200, metavar="N", help="unseen maps each is judged on (default 200)"
+    )
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="trainings, table, figures; resumed")
+    parser.set_defaults(run=commands.run_ablate)
 
 
 def _add_thesis(parser: argparse.ArgumentParser) -> None:

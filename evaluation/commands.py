@@ -19,6 +19,7 @@ from indoor_explorers.env.presets import named_scenario
 from indoor_explorers.env.registry import missing_module, opener_entry_points, policy_entry_points
 from indoor_explorers.env.starts import draw_floorplan
 from indoor_explorers.evaluation import bench
+from indoor_explorers.evaluation.ablation import run_ablation
 from indoor_explorers.evaluation.check_table import print_findings, print_header
 from indoor_explorers.evaluation.combining import combined
 from indoor_explorers.evaluation.compare import plan, run
@@ -151,6 +152,26 @@ def run_train(arguments: argparse.Namespace) -> int:
         seed=seed if seed is not None else (preset.seed if preset else 1),
         resume=arguments.resume,
     )
+
+
+def run_ablate(arguments: argparse.Namespace) -> int:
+    """Train a learner's variants and say what each ingredient is worth; the status is 1 where a training failed."""
+    console = _console()
+    failures = run_ablation(
+        arguments.learner,
+        arguments.scenario,
+        arguments.out,
+        console,
+        patterns=[pattern for patterns in arguments.only for pattern in patterns],
+        settings=dict(arguments.settings),
+        seeds=arguments.seeds,
+        jobs=arguments.jobs,
+        episodes=arguments.episodes,
+        command=arguments.words,
+    )
+    for order, reason in failures:
+        console.print(f"failed: {order.title}: {reason}", style="red", markup=False, soft_wrap=True)
+    return 1 if failures else 0
 
 
 def run_thesis_experiments(arguments: argparse.Namespace) -> int:

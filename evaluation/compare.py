@@ -175,6 +175,37 @@ def run(
     command: str = "",
 ) -> Results:
     """Fly what ``out`` does not hold yet and write everything that is made from it; see :func:`compare`."""
+    fly_missing(
+        experiment,
+        out,
+        workers=workers,
+        engine=engine,
+        address=address,
+        decision_timeout=decision_timeout,
+        memory_limit=memory_limit,
+        retry_failed=retry_failed,
+        ratio_to=ratio_to,
+        watcher=watcher,
+        command=command,
+    )
+    return write_outputs(out, ratio_to)
+
+
+def fly_missing(
+    experiment: Experiment,
+    out: Path,
+    *,
+    workers: int | None = None,
+    engine: str = "local",
+    address: str | None = None,
+    decision_timeout: float | None = DECISION_TIMEOUT,
+    memory_limit: float | None = None,
+    retry_failed: bool = False,
+    ratio_to: Sequence[str] | None = None,
+    watcher: Watcher | None = None,
+    command: str = "",
+) -> None:
+    """Fly what ``out/results.db`` does not hold yet, and write nothing else; see :func:`compare`."""
     fly_jobs = make_engine(engine, workers, address, decision_timeout, memory_limit)
     about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
     for scenario in experiment.scenarios:
@@ -195,7 +226,6 @@ def run(
                 store.add(record, number, replace_failed=retry_failed)
             if watcher is not None:
                 watcher.flown(records)
-    return write_outputs(out, ratio_to)
 
 
 def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]], workers: int) -> Iterator[Job]:

@@ -20,6 +20,7 @@ from indoor_explorers.evaluation.statistics.means import (
 from indoor_explorers.evaluation.statistics.profiles import performance_profile, performance_ratios
 from indoor_explorers.evaluation.statistics.ratios import Block, PairedRatio, paired_ratios, ratio_of_means
 from indoor_explorers.evaluation.statistics.resampling import maps_are_sampled, resampled_weights
+from indoor_explorers.evaluation.statistics.seeds import difference_of_seeds, mean_of_seeds
 from indoor_explorers.evaluation.statistics.significance import holm, sign_flip_test
 from indoor_explorers.evaluation.statistics.wins import WinTieLoss, probability_of_improvement, win_tie_loss
 
@@ -37,11 +38,13 @@ __all__ = [
     "bootstrap_means",
     "contrasts",
     "curve_band",
+    "difference_of_seeds",
     "ecdf_of_times",
     "effect_size",
     "holm",
     "interquartile_mean",
     "maps_are_sampled",
+    "mean_of_seeds",
     "paired_difference",
     "paired_ratios",
     "performance_profile",

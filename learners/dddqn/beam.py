@@ -1,6 +1,6 @@
 """A small beam search for tours through rooms of up to 16x16 cells, on bitboards.
 
-A set of cells is four 64-bit words: cell (r, c) is bit 16 r + c. A state is (cell, unseen set); it ranks by
+A state is (cell, unseen set); it ranks by
 
     |U| (1 + isolation) - isolation / 4 * pairs(U) + pull * (steps since its last gain)
 
@@ -17,8 +17,8 @@ import numpy as np
 
 from indoor_explorers.env.compiled import inner, leaf
 from indoor_explorers.env.randomness import draw
-from indoor_explorers.env.sights import bit_count
-from indoor_explorers.learners.dddqn.memory import LONGEST, ROOM, STRIDE
+from indoor_explorers.learners.dddqn.bitboards import ROOM, STRIDE, Words, count, hash_of, pairs, without
+from indoor_explorers.learners.dddqn.memory import LONGEST
 
 #: States kept at each step, and steps looked ahead.
 WIDTH, DEPTH = 8, LONGEST
@@ -26,16 +26,7 @@ WIDTH, DEPTH = 8, LONGEST
 PULL, DELAY = 0.02, 1e-4
 #: Steps that a tour which was not finished is reckoned to need for each unit of its last rank, and on top.
 PACE, REST = 0.1, 4.0
-#: Not in the last, and not in the first column of a word's four rows.
 _ONE = np.uint64(1)
-_NOT_LAST, _NOT_FIRST = np.uint64(0x7FFF7FFF7FFF7FFF), np.uint64(0xFFFEFFFEFFFEFFFE)
-_ROW, _REST = np.uint64(16), np.uint64(48)
-_MIX = (
-    np.uint64(0x9E3779B97F4A7C15),
-    np.uint64(0xBF58476D1CE4E5B9),
-    np.uint64(0x94D049BB133111EB),
-    np.uint64(0xD6E8FEB86659FD93),
-)
 
 
 class Beam(NamedTuple):
@@ -108,52 +99,6 @@ def new_beam() -> Beam:
 
 
 @inner()
-def count(words: tuple[np.uint64, np.uint64, np.uint64, np.uint64]) -> int:
-    """Count the cells of a set."""
-    a, b, c, d = words
-    return int(np.int64(bit_count(a) + bit_count(b) + bit_count(c) + bit_count(d)))
-
-
-@inner()
-def _pairs(word: np.uint64, below: np.uint64) -> np.uint64:
-    """Count the pairs with a first cell in a word; ``below`` is the set moved up by one row."""
-    east, south = word & (word >> _ONE) & _NOT_LAST, word & below
-    south_east, south_west = word & (below >> _ONE) & _NOT_LAST, word & (below << _ONE) & _NOT_FIRST
-    return bit_count(east) + bit_count(south) + bit_count(south_east) + bit_count(south_west)
-
-
-@inner()
-def pairs(words: tuple[np.uint64, np.uint64, np.uint64, np.uint64]) -> int:
-    """Count the unordered pairs of neighbours within a set, diagonal ones included."""
-    a, b, c, d = words
-    first = _pairs(a, a >> _ROW | b << _REST) + _pairs(b, b >> _ROW | c << _REST)
-    return int(np.int64(first + _pairs(c, c >> _ROW | d << _REST) + _pairs(d, d >> _ROW)))
-
-
-@inner()
-def _hash(words: tuple[np.uint64, np.uint64, np.uint64, np.uint64]) -> np.uint64:
-    a, b, c, d = words
-    key = a * _MIX[0]
-    key = ((key ^ (key >> np.uint64(32))) + b) * _MIX[1]
-    key = ((key ^ (key >> np.uint64(29))) + c) * _MIX[2]
-    key = ((key ^ (key >> np.uint64(32))) + d) * _MIX[3]
-    return key ^ (key >> np.uint64(31))
-
-
-@inner()
-def _unseen_from(
-    states: np.ndarray, s: int, views: np.ndarray, cell: int
-) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
-    """Return what is left of the unseen set of state ``s`` after a look from a cell."""
-    return (
-        states[s, 0] & ~views[cell, 0],
-        states[s, 1] & ~views[cell, 1],
-        states[s, 2] & ~views[cell, 2],
-        states[s, 3] & ~views[cell, 3],
-    )
-
-
-@inner()
 def _is_new(table: np.ndarray, key: np.uint64) -> bool:
     """Tell whether a state was not met before, and remember it while there is room for it."""
     last = np.uint64(table.shape[0] - 1)
@@ -174,7 +119,7 @@ def _write(
     bank: int,
     s: int,
     cell: int,
-    words: tuple[np.uint64, np.uint64, np.uint64, np.uint64],
+    words: Words,
     key: np.uint64,
     facts: tuple[float, float, float, float, float, float, float],
 ) -> None:
@@ -202,16 +147,11 @@ def _place(beam: Beam, kept: int, rank: float) -> tuple[int, int]:
 @inner()
 def _start(beam: Beam, cell: int, unseen: np.ndarray, views: np.ndarray, aim: Aim) -> float:
     """Make the only state: the UAV in a cell, after a look from there; return what is left unseen."""
-    words = (
-        unseen[0] & ~views[cell, 0],
-        unseen[1] & ~views[cell, 1],
-        unseen[2] & ~views[cell, 2],
-        unseen[3] & ~views[cell, 3],
-    )
+    words = without(unseen, views[cell])
     left, near = float(count(words)), float(pairs(words))
     rank = left * (1 + aim.isolation) - aim.isolation / 4 * near
     _write(
-        beam, 0, 0, cell, words, _hash(words), (left, near, left, rank, 1.0 if left <= aim.halfway else 0.0, 0.0, 0.0)
+        beam, 0, 0, cell, words, hash_of(words), (left, near, left, rank, 1.0 if left <= aim.halfway else 0.0, 0.0, 0.0)
     )
     return left
 
@@ -226,10 +166,10 @@ def _expand(beam: Beam, states: int, step: int, views: np.ndarray, passages: np.
             cell = passages[beam.cell[0, s], k]
             if cell < 0:
                 continue
-            words = _unseen_from(beam.unseen[0], s, views, cell)
+            words = without(beam.unseen[0, s], views[cell])
             left = float(count(words))
             gains = left < parent[0]
-            key = _hash(words) if gains else beam.key[0, s]
+            key = hash_of(words) if gains else beam.key[0, s]
             if not _is_new(beam.met, key ^ beam.cell_key[cell]):
                 continue
             halfway = float(step) if parent[4] == 0 and left <= aim.halfway else parent[4]

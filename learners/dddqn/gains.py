@@ -1,72 +1,129 @@
-"""Planner features of the moves on maps of any size: what could be gained behind each of them, and how far away."""
+"""Planner features of the moves on maps of any size: what could be gained behind each of them, and how far away.
+
+One breadth-first search from the UAV serves all four moves. The grid is bipartite, so a step to a neighbour changes
+the distance to a place by one, always: it is one less if a shortest path begins with that step, and one more if none
+does. The search carries along, for every cell, the moves that begin a shortest path to it.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from indoor_explorers.env.compiled import leaf
-from indoor_explorers.env.grid import MOVES, distances_from, touches_unknown
+from indoor_explorers.env.grid import FREE, MOVES, touches_unknown
 from indoor_explorers.env.lidar import unknown_in_view
 from indoor_explorers.learners.dddqn.scene import HALF_DISTANCE, within
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
 
-
-@leaf()
-def gain_at(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> int:
-    """Return the unknown cells in view of a cell; the summed-area tables must be filled."""
-    reach = sensor.reach
-    if within(scratch.unknown, row - reach, col - reach, row + reach + 1, col + reach + 1) == 0:
-        return 0
-    return unknown_in_view(belief, row, col, sensor.optics, scratch.scan)
+#: Columns of ``Scratch.ahead``: the best gain for each discount, the sum of the gains, the steps to the nearest.
+_SUM, _NEAREST = 3, 4
 
 
 @leaf()
-def survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> int:
-    """Fill ``gain`` at reachable places: a lattice around the UAV and every frontier cell.
+def forget_gains(gain: np.ndarray, box: np.ndarray, reach: int) -> None:
+    """Forget the gains that newly known cells in a ``box`` (top, left, bottom, right) may have changed."""
+    gain[max(box[0] - reach, 0) : box[2] + reach, max(box[1] - reach, 0) : box[3] + reach] = -1
 
-    Returns the steps to the nearest gain, -1 when nothing within reach is unknown.
+
+@leaf()
+def gain_at(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gain: np.ndarray) -> int:
+    """Return the unknown cells in view of a cell, counted if ``gain`` (H, W) holds -1 there and kept in it.
+
+    The summed-area tables must be filled.
     """
-    reached = distances_from(belief, row, col, scratch.queue, scratch.steps)
-    width, nearest = belief.shape[1], -1
-    for i in range(reached):
-        r, c = divmod(scratch.queue[i], width)
-        on_lattice = (r - row) % sensor.scale == 0 and (c - col) % sensor.scale == 0
+    reach = sensor.reach
+    if gain[row, col] < 0:
+        near = within(scratch.unknown, row - reach, col - reach, row + reach + 1, col + reach + 1)
+        gain[row, col] = unknown_in_view(belief, row, col, sensor.optics, scratch.scan) if near > 0 else 0
+    return int(gain[row, col])
+
+
+@leaf()
+def _on_lattice(row: int, col: int, shape: tuple[int, int], scale: int) -> bool:
+    """Tell whether a cell lies on the lattice around the middle of the map, which turns with it."""
+    return (2 * row + 1 - shape[0]) % scale == 0 and (2 * col + 1 - shape[1]) % scale == 0
+
+
+@leaf()
+def _spread(belief: np.ndarray, cell: int, scratch: Scratch, tail: int) -> int:
+    """Reach the neighbours of a flat cell and hand on the moves that lead there; return the end of the queue."""
+    steps, first, width = scratch.steps, scratch.first, belief.shape[1]
+    row, col = divmod(cell, width)
+    distance = steps[row, col] + 1
+    for k in range(4):
+        r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+        if not (0 <= r < belief.shape[0] and 0 <= c < width) or belief[r, c] != FREE:
+            continue
+        if steps[r, c] < 0:
+            steps[r, c], first[r, c], scratch.queue[tail] = distance, 0, r * width + c
+            tail += 1
+        if steps[r, c] == distance:
+            first[r, c] |= 1 << k if distance == 1 else first[row, col]
+    return tail
+
+
+@leaf()
+def _credit(gain: int, steps: int, first: int, share: float, sensor: Sensor, scratch: Scratch) -> None:
+    """Credit all moves with a gain so many steps from the UAV, to which the moves ``first`` begin a shortest path.
+
+    ``scratch.power`` holds the discounts of one step less; ``share`` is the weight of the gain in the sum.
+    """
+    ahead, power, decay = scratch.ahead, scratch.power, sensor.decay
+    for k in range(4):
+        nearer = first >> k & 1
+        for j in range(3):
+            factor = power[j] if nearer else power[j] * decay[j] * decay[j]
+            ahead[k, j] = max(ahead[k, j], gain * factor)
+        ahead[k, _SUM] += gain * share * (power[0] if nearer else power[0] * decay[0] * decay[0])
+        distance = steps - 1 if nearer else steps + 1
+        if ahead[k, _NEAREST] < 0 or distance < ahead[k, _NEAREST]:
+            ahead[k, _NEAREST] = distance
+
+
+@leaf()
+def survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gains: np.ndarray) -> int:
+    """Look at the gain of reachable places, a lattice and every frontier cell, and fill ``scratch.ahead`` with it.
+
+    Returns the steps to the nearest gain, -1 when nothing within reach is unknown. The summed-area tables must be
+    filled; ``gains`` (H, W) keeps what was counted.
+    """
+    width, nearest, at, head, tail = belief.shape[1], -1, 0, 0, 1
+    weight = (sensor.scale * sensor.rate) ** 2
+    scratch.steps[:] = -1
+    scratch.steps[row, col], scratch.first[row, col], scratch.queue[0] = 0, 0, row * width + col
+    scratch.ahead[:], scratch.ahead[:, _NEAREST] = 0.0, -1.0
+    for j in range(3):
+        scratch.power[j] = 1.0 / sensor.decay[j]
+    while head < tail:
+        cell = scratch.queue[head]
+        head += 1
+        tail = _spread(belief, cell, scratch, tail)
+        r, c = divmod(cell, width)
+        on_lattice = _on_lattice(r, c, belief.shape, sensor.scale)
         gain = 0
         if on_lattice or touches_unknown(belief, r, c):
-            gain = gain_at(belief, r, c, sensor, scratch)
-        scratch.gain[r, c] = gain
-        if gain > 0 and nearest < 0:
-            nearest = scratch.steps[r, c]
-    return nearest
-
-
-@leaf()
-def look_ahead(
-    belief: np.ndarray, row: int, col: int, move: int, sensor: Sensor, scratch: Scratch, out: np.ndarray
-) -> None:
-    """Write the six gains of one legal move into ``out``: see :data:`indoor_explorers.learners.dddqn.layout.GAINS`."""
-    width = belief.shape[1]
-    r0, c0 = row + MOVES[move, 0], col + MOVES[move, 1]
-    here = gain_at(belief, r0, c0, sensor, scratch)
-    reached = distances_from(belief, r0, c0, scratch.queue, scratch.steps)
-    weight = (sensor.scale * sensor.rate) ** 2 / sensor.disc
-    near, middle, far, total, nearest, at = 0.0, 0.0, 0.0, 0.0, -1, 0
-    power = (1.0, 1.0, 1.0)
-    for i in range(reached):
-        r, c = divmod(scratch.queue[i], width)
-        gain = scratch.gain[r, c]
+            gain = gain_at(belief, r, c, sensor, scratch, gains)
         if gain == 0:
             continue
         while at < scratch.steps[r, c]:
             at += 1
-            power = (power[0] * sensor.decay[0], power[1] * sensor.decay[1], power[2] * sensor.decay[2])
+            for j in range(3):
+                scratch.power[j] *= sensor.decay[j]
         if nearest < 0:
             nearest = at
-        near, middle, far = max(near, gain * power[0]), max(middle, gain * power[1]), max(far, gain * power[2])
-        if (r - row) % sensor.scale == 0 and (c - col) % sensor.scale == 0:
-            total += gain * power[0] * weight
-    distance = nearest * sensor.rate
+        _credit(gain, at, scratch.first[r, c], weight if on_lattice else 0.0, sensor, scratch)
+    return nearest
+
+
+@leaf()
+def write_gains(move: int, here: int, sensor: Sensor, scratch: Scratch, out: np.ndarray) -> None:
+    """Write the six gains of one legal move into ``out``: see :data:`indoor_explorers.learners.dddqn.layout.GAINS`.
+
+    ``here`` is the gain of the next cell; the rest is what :func:`survey` found.
+    """
+    ahead = scratch.ahead[move]
+    distance = ahead[_NEAREST] * sensor.rate
     out[0] = np.sqrt(here / sensor.disc)
-    out[1] = distance / (distance + HALF_DISTANCE) if nearest >= 0 else 1.0
-    out[2], out[3], out[4] = np.sqrt(near / sensor.disc), np.sqrt(middle / sensor.disc), np.sqrt(far / sensor.disc)
-    out[5] = np.sqrt(total)
+    out[1] = distance / (distance + HALF_DISTANCE) if distance >= 0 else 1.0
+    for j in range(4):
+        out[2 + j] = np.sqrt(ahead[j] / sensor.disc)

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-#: Cells of the largest room that tours are planned in, and a bitboard's words and columns.
-ROOM, WORDS, STRIDE = 16, 4, 16
+from indoor_explorers.learners.dddqn.bitboards import ROOM, STRIDE, WORDS
+
 #: Cells of the longest tour that is remembered.
 LONGEST = 40
 
@@ -23,6 +23,8 @@ class Memory(NamedTuple):
     """(C, H, W) visits since the last gain."""
     chance: NDArray[np.uint8]
     """(C, H, W) chance of an unknown cell to count, 255 for certainly; 0 for known cells."""
+    gain: NDArray[np.int32]
+    """(C, H, W) unknown cells in view of a cell, -1 where they are to be counted anew."""
     obstacles: NDArray[np.uint8]
     """(C, H, W) obstacles that ``views`` and ``passages`` reckon with; 255 everywhere before the first look."""
     views: NDArray[np.uint64]
@@ -43,6 +45,7 @@ class Memory(NamedTuple):
         self.noted[columns] = 0
         self.visits[columns] = 0
         self.chance[columns] = 255
+        self.gain[columns] = -1
         self.obstacles[columns] = 255
         self.tour[columns] = -1
         self.gained[columns] = 0
@@ -58,6 +61,7 @@ def new_memory(columns: int, shape: tuple[int, int], *, tours: bool) -> Memory:
         noted=np.zeros(cells, np.uint8),
         visits=np.zeros(cells, np.uint8),
         chance=np.zeros(cells, np.uint8),
+        gain=np.zeros(cells, np.int32),
         obstacles=np.zeros(cells, np.uint8),
         views=np.zeros((columns, room, WORDS), np.uint64),
         passages=np.zeros((columns, room, 4), np.int32),

@@ -20,13 +20,15 @@ from indoor_explorers.env.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN
 from indoor_explorers.env.lidar import visible_cells
 from indoor_explorers.learners.dddqn.config import ObservationConfig
-from indoor_explorers.learners.dddqn.gains import look_ahead, survey
+from indoor_explorers.learners.dddqn.gains import forget_gains, gain_at, survey, write_gains
 from indoor_explorers.learners.dddqn.layout import Layout, layout
 from indoor_explorers.learners.dddqn.memory import Memory
+from indoor_explorers.learners.dddqn.news import note
 from indoor_explorers.learners.dddqn.prior import MapPrior, write_chances
 from indoor_explorers.learners.dddqn.scene import VISIT_CAP, tabulate, write_scene
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor, scratch, sensor
-from indoor_explorers.learners.dddqn.tours import Planner, keep_up, look_for_tours, new_planner
+from indoor_explorers.learners.dddqn.terrain import keep_up
+from indoor_explorers.learners.dddqn.tours import Planner, look_for_tours, new_planner
 
 
 class Eyes(NamedTuple):
@@ -61,33 +63,29 @@ def eyes(config: ObservationConfig, shape: tuple[int, int], lidar_range: float, 
 
 
 @leaf()
-def _remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, memory: Memory, i: int) -> bool:
-    """Count a visit, forgetting all of them after a gain of its own; return whether anything became known.
+def _remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, memory: Memory, i: int) -> int:
+    """Count a visit, forgetting all of them after a gain of its own; return how many boxes hold what became known.
 
     The gain is the newly known cells in view of the UAV. What it does not see came by radio, and says nothing about
     whether it is getting anywhere itself.
     """
-    height, width = belief.shape
+    width, gain = belief.shape[1], 0
     noted, visits = memory.noted[i], memory.visits[i]
-    gain, grown = 0, False
     for k in range(visible_cells(belief, row, col, sensor.optics, scratch.scan)):
         r, c = divmod(scratch.scan.cells[k], width)
         gain += belief[r, c] != UNKNOWN and noted[r, c] == 0
-    for r in range(height):
-        for c in range(width):
-            known = belief[r, c] != UNKNOWN
-            grown |= known and noted[r, c] == 0
-            noted[r, c] = known
     memory.gained[i] += gain
     memory.idle[i] = 0 if gain > 0 else memory.idle[i] + 1
     if gain > 0:
         visits[:] = 0
     visits[row, col] = min(visits[row, col] + 1, 255)
-    return grown
+    return note(belief, noted, scratch.boxes)
 
 
 @inner()
-def _write_moves(belief: np.ndarray, row: int, col: int, visits: np.ndarray, eyes: Eyes, out: np.ndarray) -> None:
+def _write_moves(
+    belief: np.ndarray, row: int, col: int, visits: np.ndarray, gains: np.ndarray, eyes: Eyes, out: np.ndarray
+) -> None:
     """Write what is known of each move but for its tours."""
     plan = eyes.plan
     for k in range(4):
@@ -99,7 +97,8 @@ def _write_moves(belief: np.ndarray, row: int, col: int, visits: np.ndarray, eye
             if blocked:
                 out[k, plan.gains_at + 1] = 1.0
             else:
-                look_ahead(belief, row, col, k, eyes.sensor, eyes.scratch, out[k, plan.gains_at :])
+                here = gain_at(belief, r, c, eyes.sensor, eyes.scratch, gains)
+                write_gains(k, here, eyes.sensor, eyes.scratch, out[k, plan.gains_at :])
         if plan.visits_at >= 0 and not blocked:
             out[k, plan.visits_at] = min(visits[r, c], VISIT_CAP) / VISIT_CAP
 
@@ -109,9 +108,10 @@ def _observe(
     known: Known, memory: Memory, i: int, eyes: Eyes, facts: np.ndarray, scene: np.ndarray, moves: np.ndarray
 ) -> None:
     belief, row, col, plan = known.belief[i], known.cell[i, 0], known.cell[i, 1], eyes.plan
-    grown = _remember(belief, row, col, eyes.sensor, eyes.scratch, memory, i)
-    if grown:
-        write_chances(belief, eyes.prior, eyes.scratch.patch, memory.chance[i])
+    for n in range(_remember(belief, row, col, eyes.sensor, eyes.scratch, memory, i)):
+        box = eyes.scratch.boxes[n]
+        write_chances(belief, eyes.prior, eyes.scratch.patch, box, memory.chance[i])
+        forget_gains(memory.gain[i], box, eyes.sensor.reach)
     tabulate(belief, eyes.scratch.unknown, eyes.scratch.free)
     facts[0], facts[1], facts[2] = known.facts[i, 0], known.facts[i, 1], memory.idle[i]
     mates, ages = known.mates[i], known.ages[i]
@@ -128,11 +128,13 @@ def _observe(
         plan,
         scene,
     )
-    memory.nearest[i] = survey(belief, row, col, eyes.sensor, eyes.scratch)
-    _write_moves(belief, row, col, memory.visits[i], eyes, moves)
+    memory.nearest[i] = survey(belief, row, col, eyes.sensor, eyes.scratch, memory.gain[i])
+    _write_moves(belief, row, col, memory.visits[i], memory.gain[i], eyes, moves)
     if plan.tours_at >= 0 and memory.views.shape[1] > 0:
         views, passages = memory.views[i], memory.passages[i]
-        obstructed = keep_up(belief, eyes.sensor, eyes.scratch, eyes.planner, memory.obstacles[i], views, passages)
+        obstructed = keep_up(
+            belief, eyes.sensor, eyes.scratch, eyes.planner.stale, memory.obstacles[i], views, passages
+        )
         look_for_tours(
             belief,
             known.cell[i],

@@ -12,13 +12,16 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.grid import Action
+from indoor_explorers.env.maps.thesis import ThesisMaps
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.learners.dddqn.bitboards import ROOM
 from indoor_explorers.learners.dddqn.flock import stacked
 from indoor_explorers.learners.dddqn.inference import q_values
 from indoor_explorers.learners.dddqn.memory import new_memory
 from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
 from indoor_explorers.learners.dddqn.prior import prior_from
+from indoor_explorers.learners.dddqn.sensor import REFERENCE_RANGE
 from indoor_explorers.learners.dddqn.weights import Loaded, load_weights, shipped
 from indoor_explorers.learners.guard import Guard
 
@@ -79,12 +82,15 @@ class Dddqn(Policy):
 
 
 #: What :func:`suited` says, in words.
-SUITED = "general"
+SUITED = "thesis-open for rooms without obstacles, thesis-obstacles for other rooms, up to 16x16, lidar 3; else general"
 
 
 def suited(briefing: Briefing) -> str:
     """Return the name of the shipped weights that suit a scenario best."""
-    return "general"
+    source = briefing.scenario.map
+    if max(briefing.shape) > ROOM or briefing.lidar_range != REFERENCE_RANGE:
+        return "general"
+    return "thesis-open" if isinstance(source, ThesisMaps) and source.obstacles == 0 else "thesis-obstacles"
 
 
 class DddqnPilot(Pilot):

@@ -22,7 +22,14 @@ _MAP_ALONE = {"observation.gains": False, "observation.tours": False}
 
 PRESETS: dict[str, Preset] = {
     "thesis-open": Preset(
-        "thesis-open", {"total_steps": 2_500_000, "updates_per_tick": 2, "reward_early_step": -0.4}, 1
+        "thesis-open",
+        {
+            "total_steps": 1_300_000,
+            "updates_per_tick": 2,
+            "reward_early_step": -0.25,
+            "evaluation_every": 96_000,
+        },
+        1,
     ),
     "thesis-obstacles": Preset("thesis-obstacles", {"total_steps": 5_000_000, "updates_per_tick": 2}, 1),
     "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 4_000_000}, 1),

@@ -99,13 +99,15 @@ def _judge(patch: np.ndarray, prior: MapPrior) -> float:
 
 
 @leaf()
-def write_chances(belief: np.ndarray, prior: MapPrior, patch: np.ndarray, chance: np.ndarray) -> None:
+def write_chances(belief: np.ndarray, prior: MapPrior, patch: np.ndarray, box: np.ndarray, chance: np.ndarray) -> None:
     """Write the chance of each unknown cell to count, (H, W) uint8, 255 for certainly; 0 for known cells.
 
-    ``patch`` (49,) uint8 is scratch.
+    Only those are written that newly known cells in a ``box`` (top, left, bottom, right) may have changed. ``patch``
+    (49,) uint8 is scratch.
     """
-    for r in range(belief.shape[0]):
-        for c in range(belief.shape[1]):
+    height, width = belief.shape
+    for r in range(max(box[0] - REACH, 0), min(box[2] + REACH, height)):
+        for c in range(max(box[1] - REACH, 0), min(box[3] + REACH, width)):
             if belief[r, c] != UNKNOWN:
                 chance[r, c] = 0
             elif prior.hidden.shape[0] == 0 or write_patch(belief, r, c, patch) == 0:

@@ -36,12 +36,18 @@ class Sensor(NamedTuple):
 class Scratch(NamedTuple):
     """Arrays that one observation works in, for maps of one shape."""
 
-    gain: NDArray[np.int32]
-    """(H, W) cells that a scan could reveal."""
     steps: NDArray[np.int32]
     """(H, W) distances."""
+    first: NDArray[np.uint8]
+    """(H, W) the moves, one bit each, that begin a shortest path to a cell."""
+    ahead: NDArray[np.float64]
+    """(4, 5) what lies behind each move."""
+    power: NDArray[np.float64]
+    """(3,) discounts of a distance."""
     queue: NDArray[np.int32]
     """(H*W,) flood queue."""
+    boxes: NDArray[np.int64]
+    """(B, 4) boxes of newly known cells."""
     unknown: NDArray[np.int64]
     """(H + 1, W + 1) summed-area table of unknown cells."""
     free: NDArray[np.int64]
@@ -75,9 +81,12 @@ def scratch(shape: tuple[int, int], sensor: Sensor) -> Scratch:
     """Allocate the arrays for a sensor on maps of a (H, W) shape."""
     height, width = shape
     return Scratch(
-        gain=np.zeros(shape, np.int32),
         steps=np.empty(shape, np.int32),
+        first=np.zeros(shape, np.uint8),
+        ahead=np.zeros((4, 5)),
+        power=np.ones(3),
         queue=np.empty(height * width, np.int32),
+        boxes=np.zeros((height // 2 + 1, 4), np.int64),
         unknown=np.zeros((height + 1, width + 1), np.int64),
         free=np.zeros((height + 1, width + 1), np.int64),
         layer=np.zeros(shape, np.uint8),

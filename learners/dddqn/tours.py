@@ -12,11 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from indoor_explorers.env.compiled import inner, leaf
-from indoor_explorers.env.grid import FREE, MOVES, OCCUPIED, UNKNOWN
-from indoor_explorers.env.lidar import visible_cells
-from indoor_explorers.learners.dddqn.beam import Aim, Beam, Tour, count, follow_tour, new_beam, shortest_tour
-from indoor_explorers.learners.dddqn.memory import LONGEST, ROOM, STRIDE, WORDS
-from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
+from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN
+from indoor_explorers.learners.dddqn.beam import Aim, Beam, Tour, follow_tour, new_beam, shortest_tour
+from indoor_explorers.learners.dddqn.bitboards import ROOM, STRIDE, WORDS, bit, count
+from indoor_explorers.learners.dddqn.memory import LONGEST
 
 
 class Planner(NamedTuple):
@@ -68,68 +67,6 @@ HALFWAY_ISOLATION = 0.25
 LIKELY = 96
 #: Scales of the features: steps beyond the shortest, steps, steps to the mark, delay beyond the least.
 BEYOND, STEPS, HALFWAY_STEPS, DELAYS = 8.0, 48.0, 40.0, 200.0
-_ONE = np.uint64(1)
-
-
-@inner()
-def _bit(cell: int) -> np.uint64:
-    return _ONE << np.uint64(cell & 63)
-
-
-@leaf()
-def _see(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, view: np.ndarray) -> None:
-    """Write what is visible from a cell, as bits (4,)."""
-    view[:] = 0
-    if belief[row, col] == OCCUPIED:
-        return
-    for k in range(visible_cells(belief, row, col, sensor.optics, scratch.scan)):
-        r, c = divmod(scratch.scan.cells[k], belief.shape[1])
-        view[(r * STRIDE + c) >> 6] |= _bit(r * STRIDE + c)
-
-
-@leaf()
-def _connect(belief: np.ndarray, passages: np.ndarray) -> None:
-    """List the neighbours of every cell that are not known to be obstacles."""
-    height, width = belief.shape
-    passages[:] = -1
-    for r in range(height):
-        for c in range(width):
-            for k in range(4):
-                i, j = r + MOVES[k, 0], c + MOVES[k, 1]
-                if 0 <= i < height and 0 <= j < width and belief[r, c] != OCCUPIED and belief[i, j] != OCCUPIED:
-                    passages[r * STRIDE + c, k] = i * STRIDE + j
-
-
-@leaf()
-def keep_up(
-    belief: np.ndarray,
-    sensor: Sensor,
-    scratch: Scratch,
-    planner: Planner,
-    obstacles: np.ndarray,
-    views: np.ndarray,
-    passages: np.ndarray,
-) -> bool:
-    """Bring ``views`` and ``passages`` up to date with the obstacles of a belief; return whether it shows any."""
-    height, width = belief.shape
-    reach, grown, any_known = sensor.reach + 1, False, False
-    planner.stale[:] = 0
-    for r in range(height):
-        for c in range(width):
-            now = belief[r, c] == OCCUPIED
-            any_known |= now
-            if obstacles[r, c] != now:
-                obstacles[r, c], grown = now, True
-                top, left = max(0, r - reach), max(0, c - reach)
-                planner.stale[top : r + reach + 1, left : c + reach + 1] = 1
-    if not grown:
-        return any_known
-    for r in range(height):
-        for c in range(width):
-            if planner.stale[r, c]:
-                _see(belief, r, c, sensor, scratch, views[r * STRIDE + c])
-    _connect(belief, passages)
-    return any_known
 
 
 @inner()
@@ -175,7 +112,7 @@ def _wanted(
         for c in range(belief.shape[1]):
             left_out = belief[r, c] != UNKNOWN or (stage > 0 and chance[r, c] < LIKELY)
             if left_out or (stage > 1 and _nearer_mate(cell[0], cell[1], r, c, mates, ages)):
-                out[(r * STRIDE + c) >> 6] &= ~_bit(r * STRIDE + c)
+                out[(r * STRIDE + c) >> 6] &= ~bit(r * STRIDE + c)
     return count((out[0], out[1], out[2], out[3]))
 
 

@@ -17,6 +17,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.learners.dddqn.ablations import ABLATION_SETTINGS, ABLATIONS, TEAM_ABLATIONS, flown
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.network import arrays
 from indoor_explorers.learners.dddqn.presets import PRESETS
@@ -27,7 +28,16 @@ from indoor_explorers.learners.dddqn.trial import Trial
 from indoor_explorers.learners.dddqn.weights import write_weights
 from indoor_explorers.learners.session import one_thread, patience
 
-__all__ = ["PRESETS", "Progress", "TrainingConfig", "train"]
+__all__ = [
+    "ABLATIONS",
+    "ABLATION_SETTINGS",
+    "PRESETS",
+    "TEAM_ABLATIONS",
+    "Progress",
+    "TrainingConfig",
+    "flown",
+    "train",
+]
 
 CHECKPOINT, WEIGHTS, RECORD = "checkpoint.safetensors", "weights.safetensors", "training.json"
 #: Packages that the result of a training depends on.
@@ -78,7 +88,7 @@ def train(
     """Train on a scenario and return the path of the weights in the folder ``out``.
 
     Writes ``weights.safetensors`` (the averaged weights that did best in evaluation), ``training.json``
-    (configuration, seed, versions, commit, evaluations) and ``checkpoint.safetensors`` (everything, to
+    (configuration, seed, versions, commits, evaluations) and ``checkpoint.safetensors`` (everything, to
     resume from). Ctrl-C finishes the tick, writes a checkpoint and raises :class:`KeyboardInterrupt`; a
     second one stops at once. The same seed gives the same weights, resumed or not: torch runs on one thread.
 
@@ -89,6 +99,7 @@ def train(
     checkpoint = _open_folder(out, resume)
     with one_thread(), patience() as interrupted:
         training = Training(config, scenario, seed, checkpoint)
+        training.note_commit(source_commit())
         with Scalars(out) as scalars:
 
             def tell(progress: Progress) -> None:
@@ -179,7 +190,8 @@ def _record(training: Training, scenario: Scenario) -> dict[str, Any]:
         "fingerprint": scenario.fingerprint,
         "config": training.config.model_dump(mode="json"),
         "versions": {"python": platform.python_version()} | versions(PACKAGES),
-        "commit": source_commit(),
+        "commit": training.commits[0],
+        "commits": training.commits,
         "steps": training.steps,
         "episodes": training.episodes,
         "evaluations": [trial._asdict() for trial in training.trials],

@@ -60,6 +60,8 @@ class Training:
         self.losses: list[float] = []
         self.ended: list[int] = []
         """Steps of the episodes that ended since this was last cleared."""
+        self.commits: list[str | None] = []
+        """Commits of the source that the training ran under, the one it began with first."""
         found = None if checkpoint is None else self._read(checkpoint)
         self.prior = self._survey() if found is None else prior_from(_part(found[0], "prior."))
         self.flying_rng, self.learning_rng = (
@@ -150,6 +152,11 @@ class Training:
         self.replay.reprioritise(batch.place, errors)
         return loss
 
+    def note_commit(self, commit: str | None) -> None:
+        """Remember the source's commit from here on."""
+        if self.commits[-1:] != [commit]:
+            self.commits.append(commit)
+
     def take_trial(self) -> Trial:
         """Evaluate the averaged weights and keep them when they are the best so far."""
         first = SEED_BLOCK * (2 + 2 * self.seed)
@@ -169,6 +176,7 @@ class Training:
             "steps": self.steps,
             "episodes": self.episodes,
             "trials": self.trials,
+            "commits": self.commits,
             "flying_rng": self.flying_rng.bit_generator.state,
             "learning_rng": self.learning_rng.bit_generator.state,
         }
@@ -200,6 +208,7 @@ class Training:
             raise _damaged(path, error) from error
         self.steps, self.episodes = notes["steps"], notes["episodes"]
         self.trials = [Trial(*trial) for trial in notes["trials"]]
+        self.commits = notes.get("commits", [None])  # unknown in checkpoints of before
         self.flying_rng.bit_generator.state = notes["flying_rng"]
         self.learning_rng.bit_generator.state = notes["learning_rng"]
 

@@ -13,6 +13,7 @@ from indoor_explorers.env.lidar import view_gain
 from indoor_explorers.learners.dddqn.config import LAYERS, Layer, ObservationConfig
 from indoor_explorers.learners.dddqn.layout import GAINS, SYMMETRIES, VISITS, Layout, layout, symmetries, turned
 from indoor_explorers.learners.dddqn.memory import Memory, new_memory
+from indoor_explorers.learners.dddqn.news import note
 from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
 from indoor_explorers.learners.dddqn.sensor import sensor
 from tests.learners.rooms import random_belief, small_room, some_prior
@@ -165,25 +166,87 @@ def test_identity_and_progress_say_who_and_how_far() -> None:
     assert scene[plan.progress_at + 2] == 128
 
 
+def gains_behind(belief: Belief, cell: Cell, lidar: float) -> list[float]:
+    """The six gains of a move to ``cell``, by their definition and a search of their own; for pixels of one cell."""
+    lens, steps = sensor(lidar), distance_field(belief, cell)
+    places = [(int(r), int(c)) for r, c in np.argwhere(steps < 1000)]
+    gains = {place: view_gain(belief, place, lidar) / lens.disc for place in places}
+    nearest = min((steps[place] * lens.rate for place, gain in gains.items() if gain > 0), default=None)
+    found = [gains[cell] ** 0.5, 1.0 if nearest is None else nearest / (nearest + 8)]
+    found += [max(gain * k ** steps[at] for at, gain in gains.items()) ** 0.5 for k in lens.decay]
+    shares = [gain * lens.rate**2 * lens.decay[0] ** steps[at] for at, gain in gains.items()]
+    return [*found, sum(shares) ** 0.5]
+
+
 def test_the_move_features_are_what_they_say() -> None:
     belief, (row, col) = random_belief(np.random.default_rng(9))
     watcher = watched(belief, (row, col))
     watcher.memory.visits[:] = 2
     watcher.look(belief, (row, col))
-    disc = sensor(3.0).disc
     for k, features in enumerate(watcher.moves[0]):
         r, c = (np.array((row, col)) + MOVES[k]).tolist()
         if not (0 <= r < belief.shape[0] and 0 <= c < belief.shape[1] and belief[r, c] == FREE):
             assert features.tolist() == [1, 0, 1, 0, 0, 0, 0, 0]
             continue
-        steps = distance_field(belief, (r, c))
-        places = [(int(r), int(c)) for r, c in np.argwhere(steps < 1000)]
-        gains = {place: view_gain(belief, place, 3.0) / disc for place in places}
-        nearest = min(steps[place] for place, gain in gains.items() if gain > 0)
-        expected = [0.0, gains[r, c] ** 0.5, nearest / (nearest + 8)]
-        expected += [max(gain * k ** steps[at] for at, gain in gains.items()) ** 0.5 for k in (0.7, 0.85, 0.95)]
-        expected += [sum(gain * 0.7 ** steps[at] for at, gain in gains.items()) ** 0.5, 0.5]
-        np.testing.assert_allclose(features, expected, rtol=1e-5)
+        np.testing.assert_allclose(features, [0.0, *gains_behind(belief, (r, c), 3.0), 0.5], rtol=1e-5)
+
+
+@pytest.mark.parametrize("lidar", [1.0, 2.0, 3.0, 5.5])
+def test_one_search_tells_what_lies_behind_every_move(lidar: float) -> None:
+    rng, compared = np.random.default_rng(21), 0
+    for _ in range(12):
+        belief, cell = random_belief(rng)
+        moves = watched(belief, cell, lidar=lidar).moves[0]
+        for k in np.flatnonzero(moves[:, 0] == 0):
+            r, c = (np.array(cell) + MOVES[k]).tolist()
+            np.testing.assert_allclose(moves[k, 1:7], gains_behind(belief, (r, c), lidar), rtol=1e-5)
+            compared += 1
+    assert compared > 20
+
+
+@pytest.mark.parametrize("lidar", [3.0, 7.0])
+def test_what_is_kept_equals_what_is_worked_out_anew(lidar: float) -> None:
+    scenario = small_room(9).with_settings(
+        {"map.height": 19, "map.width": 22, "team": 3, "lidar.range": lidar, "radio.model": "square", "radio.range": 4}
+    )
+    world, rng = World(scenario), np.random.default_rng(2)
+    world.reset([4])
+    sight = ObservationConfig(layers=("unknown", "free", "chance"), visits=False, tours=False)
+    kept = [Watcher(sight, (19, 22), lidar) for _ in range(3)]
+    heard = 0
+    while world.flying.any():
+        actions = np.full((1, 3), 4)
+        for n in np.flatnonzero(world.flying[0]).tolist():
+            view, fresh = world.view(0, n), Watcher(sight, (19, 22), lidar)
+            heard += any(mate.age == 0 for mate in view.mates)
+            for watcher in (kept[n], fresh):
+                watcher.look(view.belief, view.cell)
+            assert np.array_equal(kept[n].scene, fresh.scene)
+            assert np.array_equal(kept[n].moves, fresh.moves)
+            assert np.array_equal(kept[n].memory.chance, fresh.memory.chance)
+            assert kept[n].memory.nearest[0] == fresh.memory.nearest[0]
+            gains = kept[n].memory.gain[0]
+            for row, col in rng.permutation(np.argwhere(gains >= 0))[:20].tolist():
+                assert gains[row, col] == view_gain(view.belief, (row, col), lidar)
+            actions[0, n] = rng.choice(np.flatnonzero(view.legal[:4]))
+        world.step(actions)
+    assert heard > 10
+
+
+def test_news_come_in_boxes_that_hold_all_of_it() -> None:
+    rng = np.random.default_rng(6)
+    belief, noted, boxes = np.zeros((9, 12), np.uint8), np.zeros((9, 12), np.uint8), np.zeros((5, 4), np.int64)
+    for share in (0.02, 0.1, 0.0, 0.5, 1.0):
+        belief[(rng.random(belief.shape) < share) & (belief == UNKNOWN)] = FREE
+        news, covered = (belief != UNKNOWN) & (noted == 0), np.zeros(belief.shape, np.bool_)
+        count = note(belief, noted, boxes)
+        for top, left, bottom, right in boxes[:count].tolist():
+            assert news[top:bottom, left:right].any(axis=1).all()
+            assert news[top:bottom, left].any()
+            assert news[top:bottom, right - 1].any()
+            covered[top:bottom, left:right] = True
+        assert not news[~covered].any()
+        assert np.array_equal(noted == 1, belief != UNKNOWN)
 
 
 @pytest.mark.parametrize(("switched_off", "fewer"), [({"gains": False}, len(GAINS)), ({"visits": False}, len(VISITS))])

@@ -23,7 +23,7 @@ def test_a_patch_holds_the_cells_around_one() -> None:
 def test_chances_are_those_of_the_net() -> None:
     belief, _ = random_belief(np.random.default_rng(2))
     prior, chance, patch = some_prior(), np.zeros(belief.shape, np.uint8), np.zeros(49, np.uint8)
-    write_chances(belief, prior, patch, chance)
+    write_chances(belief, prior, patch, np.array([0, 0, *belief.shape]), chance)
     assert not chance[belief != UNKNOWN].any()
     for row, col in np.argwhere(belief == UNKNOWN).tolist():
         if write_patch(belief, row, col, patch) == 0:
@@ -38,7 +38,7 @@ def test_chances_are_those_of_the_net() -> None:
 def test_without_a_prior_every_unknown_cell_counts() -> None:
     belief, _ = random_belief(np.random.default_rng(3))
     chance = np.zeros(belief.shape, np.uint8)
-    write_chances(belief, no_prior(), np.zeros(49, np.uint8), chance)
+    write_chances(belief, no_prior(), np.zeros(49, np.uint8), np.array([0, 0, *belief.shape]), chance)
     assert np.array_equal(chance, np.where(belief == UNKNOWN, 255, 0))
     assert prior_arrays(no_prior()) == {}
     assert len(prior_from({}).hidden) == 0

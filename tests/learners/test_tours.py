@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import MOVES
 from indoor_explorers.env.lidar import view_gain
 from indoor_explorers.learners.dddqn.beam import Aim, follow_tour, new_beam, shortest_tour
+from indoor_explorers.learners.dddqn.bitboards import STRIDE, count, pairs, without
 from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.layout import TOURS
-from indoor_explorers.learners.dddqn.memory import STRIDE, new_memory
+from indoor_explorers.learners.dddqn.memory import new_memory
 from indoor_explorers.learners.dddqn.sensor import scratch, sensor
-from indoor_explorers.learners.dddqn.tours import keep_up, new_planner
+from indoor_explorers.learners.dddqn.terrain import keep_up
 from tests.learners.rooms import random_belief
 from tests.learners.test_observation import Watcher
 
@@ -44,11 +46,10 @@ class Room:
 
     def __init__(self, belief: Belief) -> None:
         self.belief = belief
-        memory, lens = new_memory(1, belief.shape, tours=True), sensor(3.0)
+        memory, lens, stale = new_memory(1, belief.shape, tours=True), sensor(3.0), np.zeros((16, 16), np.uint8)
         self.views, self.passages = memory.views[0], memory.passages[0]
-        self.obstructed = keep_up(
-            belief, lens, scratch(belief.shape, lens), new_planner(), memory.obstacles[0], self.views, self.passages
-        )
+        work = scratch(belief.shape, lens)
+        self.obstructed = keep_up(belief, lens, work, stale, memory.obstacles[0], self.views, self.passages)
 
     def seen(self, cell: tuple[int, int]) -> Cells:
         return cells_of(self.views[cell[0] * STRIDE + cell[1]])
@@ -69,6 +70,23 @@ class Room:
                     steps[state] = steps[cell, left] + 1
                     queue.append(state)
         raise AssertionError("no tour")
+
+
+@kernel()
+def measured(words: np.ndarray) -> tuple[int, int]:
+    """The size of a set and its pairs of neighbours, for Python."""
+    cells = without(words, np.zeros(4, np.uint64))
+    return count(cells), pairs(cells)
+
+
+def test_sets_are_counted_with_their_neighbours() -> None:
+    rng = np.random.default_rng(2)
+    for share in (0.0, 0.1, 0.5, 1.0):
+        inside = np.argwhere(rng.random((16, 16)) < share).tolist()
+        cells = frozenset((r, c) for r, c in inside)
+        forward = ((0, 1), (1, -1), (1, 0), (1, 1))
+        expected = sum((r + down, c + right) in cells for r, c in cells for down, right in forward)
+        assert measured(bits(cells)) == (len(cells), expected)
 
 
 def small_belief(seed: int) -> tuple[Belief, tuple[int, int]]:

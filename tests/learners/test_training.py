@@ -77,6 +77,22 @@ def test_the_record_tells_how_the_weights_were_made(tmp_path: Path) -> None:
     assert {"numpy", "torch", "python"} <= record["versions"].keys()
 
 
+def test_a_resumed_training_records_each_commit_that_it_ran_under(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    commits = iter(["first", "second", "second", "third"])
+    monkeypatch.setattr("indoor_explorers.learners.dddqn.train.source_commit", lambda: next(commits))
+    longer = TINY.model_copy(update={"total_steps": 1600})
+    for _ in range(3):
+        _, report = interrupt_at(1)
+        with pytest.raises(KeyboardInterrupt):
+            train(longer, small_room(), tmp_path, seed=1, resume=True, report=report)  # type: ignore[arg-type]
+    train(longer, small_room(), tmp_path, seed=1, resume=True)
+    record = json.loads((tmp_path / RECORD).read_text())
+    assert record["commit"] == "first"
+    assert record["commits"] == ["first", "second", "third"]
+
+
 def test_another_training_in_the_folder_is_refused(tmp_path: Path) -> None:
     train(TINY, small_room(), tmp_path, seed=1)
     with pytest.raises(InputError, match=r"already holds a training; give --resume"):

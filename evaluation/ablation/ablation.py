@@ -1,0 +1,79 @@
+"""The ablate command: train what is missing, judge what is finished, write the table and the figure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.presets import named_scenario
+from indoor_explorers.evaluation.ablation.drawing import write_figure
+from indoor_explorers.evaluation.ablation.judging import judge
+from indoor_explorers.evaluation.ablation.orders import Order, orders_of
+from indoor_explorers.evaluation.ablation.running import Failure, train_all
+from indoor_explorers.evaluation.ablation.table import printed, write_table
+
+
+def run_ablation(
+    learner: str,
+    scenario_name: str,
+    out: Path,
+    console: Console,
+    *,
+    patterns: Sequence[str],
+    settings: Mapping[str, Any],
+    seeds: int,
+    jobs: int,
+    episodes: int,
+    command: str = "",
+) -> list[Failure]:
+    """Train the variants of a learner that match ``patterns``, and the full one, and compare them on unseen maps.
+
+    Writes ``out/VARIANT/seed-S/`` for each training, ``judged/results.db``, ``ablation.csv`` and
+    ``figures/ablation.{svg,png,pdf}``. What is finished is neither trained nor flown again. After a Ctrl-C, table and
+    figure are written from what is finished. Returns the trainings that failed.
+
+    Raises:
+        InputError: there is no such learner, variant, scenario or setting, or ``out`` holds other trainings.
+
+    """
+    scenario = named_scenario(scenario_name)
+    orders = orders_of(learner, scenario_name, scenario, patterns=patterns, settings=settings, seeds=seeds, out=out)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        try:
+            failures = train_all(orders, jobs, lambda line: console.print(line, highlight=False, soft_wrap=True))
+        except KeyboardInterrupt:
+            console.print("interrupted; judging what is finished, Ctrl-C again leaves that out")
+            _conclude(orders, scenario, out, console, episodes, jobs, command)
+            raise
+        _conclude(orders, scenario, out, console, episodes, jobs, command)
+    except OSError as error:
+        raise InputError(
+            f"{error.filename or out}: cannot be written: {error.strerror}; choose another --out"
+        ) from error
+    return failures
+
+
+def _conclude(
+    orders: Sequence[Order],
+    scenario: Scenario,
+    out: Path,
+    console: Console,
+    episodes: int,
+    workers: int,
+    command: str,
+) -> None:
+    """Judge what is finished, and write and print what came out."""
+    found = judge(orders, scenario, out, episodes=episodes, workers=workers, command=command)
+    if not found:
+        console.print(f"no training of {orders[0].variant!r} is finished yet, with which all others are compared")
+        return
+    write_table(found, out / "ablation.csv")
+    figure = write_figure(found, scenario.name, out / "figures")
+    console.print(printed(found))
+    console.print(f"Table: {out / 'ablation.csv'}", highlight=False, soft_wrap=True)
+    console.print(f"Figure: {figure}", highlight=False, soft_wrap=True)

@@ -1,0 +1,113 @@
+"""Trainings in processes of their own, some at once; one that fails does not end the others."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from typing import IO, NamedTuple
+
+from indoor_explorers.evaluation.ablation.orders import Order, read_note
+
+#: Seconds between two looks at the processes.
+PAUSE = 0.2
+#: Every process learns on one thread; ``--jobs`` says how many there are.
+THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+COMMAND = (sys.executable, "-P", "-m", "indoor_explorers.evaluation.ablation.child")
+
+
+class Failure(NamedTuple):
+    """A training that did not end well."""
+
+    order: Order
+    reason: str
+
+
+class Child:
+    """The process of one training."""
+
+    def __init__(self, order: Order) -> None:
+        self.order = order
+        self._errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115  # lives as long as the process
+        self._process = subprocess.Popen(
+            COMMAND,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=self._errors,
+            env={**os.environ, **dict.fromkeys(THREADS, "1")},
+            start_new_session=True,  # a Ctrl-C reaches it once, through interrupt
+        )
+        assert self._process.stdin is not None
+        with self._process.stdin as pipe:
+            pipe.write(json.dumps(order._asdict()).encode())
+
+    @property
+    def over(self) -> bool:
+        """Tell whether the process has ended."""
+        return self._process.poll() is not None
+
+    def failure(self) -> Failure | None:
+        """Return why the training failed, None when it did not; the process has ended."""
+        self._errors.seek(0)
+        lines = self._errors.read().decode(errors="replace").strip().splitlines()
+        self._errors.close()
+        status = self._process.wait()
+        return Failure(self.order, lines[-1] if lines else f"ended with status {status}") if status else None
+
+    def interrupt(self) -> None:
+        """Ask the training to write a checkpoint and stop."""
+        if not self.over:
+            self._process.send_signal(signal.SIGINT)
+
+    def wait(self) -> None:
+        """Wait for the end of the process."""
+        self._process.wait()
+        self._errors.close()
+
+    def kill(self) -> None:
+        """End the process at once."""
+        self._process.kill()
+        self.wait()
+
+
+def train_all(orders: Sequence[Order], jobs: int, tell: Callable[[str], None]) -> list[Failure]:
+    """Train what is not finished, ``jobs`` at once, and return what failed; Ctrl-C writes checkpoints first."""
+    waiting = [order for order in orders if "weights" not in read_note(order)][::-1]
+    running: list[Child] = []
+    failures: list[Failure] = []
+    try:
+        while waiting or running:
+            while waiting and len(running) < jobs:
+                running.append(Child(waiting.pop()))
+                tell(f"{running[-1].order.title}: training, {len(waiting)} more to go")
+            time.sleep(PAUSE)
+            for child in [child for child in running if child.over]:
+                running.remove(child)
+                failure = child.failure()
+                failures += [failure] if failure else []
+                tell(f"{child.order.title}: {failure.reason if failure else _took(child.order)}")
+    finally:
+        _stop(running)
+    return failures
+
+
+def _stop(running: Sequence[Child]) -> None:
+    """Let trainings write their checkpoints and end; a Ctrl-C meanwhile ends them at once."""
+    for child in running:
+        child.interrupt()
+    try:
+        for child in running:
+            child.wait()
+    except KeyboardInterrupt:
+        for child in running:
+            child.kill()
+        raise
+
+
+def _took(order: Order) -> str:
+    return f"trained in {read_note(order)['minutes']:.1f} min"

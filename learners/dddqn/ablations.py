@@ -1,0 +1,64 @@
+"""Trainings that differ from the default in one ingredient each, to see what it is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+#: What all trainings share: short ones, since they are compared after equally many moves.
+ABLATION_SETTINGS: Mapping[str, Any] = {
+    "total_steps": 600_000,
+    "evaluation_every": 48_000,
+    "checkpoint_every": 192_000,
+}
+
+_LAYERS = ("unknown", "free", "chance")
+_MATES = {"observation.layers": (*_LAYERS, "mates", "mates_past")}
+_IDENTITY = {"observation.identity": True}
+
+#: Settings by name; the first is what all others are compared with.
+ABLATIONS: Mapping[str, Mapping[str, Any]] = {
+    "full": {},
+    "no-double": {"double": False},
+    "no-dueling": {"network.dueling": False},
+    "1-step": {"return_steps": 1},
+    "10-step": {"return_steps": 10},
+    "prioritised": {"prioritised": 0.6},
+    "hard-target": {"target": "hard"},
+    "no-layer-norm": {"network.layer_norm": False},
+    "double-width": {"network.width": 512},
+    "noisy": {"network.noisy": True, "epsilon_first": 0.0, "epsilon_last": 0.0},
+    "no-mask": {"mask": False},
+    "no-symmetries": {"symmetries": False},
+    "no-early-reward": {"reward_early_step": 0.0},
+    "gamma-0.99": {"gamma_first": 0.99, "gamma_last": 0.99},
+    "no-gains": {"observation.gains": False},
+    "no-tours": {"observation.tours": False},
+    "map-alone": {"observation.gains": False, "observation.tours": False},
+    "map-alone-no-prior": {
+        "observation.gains": False,
+        "observation.tours": False,
+        "observation.layers": ("unknown", "free"),
+    },
+    "no-chance": {"observation.layers": ("unknown", "free")},
+    "no-coarse": {"observation.coarse": 0},
+    "crop-9": {"observation.crop": 9},
+    "no-sides": {"observation.sides": False},
+    "no-visits": {"observation.visits": False},
+    "3-frames": {"observation.frames": 3},
+    "frontier-layers": {"observation.layers": (*_LAYERS, "frontier", "distance")},
+    "identity-progress": {**_IDENTITY, "observation.progress": True},
+}
+
+#: More of them where a team is trained.
+TEAM_ABLATIONS: Mapping[str, Mapping[str, Any]] = {
+    "mates": _MATES,
+    "identity": _IDENTITY,
+    "mates-identity": {**_MATES, **_IDENTITY},
+}
+
+
+def flown(weights: Path) -> dict[str, Any]:
+    """Return how a comparison flies trained weights: by themselves, without the guard."""
+    return {"use": "dddqn", "parameters": {"weights": str(weights.resolve()), "guard": False}}
