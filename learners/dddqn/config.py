@@ -6,7 +6,9 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
+from indoor_explorers.env.presets import named_scenario
 from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.learners.dddqn.sensor import REFERENCE_RANGE, sensor
 
 #: Layers that the fine map may have, in the order in which they are written.
 Layer = Literal["unknown", "free", "chance", "visits", "frontier", "distance", "mates", "mates_past"]
@@ -80,10 +82,13 @@ class TrainingConfig(_Config):
     """What the network sees."""
     network: NetworkConfig = NetworkConfig()
     """The network."""
+    also: tuple[str, ...] = ()
+    """Further scenarios trained on side by side with the first by the same network: presets or ``.toml`` files."""
     total_steps: int = Field(3_000_000, ge=1)
     """Moves made in training, all environments together."""
     environments: int = Field(64, ge=1, le=4096)
-    """Episodes flown side by side; the updates of the network follow each tick of all of them."""
+    """Episodes flown side by side, shared out among the scenarios, at least four for each of several; the updates of
+    the network follow each tick of all of them."""
     updates_per_tick: int = Field(1, ge=1, le=64)
     """Updates of the network after each tick."""
     warmup_steps: int = Field(6_400, ge=0)
@@ -144,25 +149,46 @@ class TrainingConfig(_Config):
     """Paid for each cell that the UAV's own lidar discovers."""
     reward_goal: float = 1.0
     """Paid for reaching the goal."""
+    scale_rewards: bool = False
+    """Pay by the lidar: steps in proportion to 3 / range, and cells to the cells of a disc of range 3 over those in
+    range. So a map that is as many lidar ranges across is worth as much with any lidar; at range 3 nothing changes."""
     evaluation_every: int = Field(192_000, ge=1)
     """Moves between two evaluations."""
     evaluation_episodes: int = Field(200, ge=1, le=100_000)
-    """Episodes of one evaluation: greedy, without the guard, on maps kept apart from training."""
+    """Episodes of one evaluation on each scenario: greedy, without the guard, on maps kept apart from training."""
     checkpoint_every: int = Field(384_000, ge=1)
     """Moves between two checkpoints."""
 
     def task(self, scenario: Scenario) -> Scenario:
         """Return the scenario as it is trained on: to ``goal`` of the reachable cells, with these rewards."""
+        area = sensor(REFERENCE_RANGE).disc / sensor(scenario.lidar.range).disc if self.scale_rewards else 1.0
         return scenario.for_evaluation().with_settings(
             {
                 "goal": self.goal,
                 "on_collision": "block",
-                "rewards.step": self.reward_step,
-                "rewards.discovered": self.reward_discovered,
+                "rewards.step": self.reward_step * self._pace(scenario),
+                "rewards.discovered": self.reward_discovered * area,
                 "rewards.received": 0.0,
                 "rewards.goal": self.reward_goal,
             }
         )
+
+    def tasks(self, scenario: Scenario) -> list[Scenario]:
+        """Return all scenarios as they are trained on: this one, then ``also``.
+
+        Raises:
+            InputError: one of them is no preset and no scenario file.
+
+        """
+        return [self.task(each) for each in (scenario, *map(named_scenario, self.also))]
+
+    def early_step(self, scenario: Scenario) -> float:
+        """Return what is paid on top for each step of a scenario until 90 % of the reachable cells are known."""
+        return self.reward_early_step * self._pace(scenario)
+
+    def _pace(self, scenario: Scenario) -> float:
+        """Return what a step of a scenario counts."""
+        return sensor(scenario.lidar.range).rate if self.scale_rewards else 1.0
 
     def epsilon(self, share: float) -> float:
         """Return the exploration after a ``share`` of the training."""

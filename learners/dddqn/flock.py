@@ -79,6 +79,11 @@ class Flock:
         """(C,) steps since each UAV's episode began."""
         return np.repeat(self.world.state.step, self.world.scenario.team)
 
+    @property
+    def coverage(self) -> NDArray[np.float64]:
+        """(C,) share of the reachable cells that each UAV's team knows."""
+        return np.repeat(self.world.team_coverage, self.world.scenario.team)
+
     def _known(self) -> Known:
         state, team = self.world.state, self.world.scenario.team
         heard = state.heard_step.reshape(self.columns, team)

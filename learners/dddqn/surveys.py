@@ -6,6 +6,7 @@ cells around it and whether it counts. Flown before the training, on maps that n
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -68,6 +69,12 @@ def collect(scenario: Scenario, first_seed: int, most: int = MOST) -> Notes:
         if found == most:
             break
     return Notes(patch[:found], label[:found])
+
+
+def collect_all(scenarios: Sequence[Scenario], first_seed: int, most: int = MOST) -> Notes:
+    """Collect up to ``most`` notes in equal parts from several scenarios."""
+    parts = [collect(scenario, first_seed, most // len(scenarios)) for scenario in scenarios]
+    return Notes(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
 def fit_prior(notes: Notes, seed: int) -> MapPrior:

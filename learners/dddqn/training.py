@@ -15,12 +15,12 @@ from indoor_explorers.env.arrays import Mask
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.dddqn.flock import Flock
+from indoor_explorers.learners.dddqn.flocks import Flocks
 from indoor_explorers.learners.dddqn.learner import BLOCKED, Learner
 from indoor_explorers.learners.dddqn.prior import MapPrior, no_prior, prior_arrays, prior_from
 from indoor_explorers.learners.dddqn.replay import Replay
-from indoor_explorers.learners.dddqn.surveys import collect, fit_prior
-from indoor_explorers.learners.dddqn.trial import Trial, evaluate
+from indoor_explorers.learners.dddqn.surveys import collect_all, fit_prior
+from indoor_explorers.learners.dddqn.trial import Trial, evaluate, mean_trial
 from indoor_explorers.learners.dddqn.weights import read_tensors, write_tensors
 
 #: Episode seeds of trainings start here, 2 * SEED_BLOCK apart, far from any seed that comparisons use; each
@@ -54,7 +54,7 @@ class Training:
         if seed < 0:
             raise InputError(f"expected a seed of at least 0, got {seed}")
         self.config, self.seed = config, seed
-        self.task = config.task(scenario)
+        self.tasks = config.tasks(scenario)
         self.steps = self.episodes = 0
         self.trials: list[Trial] = []
         self.losses: list[float] = []
@@ -68,7 +68,8 @@ class Training:
             np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(2)
         )
         self.learner = Learner(config.observation, config, seed)
-        self.flock = Flock(self.task, config.observation, self.prior, config.environments, self._next_seed)
+        self.flock = Flocks(self.tasks, config.observation, self.prior, config.environments, self._next_seed)
+        self._early_steps = self.flock.repeat([config.early_step(task) for task in self.tasks])
         self.replay = Replay(
             self._slots(),
             self.flock.columns,
@@ -84,7 +85,7 @@ class Training:
         observation = self.config.observation
         if not (observation.tours or "chance" in observation.layers):
             return no_prior()
-        return fit_prior(collect(self.task, SEED_BLOCK * (1 + 2 * self.seed) + 3 * SEED_BLOCK // 4), self.seed)
+        return fit_prior(collect_all(self.tasks, SEED_BLOCK * (1 + 2 * self.seed) + 3 * SEED_BLOCK // 4), self.seed)
 
     def _slots(self) -> int:
         slots = self.config.replay_steps // self.flock.columns
@@ -119,21 +120,15 @@ class Training:
         flown = flying.result()
         self.replay.add(*flown)
         self.steps += int((~flown.over).sum())
-        over = np.flatnonzero(flown.over.reshape(self.config.environments, -1).all(axis=1))
-        self.ended += self.flock.world.state.step[over].tolist()
-        self.flock.restart(over)
+        self.ended += self.flock.renew(flown.over)
 
     def _fly(self) -> Flown:
         flock = self.flock
         over, age = flock.over, flock.age
-        flock.observe(np.arange(flock.columns))
+        flock.observe()
         action, explored = self._choose()
-        reward = flock.step(action) + self.config.reward_early_step * self._early()
+        reward = flock.step(action) + self._early_steps * (flock.coverage < EARLY)
         return Flown(flock.scene, flock.moves, action, reward, flock.terminal & ~over, explored, over, age)
-
-    def _early(self) -> Mask:
-        """(C,) episodes in which less than 90 % of the cells are known."""
-        return np.repeat(self.flock.world.team_coverage < EARLY, self.task.team)
 
     def _choose(self) -> tuple[NDArray[np.int64], Mask]:
         """Choose epsilon-greedily; return the moves (C,) and which were drawn at random."""
@@ -160,7 +155,10 @@ class Training:
     def take_trial(self) -> Trial:
         """Evaluate the averaged weights and keep them when they are the best so far."""
         first = SEED_BLOCK * (2 + 2 * self.seed)
-        trial = evaluate(self.learner, self.task, self.prior, self.config.evaluation_episodes, first, self.steps)
+        episodes = self.config.evaluation_episodes
+        trial = mean_trial(
+            [evaluate(self.learner, task, self.prior, episodes, first, self.steps) for task in self.tasks]
+        )
         if not self.trials or trial.score <= min(other.score for other in self.trials):
             self.learner.best.load_state_dict(self.learner.average.state_dict())
         self.trials.append(trial)
@@ -168,7 +166,8 @@ class Training:
 
     def identity(self) -> dict[str, Any]:
         """Return what makes this training: a checkpoint of another one is refused."""
-        return {"config": self.config.model_dump(mode="json"), "task": self.task.fingerprint, "seed": self.seed}
+        task = " ".join(task.fingerprint for task in self.tasks)
+        return {"config": self.config.model_dump(mode="json"), "task": task, "seed": self.seed}
 
     def save(self, path: Path) -> None:
         """Write everything to a safetensors file."""
@@ -204,10 +203,10 @@ class Training:
             self.learner.restore(tensors)
             self.flock.restore(tensors)
             self.replay.restore(tensors)
-        except (KeyError, RuntimeError, ValueError) as error:
+            self.trials = [Trial(*trial) for trial in notes["trials"]]
+        except (KeyError, RuntimeError, TypeError, ValueError) as error:
             raise _damaged(path, error) from error
         self.steps, self.episodes = notes["steps"], notes["episodes"]
-        self.trials = [Trial(*trial) for trial in notes["trials"]]
         self.commits = notes.get("commits", [None])  # unknown in checkpoints of before
         self.flying_rng.bit_generator.state = notes["flying_rng"]
         self.learning_rng.bit_generator.state = notes["learning_rng"]

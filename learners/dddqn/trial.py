@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,11 +24,14 @@ class Trial(NamedTuple):
     """The same for the goal of the training."""
     missed: float
     """Share of the episodes that never reached the goal."""
+    score: float
+    """What the best weights have least of: the mean steps to both marks, in budgets."""
 
-    @property
-    def score(self) -> float:
-        """What the best weights have least of: the steps to both marks."""
-        return self.t90 + self.t_goal
+
+def mean_trial(trials: Sequence[Trial]) -> Trial:
+    """Return the means of the trials of one moment on several scenarios."""
+    figures = np.mean([trial[1:] for trial in trials], axis=0)
+    return Trial(trials[0].steps, *map(float, figures))
 
 
 def evaluate(learner: Learner, task: Scenario, prior: MapPrior, episodes: int, first_seed: int, steps: int) -> Trial:
@@ -44,4 +48,5 @@ def evaluate(learner: Learner, task: Scenario, prior: MapPrior, episodes: int, f
         reached = np.where(world.team_coverage >= 0.9, np.minimum(reached, world.state.step), reached)
     missed = world.state.team_covered < world.state.needed
     t_goal = np.where(missed, world.state.budget, world.state.step)
-    return Trial(steps, float(reached.mean()), float(t_goal.mean()), float(missed.mean()))
+    score = ((reached + t_goal) / world.state.budget).mean()
+    return Trial(steps, float(reached.mean()), float(t_goal.mean()), float(missed.mean()), float(score))

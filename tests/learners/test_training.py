@@ -124,7 +124,7 @@ def test_goals_are_terminal_and_budgets_are_not() -> None:
     for _ in range(150):
         training.tick()
         slot = (training.replay.written - 1) % len(training.replay.data.action)
-        end = training.flock.world.state.end.ravel()
+        end = training.flock.flocks[0].world.state.end.ravel()
         data = training.replay.data
         ends += end[~data.over[slot]].tolist()
         assert np.array_equal(data.terminal[slot], (end == End.GOAL) & ~data.over[slot])
@@ -147,14 +147,14 @@ def test_exploratory_moves_are_legal_and_marked() -> None:
     for _ in range(60):
         training.tick()
     assert training.replay.data.explored[:60].all()
-    assert training.flock.world.state.collisions.sum() == 0
+    assert training.flock.flocks[0].world.state.collisions.sum() == 0
 
 
 def test_training_and_evaluation_never_share_an_episode() -> None:
     training = Training(TINY, small_room(), 3)
     for _ in range(200):
         training.tick()
-    seeds = np.array(training.flock.world.seeds)
+    seeds = np.array(training.flock.flocks[0].world.seeds)
     assert ((seeds > 7 * SEED_BLOCK) & (seeds < 8 * SEED_BLOCK)).all()
     before = training.flock.tensors()
     copies = {name: array.copy() for name, array in before.items()}
