@@ -101,6 +101,13 @@ def _second_phase() -> Iterator[Scenario]:
             )
 
 
+def _always_linked() -> Iterator[Scenario]:
+    """Yield its teams with a radio that reaches everywhere, as a bound of what communication is worth."""
+    for team in (2, 4):
+        room = _thesis(f"thesis-team-{team}-radio-unlimited", obstacles=5, team=team)
+        yield room.model_copy(update={"radio": Radio(model="unlimited")})
+
+
 #: Scenarios with a name.
 PRESETS: dict[str, Scenario] = {
     preset.name: preset
@@ -111,6 +118,7 @@ PRESETS: dict[str, Scenario] = {
         _thesis("thesis-team-4", obstacles=5, team=4, radio=3.0),
         *_first_phase(),
         *_second_phase(),
+        *_always_linked(),
         _building("office", OfficeMap(), 1500),
         _building("rooms", RoomsMaps(), 1000),
         _building("offices", OfficesMaps(), 1000),

@@ -73,6 +73,9 @@ class NetworkConfig(_Config):
     """Q = V + A - mean A (Wang et al. 2016); without, the last layer gives Q itself."""
     noisy: bool = False
     """Explore by noise in the weights of the last layers (Fortunato et al. 2018) on top of epsilon."""
+    tour_cost: float = Field(0.1, ge=0.0)
+    """Begin with what the tours say, where they are seen: each step that a move's tour takes beyond the shortest, to
+    the goal and to 90 %, costs so much at first. The network learns what to put right. 0 begins with nothing."""
 
 
 class TrainingConfig(_Config):
@@ -101,6 +104,9 @@ class TrainingConfig(_Config):
     """Rewards summed before the network's own estimate takes over; fewer before an exploratory move."""
     double: bool = True
     """Let the online network choose the move that the target network values (van Hasselt et al. 2016)."""
+    action_gap: float = Field(0.0, ge=0.0, lt=1.0)
+    """Share of the distance to the best move's value that is taken off the target of each other move (advantage
+    learning, Bellemare et al. 2016, alpha): errors of the network then change fewer decisions. 0 takes off nothing."""
     prioritised: float = Field(0.0, ge=0.0, le=1.0)
     """Exponent of the error in the chance to be replayed (Schaul et al. 2016, alpha); 0 replays uniformly."""
     importance: float = Field(0.4, ge=0.0, le=1.0)

@@ -103,6 +103,7 @@ class Flock:
 
     def step(self, actions: NDArray[np.int64]) -> NDArray[np.float64]:
         """Make one move (C,) each; return the rewards (C,)."""
+        self.memory.aim(self.world.state.cell.reshape(self.columns, 2), actions)
         self.world.step(actions.reshape(self.world.state.end.shape))
         return self.world.state.reward.ravel()
 

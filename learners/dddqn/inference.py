@@ -40,6 +40,7 @@ class Weights(NamedTuple):
     move_hidden_bias: Array
     move_out: Array
     move_out_bias: Array
+    tours: Array
     layer_norm: bool
     dueling: bool
 
@@ -51,10 +52,12 @@ def shapes(layout: Layout, config: NetworkConfig) -> dict[str, tuple[int, ...]]:
     if config.dueling:
         linear["value"] = (1, config.width)
     linear["advantage"] = (4, config.width)
+    if layout.tours_at >= 0 and config.tour_cost > 0.0:
+        linear["tours"] = (1, layout.features)
     linear |= {"move_hidden": (config.move_width, layout.features), "move_out": (1, config.move_width)}
     found: dict[str, tuple[int, ...]] = {}
     for name, shape in linear.items():
-        found |= {f"{name}.weight": shape, f"{name}.bias": shape[:1]}
+        found |= {f"{name}.weight": shape} | ({} if name == "tours" else {f"{name}.bias": shape[:1]})
         if config.layer_norm and name in ("look", "think"):
             found |= {f"{name}_norm.weight": shape[:1], f"{name}_norm.bias": shape[:1]}
     return found
@@ -67,8 +70,10 @@ def weights_from(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: Net
     for name in matrices:
         names += [f"{name}.weight", f"{name}.bias"]
         names += [f"{name}_norm.weight", f"{name}_norm.bias"] * (name == "think")
+    names += ["tours.weight"]
     there = shapes(layout, config)
-    empty = {name: np.zeros((0, 0) if name == "value.weight" else 0, np.float32) for name in names if name not in there}
+    matrix = ("value.weight", "tours.weight")
+    empty = {name: np.zeros((0, 0) if name in matrix else 0, np.float32) for name in names if name not in there}
     found: list[Any] = [np.ascontiguousarray({**arrays, **empty}[name].T, np.float32) for name in names]
     return Weights._make([*found, config.layer_norm, config.dueling])
 
@@ -113,6 +118,8 @@ def _own_values(moves: np.ndarray, weights: Weights, out: np.ndarray) -> None:
         total = weights.move_out_bias[0]
         for j in range(hidden.shape[0]):
             total += max(hidden[j], np.float32(0.0)) * weights.move_out[j, 0]
+        for i in range(weights.tours.shape[0]):
+            total += moves[k, i] * weights.tours[i, 0]
         out[k] += total
 
 

@@ -49,6 +49,10 @@ TOURS = (
 )
 
 
+#: Steps beyond the shortest tour at which that feature is 1.
+BEYOND = 8.0
+
+
 class Layout(NamedTuple):
     """Offsets and sizes as plain numbers for compiled code; an offset of -1 means left out."""
 
@@ -121,6 +125,19 @@ def _places(at: int, *sizes: int) -> list[int]:
         places.append(at if size else -1)
         at += size
     return [*places, at]
+
+
+def tour_costs(plan: Layout, cost: float) -> NDArray[np.float32] | None:
+    """Return weights (F,) of the features of a move by which each step beyond the shortest tours costs ``cost``.
+
+    None where no tours are seen or they cost nothing.
+    """
+    if plan.tours_at < 0 or cost == 0.0:
+        return None
+    weights = np.zeros(plan.features, np.float32)
+    for name in ("its steps beyond the shortest", "its steps beyond the shortest to 90 %"):
+        weights[plan.tours_at + TOURS.index(name)] = -cost * BEYOND
+    return weights
 
 
 class Symmetries(NamedTuple):

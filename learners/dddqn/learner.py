@@ -16,7 +16,7 @@ from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingCo
 from indoor_explorers.learners.dddqn.layout import layout
 from indoor_explorers.learners.dddqn.network import DuelingNetwork, new_network
 from indoor_explorers.learners.dddqn.replay import Batch
-from indoor_explorers.learners.dddqn.targets import masked, q_target
+from indoor_explorers.learners.dddqn.targets import masked, q_target, shortfall
 
 #: Place of the feature that says a move is blocked.
 BLOCKED = 0
@@ -82,7 +82,10 @@ class Learner:
             with torch.no_grad():
                 following_BA = self.target(next_scenes_BI, next_moves_BAF)
                 chosen_BA = self.online(next_scenes_BI, next_moves_BAF) if self.config.double else following_BA
+                here_BA = self.target(scenes_BI, moves_BAF) if self.config.action_gap > 0.0 else None
         target_B = q_target(return_B, discount_B, chosen_BA, following_BA, self._blocked(next_moves_BAF))
+        if here_BA is not None:
+            target_B = target_B - self.config.action_gap * shortfall(here_BA, action_B, self._blocked(moves_BAF))
         loss_B = nn.functional.smooth_l1_loss(q_B, target_B, reduction="none")
         return (weight_B * loss_B).mean(), (target_B - q_B).detach()
 

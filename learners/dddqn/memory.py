@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.grid import MOVES
 from indoor_explorers.learners.dddqn.bitboards import ROOM, STRIDE, WORDS
 
 #: Cells of the longest tour that is remembered.
@@ -20,17 +21,19 @@ class Memory(NamedTuple):
     noted: NDArray[np.uint8]
     """(C, H, W) cells known at the last look."""
     visits: NDArray[np.uint8]
-    """(C, H, W) visits since the last gain."""
+    """(C, H, W) visits since the last gain, and moves there in which a teammate was in the way."""
+    aimed: NDArray[np.int64]
+    """(C,) flat cell that the last move was to lead to, -1 for none."""
     chance: NDArray[np.uint8]
     """(C, H, W) chance of an unknown cell to count, 255 for certainly; 0 for known cells."""
     gain: NDArray[np.int32]
     """(C, H, W) unknown cells in view of a cell, -1 where they are to be counted anew."""
     obstacles: NDArray[np.uint8]
-    """(C, H, W) obstacles that ``views`` and ``passages`` reckon with; 255 everywhere before the first look."""
+    """(C, H, W) obstacles, known and assumed, that ``views`` and ``passages`` reckon with; 255 before the first."""
     views: NDArray[np.uint64]
     """(C, R, 4) what is visible from each cell, unknown cells being transparent, as bits."""
     passages: NDArray[np.int32]
-    """(C, R, 4) neighbours that are not known to be obstacles, -1 for none."""
+    """(C, R, 4) neighbours that are not taken for obstacles, -1 for none."""
     tour: NDArray[np.int64]
     """(C, 2, 41) the rest of the best tours found so far, to the goal and to the mark on the way: cells, then -1."""
     gained: NDArray[np.int64]
@@ -44,6 +47,7 @@ class Memory(NamedTuple):
         """Begin some columns anew."""
         self.noted[columns] = 0
         self.visits[columns] = 0
+        self.aimed[columns] = -1
         self.chance[columns] = 255
         self.gain[columns] = -1
         self.obstacles[columns] = 255
@@ -51,6 +55,13 @@ class Memory(NamedTuple):
         self.gained[columns] = 0
         self.idle[columns] = 0
         self.nearest[columns] = 0
+
+    def aim(self, cell: NDArray[np.int64], action: NDArray[np.int64]) -> None:
+        """Remember where the moves (C,) that are made now from cells (C, 2) are to lead to."""
+        height, width = self.noted.shape[1:]
+        row, col = (cell + MOVES[action]).T
+        inside = (row >= 0) & (row < height) & (col >= 0) & (col < width)
+        self.aimed[...] = np.where(inside, row * width + col, -1)
 
 
 def new_memory(columns: int, shape: tuple[int, int], *, tours: bool) -> Memory:
@@ -60,6 +71,7 @@ def new_memory(columns: int, shape: tuple[int, int], *, tours: bool) -> Memory:
     memory = Memory(
         noted=np.zeros(cells, np.uint8),
         visits=np.zeros(cells, np.uint8),
+        aimed=np.zeros(columns, np.int64),
         chance=np.zeros(cells, np.uint8),
         gain=np.zeros(cells, np.int32),
         obstacles=np.zeros(cells, np.uint8),

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from indoor_explorers.learners.dddqn.config import NetworkConfig
-from indoor_explorers.learners.dddqn.layout import Layout
+from indoor_explorers.learners.dddqn.layout import Layout, tour_costs
 
 #: Noise in each weight at the beginning, in units of the reciprocal root of its layer's inputs.
 SIGMA = 0.5
@@ -50,7 +50,9 @@ class DuelingNetwork(nn.Module):
     """Map scenes and move features to the values of the four moves.
 
     The scenes are encoded first; the move features join them in the second layer. A small network shared by
-    the moves adds what each move's own features say to its advantage. Runs under autocast as well.
+    the moves adds what each move's own features say to its advantage. Where tours are seen, so does a weighted sum of
+    these features that begins as the cost of longer tours, while all other advantages begin at 0: at first the network
+    flies the tours, and it learns what to put right. Runs under autocast as well.
     """
 
     def __init__(self, layout: Layout, config: NetworkConfig) -> None:
@@ -66,6 +68,13 @@ class DuelingNetwork(nn.Module):
         self.advantage = last(width, 4)
         self.move_hidden = nn.Linear(features, config.move_width)
         self.move_out = nn.Linear(config.move_width, 1)
+        costs = tour_costs(layout, config.tour_cost)
+        self.tours = None if costs is None else nn.Linear(features, 1, bias=False)
+        if self.tours is not None and costs is not None:
+            self.tours.weight.data[0] = torch.from_numpy(costs)
+            for layer in (self.advantage, self.move_out):
+                nn.init.zeros_(layer.weight)
+                nn.init.zeros_(layer.bias)
 
     def forward(self, scenes_BI: Tensor, moves_BAF: Tensor) -> Tensor:
         """Return q_BA float32 for ``scenes_BI`` (B, inputs) and ``moves_BAF`` (B, 4, features), both float32."""
@@ -74,6 +83,8 @@ class DuelingNetwork(nn.Module):
         think_BW = torch.relu(self.think_norm(self.think(joined_BJ)))
         own_BA = self.move_out(torch.relu(self.move_hidden(moves_BAF))).squeeze(2)
         q_BA: Tensor = self.advantage(think_BW).float() + own_BA.float()
+        if self.tours is not None:
+            q_BA = q_BA + self.tours(moves_BAF).squeeze(2).float()
         return q_BA if self.value is None else duel(self.value(think_BW).float(), q_BA)
 
     def draw_noise(self, generator: torch.Generator) -> None:

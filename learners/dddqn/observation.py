@@ -7,7 +7,8 @@ as switched on, what planners would see behind it (:mod:`indoor_explorers.learne
 :mod:`indoor_explorers.learners.dddqn.layout` tells where everything is.
 
 Everything is measured in lidar ranges, so the input has the same size and about the same meaning for any map and
-lidar. Rotating or mirroring the world only permutes the numbers.
+lidar. Rotating or mirroring the world permutes the numbers; only chances, which were learned from examples, and tours,
+a search that breaks ties in a fixed order, then differ a little.
 """
 
 from __future__ import annotations
@@ -66,6 +67,9 @@ def eyes(config: ObservationConfig, shape: tuple[int, int], lidar_range: float, 
 def _remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, memory: Memory, i: int) -> int:
     """Count a visit, forgetting all of them after a gain of its own; return how many boxes hold what became known.
 
+    A move that led nowhere, since a teammate was in the way, counts as a visit of where it was to lead: so the UAV
+    tires of pushing.
+
     The gain is the newly known cells in view of the UAV. What it does not see came by radio, and says nothing about
     whether it is getting anywhere itself.
     """
@@ -79,6 +83,10 @@ def _remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: S
     if gain > 0:
         visits[:] = 0
     visits[row, col] = min(visits[row, col] + 1, 255)
+    aimed = memory.aimed[i]
+    if aimed >= 0 and aimed != row * width + col:
+        r, c = divmod(aimed, width)
+        visits[r, c] = min(visits[r, c] + 1, 255)
     return note(belief, noted, scratch.boxes)
 
 
@@ -133,11 +141,19 @@ def _observe(
     if plan.tours_at >= 0 and memory.views.shape[1] > 0:
         views, passages = memory.views[i], memory.passages[i]
         obstructed = keep_up(
-            belief, eyes.sensor, eyes.scratch, eyes.planner.stale, memory.obstacles[i], views, passages
+            belief,
+            memory.chance[i],
+            eyes.sensor,
+            eyes.scratch,
+            eyes.planner.stale,
+            memory.obstacles[i],
+            views,
+            passages,
         )
         look_for_tours(
             belief,
             known.cell[i],
+            int(facts[0]),
             mates,
             ages,
             memory.chance[i],

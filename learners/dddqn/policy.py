@@ -114,6 +114,11 @@ class DddqnPilot(Pilot):
     def act(self, view: View) -> int:
         """Choose by the values of the moves."""
         self._observe(view)
+        action = self._choose(view)
+        self._memory.aim(self._cell, np.array([action]))
+        return action
+
+    def _choose(self, view: View) -> int:
         legal_A = view.legal[:4]
         if self._memory.nearest[0] < 0 or not legal_A.any():
             if self._guard is not None:

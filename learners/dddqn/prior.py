@@ -20,7 +20,7 @@ REACH, PATCH = 3, 7
 #: Inputs: for every cell of the patch whether it is known free, known occupied, off the map.
 INPUTS = 3 * PATCH * PATCH
 #: Hidden units.
-UNITS = 16
+UNITS = 32
 #: What the patch shows off the map.
 OFF_MAP = 3
 
@@ -31,15 +31,15 @@ class MapPrior(NamedTuple):
     """The net's arrays; ``hidden`` has no rows where there is no prior, and all unknown cells are taken to count."""
 
     hidden: Array
-    """(147, 16)."""
+    """(147, U)."""
     hidden_bias: Array
-    """(16,)."""
+    """(U,)."""
     out: Array
-    """(16,)."""
+    """(U,)."""
     out_bias: Array
     """(1,)."""
     work: Array
-    """(16,) scratch."""
+    """(U,) scratch."""
 
 
 def no_prior() -> MapPrior:
@@ -51,7 +51,7 @@ def _arranged(hidden: NDArray[Any], hidden_bias: NDArray[Any], out: NDArray[Any]
     first, second, third, fourth = (
         np.ascontiguousarray(array, np.float32) for array in (hidden, hidden_bias, out, out_bias)
     )
-    return MapPrior(first, second, third, fourth, np.zeros(UNITS, np.float32))
+    return MapPrior(first, second, third, fourth, np.zeros(len(second), np.float32))
 
 
 def prior_from(arrays: Mapping[str, NDArray[Any]]) -> MapPrior:
@@ -85,15 +85,16 @@ def write_patch(belief: np.ndarray, row: int, col: int, out: np.ndarray) -> int:
 @inner()
 def _judge(patch: np.ndarray, prior: MapPrior) -> float:
     """Return the log-odds of the cell in the middle of a patch to count."""
-    for u in range(UNITS):
+    units = prior.work.shape[0]
+    for u in range(units):
         prior.work[u] = prior.hidden_bias[u]
     for k in range(PATCH * PATCH):
         if patch[k] != UNKNOWN:
             row = prior.hidden[(patch[k] - 1) * PATCH * PATCH + k]
-            for u in range(UNITS):
+            for u in range(units):
                 prior.work[u] += row[u]
     odds = prior.out_bias[0]
-    for u in range(UNITS):
+    for u in range(units):
         odds += max(prior.work[u], np.float32(0.0)) * prior.out[u]
     return float(odds)
 

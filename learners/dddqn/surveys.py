@@ -22,8 +22,12 @@ from indoor_explorers.learners.dddqn.flock import Flock
 from indoor_explorers.learners.dddqn.layout import GAINS
 from indoor_explorers.learners.dddqn.prior import INPUTS, PATCH, UNITS, MapPrior, no_prior, prior_from, write_patch
 
-#: Cells noted at most, episodes flown for them side by side, and ticks between two notes.
-MOST, EPISODES, EVERY = 120_000, 128, 5
+#: Cells noted at most, episodes flown for them side by side at most, and ticks between two notes.
+MOST, EPISODES, EVERY = 1_000_000, 1024, 5
+#: Cells of all maps flown side by side, at most, and of these episodes at least.
+CELLS, FEWEST = 2**18, 16
+#: Ticks after which flying ends, and those after which it ends when nothing was noted.
+TICKS, PATIENCE = 300, 50
 #: Rounds over all notes, notes in one update, Adam's first step size.
 ROUNDS, BATCH, RATE = 5, 256, 3e-3
 #: Fewer notes than this fit nothing: there are no obstacles to speak of.
@@ -54,19 +58,21 @@ def collect(scenario: Scenario, first_seed: int, most: int = MOST) -> Notes:
     """Fly to the nearest gain on maps of seeds from ``first_seed`` on and note up to ``most`` cells."""
     seeds = iter(range(first_seed, first_seed + 2**30))
     sight = ObservationConfig(layers=("unknown",), coarse=0, sides=False, visits=False, tours=False)
-    flock = Flock(scenario, sight, no_prior(), EPISODES, lambda: next(seeds))
+    flock = Flock(scenario, sight, no_prior(), 1, lambda: next(seeds))
+    episodes = min(max(CELLS // (flock.shape[0] * flock.shape[1]), FEWEST), EPISODES)
+    flock = Flock(scenario, sight, no_prior(), episodes, lambda: next(seeds))
     patch, label, found = np.zeros((most, PATCH * PATCH), np.uint8), np.zeros(most, np.bool_), 0
     state, team = flock.world.state, scenario.team
     nearest = 1 + GAINS.index("distance to the nearest gain")
-    for tick in range(1, 60 * EVERY):
+    for tick in range(1, TICKS):
         flock.observe(np.arange(flock.columns))
         flock.step(np.where(flock.over, 4, flock.moves[:, :, nearest].argmin(axis=1)))
         if tick % EVERY == 0:
             for column in np.flatnonzero(~flock.over).tolist():
                 episode, agent = divmod(column, team)
                 found = _note(state.belief[episode, agent], state.counts[episode], patch, label, found)
-        flock.restart(np.flatnonzero(flock.over.reshape(EPISODES, team).all(axis=1)))
-        if found == most:
+        flock.restart(np.flatnonzero(flock.over.reshape(state.end.shape).all(axis=1)))
+        if found == most or (found == 0 and tick == PATIENCE):
             break
     return Notes(patch[:found], label[:found])
 

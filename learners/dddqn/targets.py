@@ -67,3 +67,12 @@ def q_target(
     """
     best_B1 = masked(online_BA if double else target_BA, blocked_BA).argmax(dim=1, keepdim=True)
     return return_B + discount_B * target_BA.gather(1, best_B1).squeeze(1)
+
+
+def shortfall(q_BA: Tensor, action_B: Tensor, blocked_BA: Tensor | None) -> Tensor:
+    """Return by how much (B,) the moves taken are worth less than the best that is not blocked.
+
+    A share of it, taken off the target, widens the gap between the best move and the others and leaves the best move
+    the best (advantage learning: Bellemare et al. 2016, arXiv:1512.04860, eq. 7).
+    """
+    return masked(q_BA, blocked_BA).amax(dim=1) - q_BA.gather(1, action_B[:, None]).squeeze(1)

@@ -1,14 +1,21 @@
-"""What can be seen from, and where one can go from, each cell of a room, as far as a UAV knows."""
+"""What can be seen from, and where one can go from, each cell of a room, as far as a UAV knows or has to assume.
+
+Unknown cells are assumed to be free and transparent, unless the learned map prior is nearly certain that they do not
+count: those are assumed to be obstacles.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from indoor_explorers.env.compiled import leaf
-from indoor_explorers.env.grid import MOVES, OCCUPIED
+from indoor_explorers.env.grid import MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.lidar import visible_cells
 from indoor_explorers.learners.dddqn.bitboards import STRIDE, bit
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
+
+#: Unknown cells whose chance to count is below this, of 255, are assumed to be obstacles.
+UNLIKELY = 40
 
 
 @leaf()
@@ -24,7 +31,7 @@ def _see(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratc
 
 @leaf()
 def _connect(belief: np.ndarray, passages: np.ndarray) -> None:
-    """List the neighbours of every cell that are not known to be obstacles."""
+    """List the neighbours of every cell that are not obstacles."""
     height, width = belief.shape
     passages[:] = -1
     for r in range(height):
@@ -38,6 +45,7 @@ def _connect(belief: np.ndarray, passages: np.ndarray) -> None:
 @leaf()
 def keep_up(
     belief: np.ndarray,
+    chance: np.ndarray,
     sensor: Sensor,
     scratch: Scratch,
     stale: np.ndarray,
@@ -45,17 +53,19 @@ def keep_up(
     views: np.ndarray,
     passages: np.ndarray,
 ) -> bool:
-    """Bring ``views`` and ``passages`` up to date with the obstacles of a belief; return whether it shows any.
+    """Bring ``views`` and ``passages`` up to date with the obstacles; return whether any are known.
 
-    ``stale`` (16, 16) is scratch.
+    ``chance`` (H, W) is that of the unknown cells to count, of 255; ``stale`` (16, 16) is scratch.
     """
     height, width = belief.shape
     reach, grown, any_known = sensor.reach + 1, False, False
     stale[:] = 0
     for r in range(height):
         for c in range(width):
-            now = belief[r, c] == OCCUPIED
-            any_known |= now
+            known = belief[r, c] == OCCUPIED
+            now = known or (belief[r, c] == UNKNOWN and chance[r, c] < UNLIKELY)
+            any_known |= known
+            scratch.layer[r, c] = OCCUPIED if now else belief[r, c]
             if obstacles[r, c] != now:
                 obstacles[r, c], grown = now, True
                 top, left = max(0, r - reach), max(0, c - reach)
@@ -65,6 +75,6 @@ def keep_up(
     for r in range(height):
         for c in range(width):
             if stale[r, c]:
-                _see(belief, r, c, sensor, scratch, views[r * STRIDE + c])
-    _connect(belief, passages)
+                _see(scratch.layer, r, c, sensor, scratch, views[r * STRIDE + c])
+    _connect(scratch.layer, passages)
     return any_known

@@ -1,8 +1,9 @@
 """Planner features of the moves in small rooms: what tours a small beam search finds behind each of them.
 
-Unknown cells are taken to be free to fly through and transparent. Cells that the learned map prior takes for
-obstacles need not be seen while others are left. Cells that a teammate was nearer to when it was last heard are
-left to it while others are left.
+Unknown cells are taken to be free to fly through and transparent but for those that the learned map prior is nearly
+certain about (:mod:`indoor_explorers.learners.dddqn.terrain`). Cells that it rather takes for obstacles need not be
+seen while others are left. Cells that a teammate was nearer to when it was last heard are left to it while others are
+left; those that are as near to both are the lower number's.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from indoor_explorers.env.compiled import inner, leaf
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN
 from indoor_explorers.learners.dddqn.beam import Aim, Beam, Tour, follow_tour, new_beam, shortest_tour
 from indoor_explorers.learners.dddqn.bitboards import ROOM, STRIDE, WORDS, bit, count
+from indoor_explorers.learners.dddqn.layout import BEYOND
 from indoor_explorers.learners.dddqn.memory import LONGEST
 
 
@@ -65,8 +67,8 @@ OPEN_ISOLATION, ISOLATION = 8.0, 20.0
 HALFWAY_ISOLATION = 0.25
 #: Chances below this, of 255, let a cell be left out.
 LIKELY = 96
-#: Scales of the features: steps beyond the shortest, steps, steps to the mark, delay beyond the least.
-BEYOND, STEPS, HALFWAY_STEPS, DELAYS = 8.0, 48.0, 40.0, 200.0
+#: Scales of the features: steps, steps to the mark, delay beyond the least.
+STEPS, HALFWAY_STEPS, DELAYS = 48.0, 40.0, 200.0
 
 
 @inner()
@@ -89,10 +91,11 @@ def _attainable(start: int, views: np.ndarray, passages: np.ndarray, planner: Pl
 
 
 @inner()
-def _nearer_mate(row: int, col: int, r: int, c: int, mates: np.ndarray, ages: np.ndarray) -> bool:
-    """Tell whether a teammate, where it was last heard, is nearer to (r, c) than (row, col) is."""
+def _nearer_mate(row: int, col: int, agent: int, r: int, c: int, mates: np.ndarray, ages: np.ndarray) -> bool:
+    """Tell whether (r, c) is a teammate's, which was nearer to it when last heard than UAV ``agent`` at (row, col)."""
+    own = abs(row - r) + abs(col - c)
     for m in range(ages.shape[0]):
-        if ages[m] >= 0 and abs(mates[m, 0] - r) + abs(mates[m, 1] - c) < abs(row - r) + abs(col - c):
+        if ages[m] >= 0 and abs(mates[m, 0] - r) + abs(mates[m, 1] - c) < own + (m < agent):
             return True
     return False
 
@@ -101,6 +104,7 @@ def _nearer_mate(row: int, col: int, r: int, c: int, mates: np.ndarray, ages: np
 def _wanted(
     belief: np.ndarray,
     cell: np.ndarray,
+    agent: int,
     mates: np.ndarray,
     ages: np.ndarray,
     chance: np.ndarray,
@@ -111,7 +115,7 @@ def _wanted(
     for r in range(belief.shape[0]):
         for c in range(belief.shape[1]):
             left_out = belief[r, c] != UNKNOWN or (stage > 0 and chance[r, c] < LIKELY)
-            if left_out or (stage > 1 and _nearer_mate(cell[0], cell[1], r, c, mates, ages)):
+            if left_out or (stage > 1 and _nearer_mate(cell[0], cell[1], agent, r, c, mates, ages)):
                 out[(r * STRIDE + c) >> 6] &= ~bit(r * STRIDE + c)
     return count((out[0], out[1], out[2], out[3]))
 
@@ -129,6 +133,7 @@ def _free(belief: np.ndarray) -> int:
 def _choose_unseen(
     belief: np.ndarray,
     cell: np.ndarray,
+    agent: int,
     mates: np.ndarray,
     ages: np.ndarray,
     chance: np.ndarray,
@@ -140,7 +145,7 @@ def _choose_unseen(
     for stage in (2, 1, 0):
         for w in range(WORDS):
             unseen[w] = attainable[w]
-        left = _wanted(belief, cell, mates, ages, chance, unseen, stage)
+        left = _wanted(belief, cell, agent, mates, ages, chance, unseen, stage)
         total = float(free + left)
         if left > GOAL_REST * total + SLACK:
             break
@@ -214,6 +219,7 @@ def _write(goal: Tour, mark: Tour, least: np.ndarray, left: int, total: float, e
 def look_for_tours(
     belief: np.ndarray,
     cell: np.ndarray,
+    agent: int,
     mates: np.ndarray,
     ages: np.ndarray,
     chance: np.ndarray,
@@ -227,13 +233,13 @@ def look_for_tours(
 ) -> None:
     """Write the features of the four moves into ``out`` (4, 12); those of ``blocked`` (4,) moves say so.
 
-    ``cell`` (2,) is the UAV's, ``mates`` (M, 2) and ``ages`` (M,) where and how many steps ago others were heard, -1
-    for never. ``kept`` (2, 41) are the best tours found before, to the goal and to the mark, and are brought up to
-    date.
+    ``cell`` (2,) is where UAV ``agent`` is, ``mates`` (M, 2) and ``ages`` (M,) where and how many steps ago others were
+    heard, -1 for never. ``kept`` (2, 41) are the best tours found before, to the goal and to the mark, and are brought
+    up to date.
     """
     at = cell[0] * STRIDE + cell[1]
     _attainable(at, views, passages, planner)
-    left, total = _choose_unseen(belief, cell, mates, ages, chance, planner.attainable, planner.unseen)
+    left, total = _choose_unseen(belief, cell, agent, mates, ages, chance, planner.attainable, planner.unseen)
     rest, halfway = GOAL_REST * total + SLACK, HALFWAY_REST * total
     early, isolation = left > halfway, ISOLATION if obstructed else OPEN_ISOLATION
     goal_aim = Aim(rest if left > rest else 0.0, halfway, isolation)

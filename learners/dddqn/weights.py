@@ -23,21 +23,14 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
 from indoor_explorers.learners.dddqn.inference import Weights, shapes, weights_from
 from indoor_explorers.learners.dddqn.layout import Layout, layout
-from indoor_explorers.learners.dddqn.prior import INPUTS, UNITS
+from indoor_explorers.learners.dddqn.prior import INPUTS
 
 #: Grows whenever files of before can no longer be read.
-FORMAT = 1
+FORMAT = 2
 #: The entry of the metadata that holds everything.
 ABOUT = "about"
 #: The largest file that is read as weights.
 MOST_BYTES = 1_000_000_000
-#: The map prior's arrays.
-PRIOR_SHAPES = {
-    "prior.hidden": (INPUTS, UNITS),
-    "prior.hidden_bias": (UNITS,),
-    "prior.out": (UNITS,),
-    "prior.out_bias": (1,),
-}
 _FOLDER = Path(__file__).parent / "weights"
 
 
@@ -49,7 +42,7 @@ class Loaded(NamedTuple):
     layout: Layout
     weights: Weights
     prior: dict[str, NDArray[np.float32]]
-    """The map prior's arrays, of :data:`PRIOR_SHAPES`; empty when the observation does without."""
+    """The map prior's arrays, by name; empty when the observation does without."""
 
 
 def shipped() -> dict[str, Path]:
@@ -122,9 +115,18 @@ def _read_once(path: Path, changed: int) -> Loaded:
     own = {name: array for name, array in found.items() if name not in prior}
     _refuse_others(path, own, shapes(plan, network))
     if prior:
-        _refuse_others(path, prior, PRIOR_SHAPES)
+        _refuse_others(path, prior, _prior_shapes(len(prior.get("prior.hidden_bias", ()))))
     prior = {name: np.ascontiguousarray(array, np.float32) for name, array in prior.items()}
     return Loaded(observation, network, plan, weights_from(own, plan, network), prior)
+
+
+def _prior_shapes(units: int) -> dict[str, tuple[int, ...]]:
+    return {
+        "prior.hidden": (INPUTS, units),
+        "prior.hidden_bias": (units,),
+        "prior.out": (units,),
+        "prior.out_bias": (1,),
+    }
 
 
 def _described(path: Path, metadata: dict[str, str]) -> tuple[ObservationConfig, NetworkConfig]:

@@ -92,6 +92,19 @@ def test_errors_are_distances_to_the_target_of_the_switches(double: bool, mask: 
     )
 
 
+def test_the_action_gap_is_taken_off_the_targets_of_moves_that_are_not_the_best() -> None:
+    plain, wide = (apart(learner(action_gap=gap)) for gap in (0.0, 0.6))
+    found = batch(64)
+    errors, widened = plain.td_loss(found)[1], wide.td_loss(found)[1]
+    with torch.no_grad():
+        q_BA = plain.target(found.scenes_BI, found.moves_BAF)
+    behind = q_BA.amax(dim=1) - q_BA[torch.arange(64), found.action_B]
+    assert torch.allclose(errors - widened, 0.6 * behind, atol=1e-5)
+    best = behind == 0
+    assert 0 < best.sum() < 64
+    assert torch.equal(errors[best], widened[best])
+
+
 def test_weights_say_how_much_each_transition_counts() -> None:
     some = batch()
     nothing = some._replace(weight_B=torch.zeros(16))

@@ -10,7 +10,7 @@ import torch
 
 from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
 from indoor_explorers.learners.dddqn.inference import q_values, shapes, weights_from
-from indoor_explorers.learners.dddqn.layout import layout
+from indoor_explorers.learners.dddqn.layout import TOURS, layout
 from indoor_explorers.learners.dddqn.network import DuelingNetwork, NoisyLinear, arrays, duel, new_network
 
 SMALL = layout(ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False))
@@ -109,6 +109,22 @@ def test_without_dueling_the_last_layer_gives_the_values_themselves() -> None:
     after = q_of(network, scenes, moves)
     assert torch.allclose(after - before, torch.tensor([0.0, 0.0, 1.0, 0.0]).expand(8, 4), atol=1e-5)
     assert "value.weight" not in arrays(network)
+
+
+def test_at_first_the_network_flies_the_tours() -> None:
+    plan = layout(ObservationConfig(crop=5, coarse=3, layers=("unknown",)))
+    scenes, moves = inputs(8, plan)
+    q = q_of(new_network(plan, NARROW.model_copy(update={"tour_cost": 0.25}), 1), scenes, moves)
+    beyond = [plan.tours_at + k for k, name in enumerate(TOURS) if "beyond the shortest" in name]
+    assert len(beyond) == 2
+    cost = torch.from_numpy(0.25 * 8 * moves[:, :, beyond].sum(axis=2))
+    assert torch.allclose(q - q[:, :1], cost[:, :1] - cost, atol=1e-5)
+    for switched_off in (
+        new_network(SMALL, NARROW, 1),
+        new_network(plan, NARROW.model_copy(update={"tour_cost": 0}), 1),
+    ):
+        assert switched_off.tours is None
+        assert switched_off.advantage.weight.abs().sum() > 0
 
 
 def test_layer_norm_makes_the_scale_of_the_first_layer_irrelevant() -> None:

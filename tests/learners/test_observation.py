@@ -35,7 +35,7 @@ class Watcher:
         self.moves = np.zeros((1, 4, self.plan.features), np.float32)
 
     def look(
-        self, belief: Belief, cell: Cell, mates: list[Cell] | None = None, ages: tuple[int, int] = (-1, -1)
+        self, belief: Belief, cell: Cell, mates: list[Cell] | None = None, ages: tuple[int, ...] = (-1, -1)
     ) -> None:
         """Observe as UAV 2, half-way through its steps."""
         known = Known(
@@ -287,6 +287,26 @@ def test_visits_are_forgotten_after_a_gain_of_its_own() -> None:
     assert memory.visits.sum() == memory.visits[0, 1, 0] == 1
     memory.forget([0])
     assert memory.visits.sum() == memory.gained[0] == 0
+
+
+def test_pushing_counts_as_a_visit_of_where_it_was_to_lead() -> None:
+    belief = np.zeros((4, 9), np.uint8)
+    belief[:2, :5] = FREE
+    watcher = Watcher(EVERYTHING, (4, 9))
+    memory, here = watcher.memory, np.array([[1, 2]])
+    watcher.look(belief, (1, 2))
+    for pushes, away in enumerate(([1, 3], [1, 3], [1, 1]), 1):
+        memory.aim(here, np.flatnonzero((np.array(away) - here == MOVES).all(axis=1)))
+        watcher.look(belief, (1, 2))
+        assert memory.visits[0].sum() == 1 + 2 * pushes
+    assert memory.visits[0, 1, :5].tolist() == [0, 1, 4, 2, 0]
+    memory.aim(here, np.array([4]))
+    watcher.look(belief, (1, 2))
+    memory.aim(here, np.flatnonzero((MOVES == (0, 1)).all(axis=1)))
+    watcher.look(belief, (1, 3))  # got there
+    assert memory.visits[0, 1, :5].tolist() == [0, 1, 5, 3, 0]
+    memory.aim(np.array([[0, 8]]), np.flatnonzero((MOVES == (0, 1)).all(axis=1)))
+    assert memory.aimed.tolist() == [-1]  # off the map
 
 
 def test_a_layout_needs_a_middle_and_a_layer() -> None:

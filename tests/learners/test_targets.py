@@ -7,7 +7,7 @@ import pytest
 import torch
 from numpy.typing import NDArray
 
-from indoor_explorers.learners.dddqn.targets import look_forward, q_target
+from indoor_explorers.learners.dddqn.targets import look_forward, q_target, shortfall
 
 
 def looked_forward(
@@ -82,3 +82,10 @@ def test_without_double_the_target_network_chooses_too() -> None:
 def test_without_a_mask_blocked_moves_count() -> None:
     online_BA, target_BA = torch.tensor([[1.0, 5.0, 2.0, 9.0]]), torch.tensor([[10.0, 20.0, 30.0, 40.0]])
     assert q_target(torch.tensor([1.0]), torch.tensor([0.5]), online_BA, target_BA, None).item() == 1.0 + 0.5 * 40.0
+
+
+def test_the_shortfall_is_to_the_best_move_that_is_not_blocked() -> None:
+    q_BA = torch.tensor([[1.0, 5.0, 2.0, 9.0], [1.0, 5.0, 2.0, 9.0]])
+    blocked_BA = torch.tensor([[False, False, False, True]]).expand(2, 4)
+    assert shortfall(q_BA, torch.tensor([2, 1]), blocked_BA).tolist() == [3.0, 0.0]
+    assert shortfall(q_BA, torch.tensor([2, 1]), None).tolist() == [7.0, 4.0]

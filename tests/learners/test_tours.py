@@ -21,7 +21,7 @@ from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.layout import TOURS
 from indoor_explorers.learners.dddqn.memory import new_memory
 from indoor_explorers.learners.dddqn.sensor import scratch, sensor
-from indoor_explorers.learners.dddqn.terrain import keep_up
+from indoor_explorers.learners.dddqn.terrain import UNLIKELY, keep_up
 from tests.learners.rooms import random_belief
 from tests.learners.test_observation import Watcher
 
@@ -44,12 +44,15 @@ def cells_of(words: NDArray[np.uint64]) -> Cells:
 class Room:
     """A small room whose unknown cells are taken to be free, with its views and passages."""
 
-    def __init__(self, belief: Belief) -> None:
+    def __init__(self, belief: Belief, chance: NDArray[np.uint8] | None = None) -> None:
         self.belief = belief
+        self.chance = np.full(belief.shape, 255, np.uint8) if chance is None else chance
         memory, lens, stale = new_memory(1, belief.shape, tours=True), sensor(3.0), np.zeros((16, 16), np.uint8)
         self.views, self.passages = memory.views[0], memory.passages[0]
         work = scratch(belief.shape, lens)
-        self.obstructed = keep_up(belief, lens, work, stale, memory.obstacles[0], self.views, self.passages)
+        self.obstructed = keep_up(
+            belief, self.chance, lens, work, stale, memory.obstacles[0], self.views, self.passages
+        )
 
     def seen(self, cell: tuple[int, int]) -> Cells:
         return cells_of(self.views[cell[0] * STRIDE + cell[1]])
@@ -108,6 +111,17 @@ def test_views_and_passages_follow_the_belief() -> None:
             assert found == set(graph[(r, c)])
             unknown = {(i, j) for i, j in room.seen((r, c)) if belief[i, j] == UNKNOWN} - {(r, c)}
             assert len(unknown) == view_gain(belief, (r, c), 3.0)
+
+
+def test_what_is_nearly_certain_to_be_an_obstacle_is_taken_for_one() -> None:
+    for seed in range(4):
+        belief, _ = small_belief(seed)
+        unlikely = np.random.default_rng(seed).random(belief.shape) < 0.3
+        assumed = Room(belief, np.where(unlikely, UNLIKELY - 1, UNLIKELY).astype(np.uint8))
+        told = Room(np.where(unlikely & (belief == UNKNOWN), OCCUPIED, belief).astype(np.uint8))
+        assert np.array_equal(assumed.views, told.views)
+        assert np.array_equal(assumed.passages, told.passages)
+        assert assumed.obstructed == (belief == OCCUPIED).any()
 
 
 def test_tours_are_valid_and_nearly_shortest() -> None:
@@ -191,6 +205,18 @@ def test_what_a_teammate_is_nearer_to_is_left_to_it() -> None:
     steps = 1 + TOURS.index("its steps")
     assert linked.moves[0, west, steps] < alone.moves[0, west, steps]
     assert linked.moves[0, :, 1 + TOURS.index("it is the shortest")].argmax() == west
+
+
+def test_what_is_as_near_to_two_is_left_to_the_lower_number() -> None:
+    belief = np.full((3, 15), FREE, np.uint8)
+    belief[:, :2] = UNKNOWN
+    belief[1, 14] = UNKNOWN  # left where all else is a teammate's
+    shares = {}
+    for mate, ages in {"lower": (0, -1), "higher": (-1, -1, -1, 0)}.items():
+        watcher = Watcher(SIGHT, (3, 15))
+        watcher.look(belief, (1, 7), [(0, 6)] * len(ages), ages)  # UAV 2: as near to the west, farther from the east
+        shares[mate] = watcher.moves[0, :, 1 + TOURS.index("unknown share")].max()
+    assert shares["lower"] < shares["higher"]
 
 
 def test_a_tour_found_before_is_kept_while_nothing_better_is_found() -> None:

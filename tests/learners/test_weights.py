@@ -15,15 +15,16 @@ from indoor_explorers.learners.dddqn import weights as module
 from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
 from indoor_explorers.learners.dddqn.layout import layout
 from indoor_explorers.learners.dddqn.network import arrays, new_network
+from indoor_explorers.learners.dddqn.prior import prior_arrays
 from indoor_explorers.learners.dddqn.weights import (
     ABOUT,
-    PRIOR_SHAPES,
     load_weights,
     read_tensors,
     shipped,
     write_tensors,
     write_weights,
 )
+from tests.learners.rooms import some_prior
 
 PLAIN = ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False)
 NETWORK = NetworkConfig(width=16, move_width=4, noisy=True)
@@ -34,8 +35,7 @@ def network_arrays(seed: int = 1) -> dict[str, NDArray[np.float32]]:
 
 
 def prior() -> dict[str, NDArray[np.float32]]:
-    rng = np.random.default_rng(0)
-    return {name: rng.random(shape, dtype=np.float32) for name, shape in PRIOR_SHAPES.items()}
+    return prior_arrays(some_prior())
 
 
 @pytest.fixture
@@ -51,7 +51,7 @@ def test_a_file_tells_all_that_flying_needs(tmp_path: Path) -> None:
     loaded = load_weights(tmp_path / "w.safetensors")
     assert (loaded.observation, loaded.network, loaded.layout) == (observation, NETWORK, layout(observation))
     assert np.array_equal(loaded.weights.look, own["look.weight"].T)
-    assert loaded.prior.keys() == PRIOR_SHAPES.keys()
+    assert loaded.prior.keys() == prior().keys()
     assert all(np.array_equal(loaded.prior[name], array) for name, array in prior().items())
 
 
@@ -101,7 +101,7 @@ def test_a_file_that_does_not_describe_itself_is_refused(plain: Path) -> None:
     for changed, match in (
         ({}, "got a file without a format; .*train again with this version"),
         (about | {"format": 7}, "got 7"),
-        ({"format": 1, "network": about["network"]}, "'observation'"),
+        ({"format": module.FORMAT, "network": about["network"]}, "'observation'"),
         (about | {"network": "wide"}, "train again with this version"),
         (about | {"network": {"depth": 3}}, "depth .*train again with this version"),
     ):
