@@ -76,6 +76,9 @@ class NetworkConfig(_Config):
     tour_cost: float = Field(0.1, ge=0.0)
     """Begin with what the tours say, where they are seen: each step that a move's tour takes beyond the shortest, to
     the goal and to 90 %, costs so much at first. The network learns what to put right. 0 begins with nothing."""
+    tour_pull: float = Field(0.0, ge=0.0)
+    """Choose moves as if each step that a move's tour to the goal takes beyond the shortest cost so much on top of what
+    the network says, in training as later: of moves that are worth about the same the one that keeps to a tour."""
 
 
 class TrainingConfig(_Config):

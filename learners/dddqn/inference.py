@@ -1,4 +1,4 @@
-"""The dueling network for acting, compiled: one row at a time, in one fixed order of additions.
+"""The dueling network for acting, with the pull of the tours, compiled: row by row, in one fixed order of additions.
 
 A matrix library may add in another order for another batch size or thread count, and a tie between two
 moves then falls differently. Here a decision is the same, bit for bit, in any batch, process and engine,
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.compiled import kernel
 from indoor_explorers.learners.dddqn.config import NetworkConfig
-from indoor_explorers.learners.dddqn.layout import Layout
+from indoor_explorers.learners.dddqn.layout import Layout, tour_costs
 
 Array = NDArray[np.float32]
 
@@ -75,6 +75,9 @@ def weights_from(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: Net
     matrix = ("value.weight", "tours.weight")
     empty = {name: np.zeros((0, 0) if name in matrix else 0, np.float32) for name in names if name not in there}
     found: list[Any] = [np.ascontiguousarray({**arrays, **empty}[name].T, np.float32) for name in names]
+    pull = tour_costs(layout, config.tour_pull, 0.0)
+    if pull is not None:
+        found[-1] = pull[:, None] + (found[-1] if found[-1].size else 0.0)
     return Weights._make([*found, config.layer_norm, config.dueling])
 
 

@@ -127,16 +127,16 @@ def _places(at: int, *sizes: int) -> list[int]:
     return [*places, at]
 
 
-def tour_costs(plan: Layout, cost: float) -> NDArray[np.float32] | None:
-    """Return weights (F,) of the features of a move by which each step beyond the shortest tours costs ``cost``.
+def tour_costs(plan: Layout, to_goal: float, to_mark: float) -> NDArray[np.float32] | None:
+    """Return weights (F,) of the features of a move by which steps beyond the shortest tours cost so much each.
 
     None where no tours are seen or they cost nothing.
     """
-    if plan.tours_at < 0 or cost == 0.0:
+    if plan.tours_at < 0 or to_goal == to_mark == 0.0:
         return None
     weights = np.zeros(plan.features, np.float32)
-    for name in ("its steps beyond the shortest", "its steps beyond the shortest to 90 %"):
-        weights[plan.tours_at + TOURS.index(name)] = -cost * BEYOND
+    weights[plan.tours_at + TOURS.index("its steps beyond the shortest")] = -to_goal * BEYOND
+    weights[plan.tours_at + TOURS.index("its steps beyond the shortest to 90 %")] = -to_mark * BEYOND
     return weights
 
 

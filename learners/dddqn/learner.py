@@ -13,7 +13,7 @@ from torch.optim.swa_utils import get_ema_multi_avg_fn
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingConfig
-from indoor_explorers.learners.dddqn.layout import layout
+from indoor_explorers.learners.dddqn.layout import layout, tour_costs
 from indoor_explorers.learners.dddqn.network import DuelingNetwork, new_network
 from indoor_explorers.learners.dddqn.replay import Batch
 from indoor_explorers.learners.dddqn.targets import masked, q_target, shortfall
@@ -48,6 +48,8 @@ class Learner:
         self.best = copy.deepcopy(self.average)
         self.optimiser = torch.optim.Adam(self.online.parameters(), lr=config.learning_rate, fused=True)
         self._noise = torch.Generator().manual_seed(seed)
+        pull = tour_costs(layout(observation), config.network.tour_pull, 0.0)
+        self._pull = None if pull is None else torch.from_numpy(pull).to(self.device)
 
     def refresh(self) -> None:
         """Copy the online network to the acting one, with new noise."""
@@ -83,14 +85,19 @@ class Learner:
                 following_BA = self.target(next_scenes_BI, next_moves_BAF)
                 chosen_BA = self.online(next_scenes_BI, next_moves_BAF) if self.config.double else following_BA
                 here_BA = self.target(scenes_BI, moves_BAF) if self.config.action_gap > 0.0 else None
-        target_B = q_target(return_B, discount_B, chosen_BA, following_BA, self._blocked(next_moves_BAF))
+        target_B = q_target(return_B, discount_B, self._ranked(chosen_BA, next_moves_BAF), following_BA)
         if here_BA is not None:
-            target_B = target_B - self.config.action_gap * shortfall(here_BA, action_B, self._blocked(moves_BAF))
+            best_B = self._ranked(here_BA, moves_BAF).argmax(dim=1)
+            target_B = target_B - self.config.action_gap * shortfall(here_BA, best_B, action_B)
         loss_B = nn.functional.smooth_l1_loss(q_B, target_B, reduction="none")
         return (weight_B * loss_B).mean(), (target_B - q_B).detach()
 
-    def _blocked(self, moves_BAF: Tensor) -> Tensor | None:
-        return moves_BAF[:, :, BLOCKED] > 0.5 if self.config.mask else None
+    def _ranked(self, q_BA: Tensor, moves_BAF: Tensor, *, mask: bool | None = None) -> Tensor:
+        """Return what moves are chosen by: their values, pulled to the tours, blocked ones below all others."""
+        if self._pull is not None:
+            q_BA = q_BA + moves_BAF @ self._pull
+        blocked_BA = moves_BAF[:, :, BLOCKED] > 0.5 if (self.config.mask if mask is None else mask) else None
+        return masked(q_BA, blocked_BA)
 
     def _precision(self) -> torch.autocast:
         return torch.autocast(self.device.type, torch.bfloat16, enabled=self.mixed)
@@ -115,8 +122,7 @@ class Learner:
         scenes_BI = torch.from_numpy(scenes).to(self.device).float().mul_(1.0 / 255.0)
         with self._precision():
             q_BA = network(scenes_BI, moves_BAF)
-        blocked_BA = moves_BAF[:, :, BLOCKED] > 0.5 if mask else None
-        return np.asarray(masked(q_BA, blocked_BA).argmax(dim=1).cpu().numpy())
+        return np.asarray(self._ranked(q_BA, moves_BAF, mask=mask).argmax(dim=1).cpu().numpy())
 
     def networks(self) -> dict[str, DuelingNetwork]:
         """Return, by name, the networks that a checkpoint must hold; the acting one follows from them."""

@@ -20,6 +20,15 @@ class Preset(NamedTuple):
 #: The map alone: no planner looks ahead for the network.
 _MAP_ALONE = {"observation.gains": False, "observation.tours": False}
 
+#: Where tours are seen: soon at a high discount, few random moves, and keeping to tours where it matters little.
+_KEEN = {
+    "updates_per_tick": 2,
+    "gamma_first": 0.995,
+    "epsilon_first": 0.1,
+    "action_gap": 0.5,
+    "network.tour_pull": 0.03,
+}
+
 PRESETS: dict[str, Preset] = {
     "thesis-open": Preset(
         "thesis-open",
@@ -31,7 +40,7 @@ PRESETS: dict[str, Preset] = {
         },
         1,
     ),
-    "thesis-obstacles": Preset("thesis-obstacles", {"total_steps": 5_000_000, "updates_per_tick": 2}, 1),
+    "thesis-obstacles": Preset("thesis-obstacles", _KEEN | {"total_steps": 3_000_000}, 1),
     "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 4_000_000}, 1),
     "thesis-obstacles-map": Preset("thesis-obstacles", _MAP_ALONE | {"total_steps": 6_000_000}, 1),
 }

@@ -50,29 +50,21 @@ def masked(q_BA: Tensor, blocked_BA: Tensor | None) -> Tensor:
     return q_BA if blocked_BA is None else q_BA.masked_fill(blocked_BA, torch.finfo(q_BA.dtype).min)
 
 
-def q_target(
-    return_B: Tensor,
-    discount_B: Tensor,
-    online_BA: Tensor,
-    target_BA: Tensor,
-    blocked_BA: Tensor | None,
-    *,
-    double: bool = True,
-) -> Tensor:
-    """Return target_B = R + discount * Q_target(s', a'), where a' is the best move in s' that is not blocked.
+def q_target(return_B: Tensor, discount_B: Tensor, rank_BA: Tensor, target_BA: Tensor) -> Tensor:
+    """Return target_B = R + discount * Q_target(s', a'), where a' is the move of the highest rank in s'.
 
-    The online network chooses a' (van Hasselt, Guez and Silver 2016, eq. 4), or, unless ``double``, the target
-    network itself (Mnih et al. 2015). ``discount_B`` is 0 where R ends in a terminal reward: the target then is
-    R alone.
+    The online network ranks (van Hasselt, Guez and Silver 2016, eq. 4) or the target network itself (Mnih et al. 2015).
+    ``discount_B`` is 0 where R ends in a terminal reward: the target then is R alone.
     """
-    best_B1 = masked(online_BA if double else target_BA, blocked_BA).argmax(dim=1, keepdim=True)
+    best_B1 = rank_BA.argmax(dim=1, keepdim=True)
     return return_B + discount_B * target_BA.gather(1, best_B1).squeeze(1)
 
 
-def shortfall(q_BA: Tensor, action_B: Tensor, blocked_BA: Tensor | None) -> Tensor:
-    """Return by how much (B,) the moves taken are worth less than the best that is not blocked.
+def shortfall(q_BA: Tensor, best_B: Tensor, action_B: Tensor) -> Tensor:
+    """Return by how much (B,) the moves taken are worth less than the best ones.
 
     A share of it, taken off the target, widens the gap between the best move and the others and leaves the best move
     the best (advantage learning: Bellemare et al. 2016, arXiv:1512.04860, eq. 7).
     """
-    return masked(q_BA, blocked_BA).amax(dim=1) - q_BA.gather(1, action_B[:, None]).squeeze(1)
+    best_B, own_B = (q_BA.gather(1, move_B[:, None]).squeeze(1) for move_B in (best_B, action_B))
+    return best_B - own_B

@@ -84,7 +84,7 @@ def td_targets(
     over_B = batch.terminal_B
     return_B = batch.reward_B.masked_fill(over_B, 0.0) if terminal_target == "zero" else batch.reward_B
     online_BA, target_BA = online(batch.next_image_BKHW), target(batch.next_image_BKHW)
-    return q_target(return_B, gamma * (~over_B).float(), online_BA, target_BA, None)
+    return q_target(return_B, gamma * (~over_B).float(), online_BA, target_BA)
 
 
 def td_loss(

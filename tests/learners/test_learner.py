@@ -10,9 +10,10 @@ import torch
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig, TrainingConfig
-from indoor_explorers.learners.dddqn.layout import layout
+from indoor_explorers.learners.dddqn.inference import q_values, weights_from
+from indoor_explorers.learners.dddqn.layout import TOURS, layout
 from indoor_explorers.learners.dddqn.learner import Learner
-from indoor_explorers.learners.dddqn.network import DuelingNetwork
+from indoor_explorers.learners.dddqn.network import DuelingNetwork, arrays
 from indoor_explorers.learners.dddqn.replay import Batch
 
 SMALL = ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False)
@@ -90,6 +91,27 @@ def test_errors_are_distances_to_the_target_of_the_switches(double: bool, mask: 
     assert loss == pytest.approx(
         np.where(np.abs(expected) < 1, expected**2 / 2, np.abs(expected) - 0.5).mean(), abs=1e-5
     )
+
+
+def test_moves_are_pulled_to_the_tours_in_choosing_alone() -> None:
+    sight = SMALL.model_copy(update={"tours": True})
+    plan = layout(sight)
+    pulled, free = (
+        Learner(sight, TrainingConfig(network=NARROW.model_copy(update={"tour_pull": pull}), device="cpu"), 1)
+        for pull in (100.0, 0.0)
+    )
+    rng = np.random.default_rng(2)
+    scenes, moves = rng.integers(0, 256, (32, plan.inputs), np.uint8), rng.random((32, 4, plan.features), np.float32)
+    beyond = moves[:, :, plan.tours_at + TOURS.index("its steps beyond the shortest")]
+    assert np.array_equal(pulled.greedy(pulled.online, scenes, moves, mask=False), beyond.argmin(axis=1))
+    assert not np.array_equal(free.greedy(free.online, scenes, moves, mask=False), beyond.argmin(axis=1))
+    assert torch.equal(parameters(pulled.online), parameters(free.online))
+    weights = (weights_from(arrays(one.online), plan, one.config.network) for one in (pulled, free))
+    q = [np.empty((32, 4), np.float32) for _ in range(2)]
+    for one, values in zip(weights, q, strict=True):
+        q_values(scenes, moves, one, values)
+    pull = q[1] - q[0]  # less its mean over the moves, which chooses nothing
+    np.testing.assert_allclose(pull - pull[:, :1], 800.0 * (beyond - beyond[:, :1]), rtol=1e-3, atol=1e-3)
 
 
 def test_the_action_gap_is_taken_off_the_targets_of_moves_that_are_not_the_best() -> None:

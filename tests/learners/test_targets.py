@@ -7,7 +7,7 @@ import pytest
 import torch
 from numpy.typing import NDArray
 
-from indoor_explorers.learners.dddqn.targets import look_forward, q_target, shortfall
+from indoor_explorers.learners.dddqn.targets import look_forward, masked, q_target, shortfall
 
 
 def looked_forward(
@@ -35,10 +35,7 @@ def test_the_target_of_a_terminal_step_is_its_reward_alone(bonus: float) -> None
     returns, discount, _ = looked_forward([bonus, 7, 7, 7], terminal=[0])
     assert (returns, discount) == (bonus, 0.0)
     anything = torch.full((1, 4), 1e6)
-    target = q_target(
-        torch.tensor([returns]), torch.tensor([discount]), anything, anything, torch.zeros(1, 4, dtype=torch.bool)
-    )
-    assert target.item() == bonus
+    assert q_target(torch.tensor([returns]), torch.tensor([discount]), anything, anything).item() == bonus
 
 
 def test_a_terminal_reward_within_reach_is_counted_and_nothing_after_it() -> None:
@@ -64,28 +61,17 @@ def test_returns_equal_a_plain_loop_also_around_the_end_of_the_ring() -> None:
         assert after == (start + 5) % 9
 
 
-def test_the_online_network_chooses_and_the_target_network_values() -> None:
-    online_BA, target_BA = torch.tensor([[1.0, 5.0, 2.0, 9.0]]), torch.tensor([[10.0, 20.0, 30.0, 40.0]])
-    blocked_BA = torch.tensor([[False, False, False, True]])
-    target = q_target(torch.tensor([1.0]), torch.tensor([0.5]), online_BA, target_BA, blocked_BA)
-    assert target.item() == 1.0 + 0.5 * 20.0
+def test_the_move_that_ranks_highest_is_valued_by_the_target_network() -> None:
+    rank_BA, target_BA = torch.tensor([[1.0, 5.0, 2.0, 4.0]]), torch.tensor([[10.0, 20.0, 30.0, 40.0]])
+    assert q_target(torch.tensor([1.0]), torch.tensor([0.5]), rank_BA, target_BA).item() == 1.0 + 0.5 * 20.0
 
 
-def test_without_double_the_target_network_chooses_too() -> None:
-    online_BA, target_BA = torch.tensor([[1.0, 5.0, 2.0, 9.0]]), torch.tensor([[10.0, 20.0, 30.0, 40.0]])
-    blocked_BA = torch.tensor([[False, False, False, True]])
-    known = torch.tensor([1.0]), torch.tensor([0.5]), online_BA, target_BA
-    assert q_target(*known, blocked_BA, double=False).item() == 1.0 + 0.5 * 30.0
-    assert q_target(*known, None, double=False).item() == 1.0 + 0.5 * 40.0
+def test_blocked_moves_rank_below_all_others() -> None:
+    q_BA, blocked_BA = torch.tensor([[-1e6, 5.0, 2.0, 9.0]]), torch.tensor([[False, True, True, True]])
+    assert masked(q_BA, blocked_BA).argmax(dim=1).tolist() == [0]
+    assert masked(q_BA, None) is q_BA
 
 
-def test_without_a_mask_blocked_moves_count() -> None:
-    online_BA, target_BA = torch.tensor([[1.0, 5.0, 2.0, 9.0]]), torch.tensor([[10.0, 20.0, 30.0, 40.0]])
-    assert q_target(torch.tensor([1.0]), torch.tensor([0.5]), online_BA, target_BA, None).item() == 1.0 + 0.5 * 40.0
-
-
-def test_the_shortfall_is_to_the_best_move_that_is_not_blocked() -> None:
-    q_BA = torch.tensor([[1.0, 5.0, 2.0, 9.0], [1.0, 5.0, 2.0, 9.0]])
-    blocked_BA = torch.tensor([[False, False, False, True]]).expand(2, 4)
-    assert shortfall(q_BA, torch.tensor([2, 1]), blocked_BA).tolist() == [3.0, 0.0]
-    assert shortfall(q_BA, torch.tensor([2, 1]), None).tolist() == [7.0, 4.0]
+def test_the_shortfall_is_to_the_best_move() -> None:
+    q_BA = torch.tensor([[1.0, 5.0, 2.0, 9.0]]).expand(3, 4)
+    assert shortfall(q_BA, torch.tensor([1, 1, 1]), torch.tensor([2, 1, 3])).tolist() == [3.0, 0.0, -4.0]
