@@ -139,6 +139,9 @@ def _observe(
     memory.nearest[i] = survey(belief, row, col, eyes.sensor, eyes.scratch, memory.gain[i])
     _write_moves(belief, row, col, memory.visits[i], memory.gain[i], eyes, moves)
     if plan.tours_at >= 0 and memory.views.shape[1] > 0:
+        for k in range(4):  # a teammate in the way bars tours for one look
+            if memory.aimed[i] == (row + MOVES[k, 0]) * belief.shape[1] + col + MOVES[k, 1]:
+                eyes.scratch.blocked[k] = 1
         views, passages = memory.views[i], memory.passages[i]
         obstructed = keep_up(
             belief,

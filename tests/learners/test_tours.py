@@ -207,6 +207,21 @@ def test_what_a_teammate_is_nearer_to_is_left_to_it() -> None:
     assert linked.moves[0, :, 1 + TOURS.index("it is the shortest")].argmax() == west
 
 
+def test_tours_lead_elsewhere_for_one_look_when_a_teammate_is_in_the_way() -> None:
+    belief = np.full((5, 12), UNKNOWN, np.uint8)
+    belief[:, :7] = FREE
+    watcher = Watcher(SIGHT, (5, 12))
+    east, beyond = 3, 1 + TOURS.index("its steps beyond the shortest")
+    assert MOVES[east].tolist() == [0, 1]
+    shortest = []
+    for pushes in (False, True, False):
+        watcher.memory.aim(np.array([[2, 3]]), np.array([east if pushes else 4]))
+        watcher.look(belief, (2, 3))
+        assert watcher.moves[0, east, 0] == 0  # free to fly as far as is known
+        shortest.append(watcher.moves[0, :, beyond].argmin() == east)
+    assert shortest == [True, False, True]
+
+
 def test_what_is_as_near_to_two_is_left_to_the_lower_number() -> None:
     belief = np.full((3, 15), FREE, np.uint8)
     belief[:, :2] = UNKNOWN
