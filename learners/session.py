@@ -1,4 +1,4 @@
-"""What every training does around its own loop: one thread for torch, and patience with Ctrl-C."""
+"""What every training does around its own loop: its folder, its progress, one thread for torch, ending at Ctrl-C."""
 
 from __future__ import annotations
 
@@ -6,7 +6,58 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
 from types import FrameType
+from typing import Protocol
+
+from indoor_explorers.env.errors import InputError
+
+
+class Trial(Protocol):
+    """An evaluation of greedy episodes, apart from training: a named tuple of figures."""
+
+    def _asdict(self) -> dict[str, float]: ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """How far a training is."""
+
+    steps: int
+    """Moves made, all environments together."""
+    total_steps: int
+    """Moves to make, as far as is known."""
+    epsilon: float | None
+    """Probability of a random move now; None for learners that draw from their policy."""
+    loss: float
+    """Mean loss since the last report, or the latest that a library tells; not a number before the first update."""
+    steps_per_second: float
+    """Moves a second since the training was started or resumed, evaluations included."""
+    trial: Trial | None
+    """The latest evaluation."""
+
+
+def opened(out: Path, mark: str, *, resume: bool) -> bool:
+    """Make the folder of a training; tell whether it holds one to go on with, which has the file ``mark``.
+
+    Raises:
+        InputError: it holds one that was not asked to be resumed, or cannot be made.
+
+    """
+    there = (out / mark).exists()
+    if there and not resume:
+        raise InputError(f"{out} already holds a training; give --resume to go on with it, or another --out")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{out}: cannot be made a folder for the training: {error.strerror}") from error
+    return there
+
+
+def passed(before: int, after: int, every: int) -> bool:
+    """Tell whether a count has passed a multiple of ``every``."""
+    return before // every < after // every
 
 
 @contextmanager

@@ -13,13 +13,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.config import BaselineConfig
 from indoor_explorers.learners.baselines.record import RECORD, Record, read_record, refuse_others, write_record
-from indoor_explorers.learners.baselines.session import Progress
-from indoor_explorers.learners.baselines.trial import evaluate, trial_seeds
-from indoor_explorers.learners.session import one_thread, patience
+from indoor_explorers.learners.baselines.trial import evaluate
+from indoor_explorers.learners.seeds import trial_seeds
+from indoor_explorers.learners.session import Progress, one_thread, opened, passed, patience
 
 #: Seconds between two reports.
 REPORT_EVERY = 0.5
@@ -87,17 +86,11 @@ class Books:
             InputError: it holds another training, or one that was not asked to be resumed, or cannot be written.
 
         """
-        if (out / RECORD).exists():
-            if not resume:
-                raise InputError(f"{out} already holds a training; give --resume to go on with it, or another --out")
+        if opened(out, RECORD, resume=resume):
             before = read_record(out)
             refuse_others(before, mine, out / RECORD)
             if (out / checkpoint).exists():
                 mine = mine.model_copy(update={"steps": before.steps, "evaluations": before.evaluations})
-        try:
-            out.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{out}: cannot be made a folder for the training: {error.strerror}") from error
         return cls(mine, config, scenario, out, report)
 
     @property
@@ -133,9 +126,9 @@ class Books:
     def between_updates(self, trainee: Trainee) -> None:
         """Evaluate and write what is due."""
         before, self._seen = self._seen, trainee.steps
-        if _passed(before, trainee.steps, self.config.evaluation_every):
+        if passed(before, trainee.steps, self.config.evaluation_every):
             self._evaluate(trainee)
-        if _passed(before, trainee.steps, self.config.checkpoint_every):
+        if passed(before, trainee.steps, self.config.checkpoint_every):
             self._write(trainee)
 
     def report(self, trainee: Trainee) -> None:
@@ -181,7 +174,3 @@ class Books:
         trials = tuple(trial._asdict() for trial in self._trials)
         self.record = self.record.model_copy(update={"steps": trainee.steps, "evaluations": trials})
         write_record(self.record, self.out)
-
-
-def _passed(before: int, after: int, every: int) -> bool:
-    return before // every < after // every

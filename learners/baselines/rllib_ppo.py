@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 
 from pydantic import Field
 from ray.rllib.algorithms.ppo import PPOConfig
 from ray.rllib.algorithms.ppo.torch.default_ppo_torch_rl_module import DefaultPPOTorchRLModule
 from ray.rllib.core.rl_module.rl_module import RLModule
 
-from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.rllib_masking import MaskedPPOModule
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig
 from indoor_explorers.learners.baselines.rllib_training import train_rllib
-from indoor_explorers.learners.baselines.session import Progress
 
 
 class TrainingConfig(RllibConfig):
@@ -74,14 +71,4 @@ class TrainingConfig(RllibConfig):
         )
 
 
-def train(
-    config: TrainingConfig,
-    scenario: Scenario,
-    out: Path,
-    *,
-    seed: int,
-    resume: bool = False,
-    report: Callable[[Progress], None] | None = None,
-) -> Path:
-    """Train a PPO on a team, see :func:`train_rllib`."""
-    return train_rllib("rllib-ppo", config, scenario, out, seed=seed, resume=resume, report=report)
+train = partial(train_rllib, "rllib-ppo")

@@ -7,18 +7,15 @@ knows no action mask; in evaluation and as a policy the best legal action is flo
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 
 from pydantic import Field
 from ray.rllib.algorithms.sac import SACConfig
 from ray.rllib.algorithms.sac.torch.default_sac_torch_rl_module import DefaultSACTorchRLModule
 from ray.rllib.core.rl_module.rl_module import RLModule
 
-from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig
 from indoor_explorers.learners.baselines.rllib_training import train_rllib
-from indoor_explorers.learners.baselines.session import Progress
 
 
 class TrainingConfig(RllibConfig):
@@ -80,14 +77,4 @@ class TrainingConfig(RllibConfig):
         return description.reporting(min_time_s_per_iteration=0)
 
 
-def train(
-    config: TrainingConfig,
-    scenario: Scenario,
-    out: Path,
-    *,
-    seed: int,
-    resume: bool = False,
-    report: Callable[[Progress], None] | None = None,
-) -> Path:
-    """Train a discrete SAC on a team, see :func:`train_rllib`."""
-    return train_rllib("rllib-sac", config, scenario, out, seed=seed, resume=resume, report=report)
+train = partial(train_rllib, "rllib-sac")

@@ -36,8 +36,8 @@ from indoor_explorers.learners.baselines.record import new_record
 from indoor_explorers.learners.baselines.rllib import WEIGHTS
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig, quietly
 from indoor_explorers.learners.baselines.rllib_team import TrainingTeam, rllib_team
-from indoor_explorers.learners.baselines.session import Progress
-from indoor_explorers.learners.baselines.trial import training_seeds
+from indoor_explorers.learners.seeds import training_seeds
+from indoor_explorers.learners.session import Progress
 
 CHECKPOINT = "checkpoint"
 PACKAGES = ("ray", "pettingzoo")

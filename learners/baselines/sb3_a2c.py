@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 from pydantic import Field
 from stable_baselines3 import A2C
 from stable_baselines3.common.policies import ActorCriticPolicy
 
-from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.sb3_training import (
     Kind,
     StableBaselinesConfig,
     logits,
     train_stable_baselines,
 )
-from indoor_explorers.learners.baselines.session import Progress
 
 KIND = Kind("sb3-a2c", A2C, ActorCriticPolicy, logits)
 
@@ -49,14 +46,4 @@ class TrainingConfig(StableBaselinesConfig):
         }
 
 
-def train(
-    config: TrainingConfig,
-    scenario: Scenario,
-    out: Path,
-    *,
-    seed: int,
-    resume: bool = False,
-    report: Callable[[Progress], None] | None = None,
-) -> Path:
-    """Train an A2C on one UAV, see :func:`train_stable_baselines`."""
-    return train_stable_baselines(KIND, config, scenario, out, seed=seed, resume=resume, report=report)
+train = partial(train_stable_baselines, KIND)

@@ -6,8 +6,7 @@ illegal moves cost. In evaluation and as a policy the best legal action is flown
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import torch
@@ -16,9 +15,7 @@ from stable_baselines3 import DQN
 from stable_baselines3.common.buffers import NStepReplayBuffer
 from stable_baselines3.dqn.policies import DQNPolicy
 
-from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.sb3_training import Kind, StableBaselinesConfig, train_stable_baselines
-from indoor_explorers.learners.baselines.session import Progress
 
 
 def values(policy: DQNPolicy, rows: torch.Tensor) -> torch.Tensor:
@@ -76,14 +73,4 @@ class TrainingConfig(StableBaselinesConfig):
         }
 
 
-def train(
-    config: TrainingConfig,
-    scenario: Scenario,
-    out: Path,
-    *,
-    seed: int,
-    resume: bool = False,
-    report: Callable[[Progress], None] | None = None,
-) -> Path:
-    """Train a DQN on one UAV, see :func:`train_stable_baselines`."""
-    return train_stable_baselines(KIND, config, scenario, out, seed=seed, resume=resume, report=report)
+train = partial(train_stable_baselines, KIND)

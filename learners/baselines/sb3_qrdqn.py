@@ -5,8 +5,7 @@ Like the DQN it knows no action mask; in evaluation and as a policy the legal ac
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import torch
@@ -14,10 +13,8 @@ from pydantic import Field
 from sb3_contrib import QRDQN
 from sb3_contrib.qrdqn.policies import QRDQNPolicy
 
-from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines import sb3_dqn
 from indoor_explorers.learners.baselines.sb3_training import Kind, train_stable_baselines
-from indoor_explorers.learners.baselines.session import Progress
 
 
 def means(policy: QRDQNPolicy, rows: torch.Tensor) -> torch.Tensor:
@@ -40,14 +37,4 @@ class TrainingConfig(sb3_dqn.TrainingConfig):
         return super().network() | {"n_quantiles": self.quantiles}
 
 
-def train(
-    config: TrainingConfig,
-    scenario: Scenario,
-    out: Path,
-    *,
-    seed: int,
-    resume: bool = False,
-    report: Callable[[Progress], None] | None = None,
-) -> Path:
-    """Train a QR-DQN on one UAV, see :func:`train_stable_baselines`."""
-    return train_stable_baselines(KIND, config, scenario, out, seed=seed, resume=resume, report=report)
+train = partial(train_stable_baselines, KIND)

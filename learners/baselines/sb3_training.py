@@ -30,9 +30,9 @@ from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.books import Books
 from indoor_explorers.learners.baselines.config import BaselineConfig
 from indoor_explorers.learners.baselines.record import new_record
-from indoor_explorers.learners.baselines.session import Progress
 from indoor_explorers.learners.baselines.stable_baselines import MODEL
-from indoor_explorers.learners.baselines.trial import training_seeds
+from indoor_explorers.learners.seeds import training_seeds
+from indoor_explorers.learners.session import Progress
 
 CHECKPOINT, REPLAY = "checkpoint.zip", "replay.pkl"
 PACKAGES = ("stable-baselines3", "sb3-contrib")

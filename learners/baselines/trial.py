@@ -10,16 +10,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Mask
 from indoor_explorers.env.encoders import Encoder, Observation, make_encoder
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid import Action
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.world import World
-
-#: Episode seeds of trainings start here, 2 * SEED_BLOCK apart, far from any seed that comparisons use; each
-#: block's second half is for evaluation.
-SEED_BLOCK = 2**40
-#: Seeds of trainings, so that no episode's seed outgrows 63 bits.
-MOST_SEEDS = 2**20
 
 #: A network: observations (B, D) float32 in, one number for each of the five actions (B, 5) out.
 Scores: TypeAlias = Callable[[NDArray[np.float32]], NDArray[np.float32]]
@@ -36,23 +29,6 @@ class Trial(NamedTuple):
     """The same for the goal of the training."""
     missed: float
     """Share of the episodes that never reached the goal."""
-
-
-def training_seeds(seed: int) -> int:
-    """Return where the episode seeds of a training begin.
-
-    Raises:
-        InputError: there are no seeds for such a training.
-
-    """
-    if not 0 <= seed < MOST_SEEDS:
-        raise InputError(f"expected a seed from 0 to {MOST_SEEDS - 1}, got {seed}")
-    return SEED_BLOCK * (1 + 2 * seed)
-
-
-def trial_seeds(seed: int) -> int:
-    """Return where the episode seeds of a training's evaluations begin."""
-    return training_seeds(seed) + SEED_BLOCK
 
 
 def best_moves(scores: NDArray[np.float32], legal: Mask) -> NDArray[np.int64]:

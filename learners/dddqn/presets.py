@@ -32,15 +32,35 @@ _KEEN = {
 PRESETS: dict[str, Preset] = {
     "thesis-open": Preset(
         "thesis-open",
-        {
-            "total_steps": 1_300_000,
-            "updates_per_tick": 2,
-            "reward_early_step": -0.25,
-            "evaluation_every": 96_000,
-        },
+        _KEEN | {"total_steps": 1_000_000, "reward_early_step": -0.25, "evaluation_every": 96_000},
         1,
     ),
     "thesis-obstacles": Preset("thesis-obstacles", _KEEN | {"total_steps": 3_000_000}, 1),
+    "thesis-team": Preset(
+        "thesis-team-4",
+        _KEEN
+        | {
+            "also": [
+                "thesis-team-4-radio-0",
+                "thesis-team-4-radio-unlimited",
+                "thesis-team-2",
+                "thesis-team-4-radio-1",
+                "thesis-team-2-radio-0",
+                "thesis-team-2-radio-1",
+                "thesis-team-2-radio-unlimited",
+            ],
+            "observation.layers": ["unknown", "free", "chance", "mates", "mates_past"],
+            "observation.identity": True,
+            "total_steps": 1_500_000,
+            "updates_per_tick": 4,
+            "epsilon_first": 0.25,
+            "action_gap": 0.0,
+            "network.tour_pull": 0.015,
+            "reward_discovered": 0.03,
+            "evaluation_episodes": 60,
+        },
+        1,
+    ),
     "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 4_000_000}, 1),
     "thesis-obstacles-map": Preset("thesis-obstacles", _MAP_ALONE | {"total_steps": 6_000_000}, 1),
 }

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.learners import session
 from indoor_explorers.learners.dddqn.ablations import ABLATION_SETTINGS, ABLATIONS, TEAM_ABLATIONS, flown
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.network import arrays
@@ -24,9 +24,8 @@ from indoor_explorers.learners.dddqn.presets import PRESETS
 from indoor_explorers.learners.dddqn.prior import prior_arrays
 from indoor_explorers.learners.dddqn.scalars import Scalars
 from indoor_explorers.learners.dddqn.training import Training
-from indoor_explorers.learners.dddqn.trial import Trial
 from indoor_explorers.learners.dddqn.weights import write_weights
-from indoor_explorers.learners.session import one_thread, patience
+from indoor_explorers.learners.session import one_thread, opened, passed, patience
 
 __all__ = [
     "ABLATIONS",
@@ -47,25 +46,13 @@ REPORT_EVERY = 50
 
 
 @dataclass(frozen=True, kw_only=True)
-class Progress:
-    """How far a training is."""
+class Progress(session.Progress):
+    """How far a training is, and how it is getting on."""
 
-    steps: int
-    """Moves made, all environments together."""
-    total_steps: int
-    """Moves to make."""
     episodes: int
     """Episodes begun."""
-    epsilon: float
-    """Probability of a random move now."""
-    loss: float
-    """Mean loss since the last report; not a number before the first update."""
     episode_steps: float
     """Mean steps of the training episodes that ended since the last report; not a number when none did."""
-    steps_per_second: float
-    """Moves a second since the training was started or resumed, evaluations included."""
-    trial: Trial | None
-    """The latest evaluation."""
 
     def scalars(self) -> dict[str, float]:
         """Return the figures by name, without those that are missing."""
@@ -96,7 +83,7 @@ def train(
         InputError: ``out`` holds another training, or one that was not asked to be resumed.
 
     """
-    checkpoint = _open_folder(out, resume)
+    checkpoint = out / CHECKPOINT if opened(out, CHECKPOINT, resume=resume) else None
     with one_thread(), patience() as interrupted:
         training = Training(config, scenario, seed, checkpoint)
         training.note_commit(source_commit())
@@ -109,18 +96,6 @@ def train(
 
             _loop(training, scenario, out, tell, interrupted)
     return out / WEIGHTS
-
-
-def _open_folder(out: Path, resume: bool) -> Path | None:
-    """Make the folder of the training; return the checkpoint to go on from, if there is one."""
-    checkpoint = out / CHECKPOINT
-    if checkpoint.exists() and not resume:
-        raise InputError(f"{out} already holds a training; give --resume to go on with it, or another --out")
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{out}: cannot be made a folder for the training: {error.strerror}") from error
-    return checkpoint if checkpoint.exists() else None
 
 
 def _loop(
@@ -136,19 +111,15 @@ def _loop(
         before = training.steps
         training.tick()
         ticks += 1
-        if _passed(before, training.steps, config.evaluation_every) or training.done:
+        if passed(before, training.steps, config.evaluation_every) or training.done:
             training.take_trial()
-        if _passed(before, training.steps, config.checkpoint_every) or interrupted.is_set():
+        if passed(before, training.steps, config.checkpoint_every) or interrupted.is_set():
             _write(training, scenario, out)
         if interrupted.is_set():
             raise KeyboardInterrupt
         if ticks % REPORT_EVERY == 0 or training.done:
             report(_progress(training, (training.steps - first) / (time.monotonic() - began)))
     _write(training, scenario, out)
-
-
-def _passed(before: int, after: int, every: int) -> bool:
-    return before // every < after // every
 
 
 def _progress(training: Training, speed: float) -> Progress:

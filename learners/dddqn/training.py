@@ -22,10 +22,8 @@ from indoor_explorers.learners.dddqn.replay import Replay
 from indoor_explorers.learners.dddqn.surveys import collect_all, fit_prior
 from indoor_explorers.learners.dddqn.trial import Trial, evaluate, mean_trial
 from indoor_explorers.learners.dddqn.weights import read_tensors, write_tensors
+from indoor_explorers.learners.seeds import survey_seeds, training_seeds, trial_seeds
 
-#: Episode seeds of trainings start here, 2 * SEED_BLOCK apart, far from any seed that comparisons use; each
-#: block's second half is for evaluation, and the last quarter of the first for the map prior.
-SEED_BLOCK = 2**40
 #: Coverage until which a step costs ``reward_early_step`` more.
 EARLY = 0.9
 
@@ -51,9 +49,7 @@ class Training:
     """
 
     def __init__(self, config: TrainingConfig, scenario: Scenario, seed: int, checkpoint: Path | None = None) -> None:
-        if seed < 0:
-            raise InputError(f"expected a seed of at least 0, got {seed}")
-        self.config, self.seed = config, seed
+        self.config, self.seed, self._first_seed = config, seed, training_seeds(seed)
         self.tasks = config.tasks(scenario)
         self.steps = self.episodes = 0
         self.trials: list[Trial] = []
@@ -85,7 +81,7 @@ class Training:
         observation = self.config.observation
         if not (observation.tours or "chance" in observation.layers):
             return no_prior()
-        return fit_prior(collect_all(self.tasks, SEED_BLOCK * (1 + 2 * self.seed) + 3 * SEED_BLOCK // 4), self.seed)
+        return fit_prior(collect_all(self.tasks, survey_seeds(self.seed)), self.seed)
 
     def _slots(self) -> int:
         slots = self.config.replay_steps // self.flock.columns
@@ -99,7 +95,7 @@ class Training:
 
     def _next_seed(self) -> int:
         self.episodes += 1
-        return SEED_BLOCK * (1 + 2 * self.seed) + self.episodes
+        return self._first_seed + self.episodes
 
     @property
     def share(self) -> float:
@@ -154,8 +150,7 @@ class Training:
 
     def take_trial(self) -> Trial:
         """Evaluate the averaged weights and keep them when they are the best so far."""
-        first = SEED_BLOCK * (2 + 2 * self.seed)
-        episodes = self.config.evaluation_episodes
+        first, episodes = trial_seeds(self.seed), self.config.evaluation_episodes
         trial = mean_trial(
             [evaluate(self.learner, task, self.prior, episodes, first, self.steps) for task in self.tasks]
         )

@@ -12,14 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.learners.session import one_thread, patience
+from indoor_explorers.learners import session
+from indoor_explorers.learners.session import one_thread, opened, passed, patience
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.training import Training
-from indoor_explorers.learners.thesis.trial import Trial
 from indoor_explorers.learners.thesis.weights import write_weights
 
 __all__ = ["MENDED", "RECORD", "Progress", "TrainingConfig", "train"]
@@ -32,23 +31,11 @@ REPORT_EVERY = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Progress:
-    """How far a training is."""
+class Progress(session.Progress):
+    """How far a training is; ``total_steps`` is a guess, since the number of episodes is what is fixed."""
 
-    steps: int
-    """Moves made by UAVs that learn."""
-    total_steps: int
-    """Moves to make, as far as the episodes so far can tell: their number is what is fixed."""
     episodes: int
     """Episodes that are over."""
-    epsilon: float
-    """Probability of a random move now."""
-    loss: float
-    """Mean loss since the last report; not a number before the first update."""
-    steps_per_second: float
-    """Moves a second since the training was started or resumed, evaluations included."""
-    trial: Trial | None
-    """The latest evaluation."""
 
 
 def train(
@@ -74,36 +61,21 @@ def train(
     """
     with one_thread(), patience() as interrupted:
         training = Training(config, scenario, seed)
-        _open_folder(training, out, resume)
+        if opened(out, CHECKPOINT, resume=resume):
+            training.load(out / CHECKPOINT)
         clock = _Clock(training, report or (lambda progress: None))
         while not training.done:
             before = training.episodes
             training.tick()
-            if _passed(before, training.episodes, config.evaluation_every) or training.done:
+            if passed(before, training.episodes, config.evaluation_every) or training.done:
                 training.take_trial()
-            if _passed(before, training.episodes, config.checkpoint_every) or interrupted.is_set():
+            if passed(before, training.episodes, config.checkpoint_every) or interrupted.is_set():
                 _write(training, scenario, out, clock.seconds)
             if interrupted.is_set():
                 raise KeyboardInterrupt
             clock.tell()
         _write(training, scenario, out, clock.seconds)
     return out / WEIGHTS
-
-
-def _open_folder(training: Training, out: Path, resume: bool) -> None:
-    checkpoint = out / CHECKPOINT
-    if checkpoint.exists() and not resume:
-        raise InputError(f"{out} already holds a training; give --resume to go on with it, or another --out")
-    if checkpoint.exists():
-        training.load(checkpoint)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{out}: cannot be made a folder for the training: {error.strerror}") from error
-
-
-def _passed(before: int, after: int, every: int) -> bool:
-    return before // every < after // every
 
 
 class _Clock:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
-from indoor_explorers.learners.dddqn.training import SEED_BLOCK
 from indoor_explorers.learners.dddqn.weights import read_tensors, write_tensors
+from indoor_explorers.learners.seeds import training_seeds, trial_seeds
 from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.eye import MOVES, Eye
 from indoor_explorers.learners.thesis.fleet import Fleet
@@ -28,8 +28,7 @@ class Training:
     """Train on the world's batch directly; a tick is a move of all UAVs, and learning as often as is due."""
 
     def __init__(self, config: TrainingConfig, scenario: Scenario, seed: int) -> None:
-        if seed < 0:
-            raise InputError(f"expected a seed of at least 0, got {seed}")
+        self._first_seed = training_seeds(seed)
         self.config, self.seed = config, seed
         self.task = config.task(scenario)
         self.steps = self.begun = 0
@@ -56,7 +55,7 @@ class Training:
 
     def _next_seed(self) -> int:
         self.begun += 1
-        return SEED_BLOCK * (1 + 2 * self.seed) + self.begun
+        return self._first_seed + self.begun
 
     @property
     def episodes(self) -> int:
@@ -122,7 +121,7 @@ class Training:
             lambda images: greedy(online, images),
             self.task,
             config.evaluation_episodes,
-            SEED_BLOCK * (2 + 2 * self.seed),
+            trial_seeds(self.seed),
             self.episodes,
             frames=config.frame_stack,
             identity=config.identity,

@@ -21,9 +21,10 @@ from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
 from indoor_explorers.learners.dddqn.prior import no_prior
 from indoor_explorers.learners.dddqn.scalars import FOLDER
 from indoor_explorers.learners.dddqn.train import CHECKPOINT, RECORD, Progress, train
-from indoor_explorers.learners.dddqn.training import SEED_BLOCK, Training
+from indoor_explorers.learners.dddqn.training import Training
 from indoor_explorers.learners.dddqn.trial import evaluate
 from indoor_explorers.learners.dddqn.weights import read_tensors
+from indoor_explorers.learners.seeds import SEED_BLOCK
 from tests.learners.rooms import TINY, small_room
 
 
@@ -114,7 +115,7 @@ def test_too_short_a_replay_is_refused() -> None:
 
 
 def test_a_negative_seed_is_refused() -> None:
-    with pytest.raises(InputError, match="expected a seed of at least 0, got -1"):
+    with pytest.raises(InputError, match="expected a seed from 0 to 1048575, got -1"):
         Training(TINY, small_room(), -1)
 
 

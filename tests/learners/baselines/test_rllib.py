@@ -20,7 +20,7 @@ from indoor_explorers.env import InputError, World, check_policy, make_policy
 from indoor_explorers.learners.baselines.rllib import Rllib
 from indoor_explorers.learners.baselines.rllib_ppo import TrainingConfig
 from indoor_explorers.learners.baselines.rllib_team import rllib_team
-from indoor_explorers.learners.baselines.trial import SEED_BLOCK
+from indoor_explorers.learners.seeds import SEED_BLOCK
 from tests.learners.baselines.tiny import flown, record_of, train
 from tests.learners.rooms import small_room
 

@@ -25,7 +25,7 @@ from indoor_explorers.evaluation.experiment import PolicyChoice, Task
 from indoor_explorers.evaluation.runner import fly
 from indoor_explorers.learners.baselines import sb3_ppo
 from indoor_explorers.learners.baselines.stable_baselines import LEARNERS, StableBaselines
-from indoor_explorers.learners.baselines.trial import SEED_BLOCK
+from indoor_explorers.learners.seeds import SEED_BLOCK
 from tests.learners.baselines.tiny import TINY, flown, record_of, train
 from tests.learners.rooms import small_room
 

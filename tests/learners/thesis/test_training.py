@@ -10,7 +10,7 @@ from safetensors.numpy import load_file
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.state import End
-from indoor_explorers.learners.dddqn.training import SEED_BLOCK
+from indoor_explorers.learners.seeds import SEED_BLOCK
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.train import CHECKPOINT, EPISODES, RECORD, train
 from indoor_explorers.learners.thesis.training import Training
@@ -214,7 +214,7 @@ def test_a_team_starts_from_the_weights_of_one_uav(tmp_path):
 
 
 def test_a_negative_seed_is_refused():
-    with pytest.raises(InputError, match="expected a seed of at least 0, got -1"):
+    with pytest.raises(InputError, match="expected a seed from 0 to 1048575, got -1"):
         Training(TrainingConfig(), short("thesis-open"), -1)
 
 
