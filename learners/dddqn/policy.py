@@ -82,7 +82,10 @@ class Dddqn(Policy):
 
 
 #: What :func:`suited` says, in words.
-SUITED = "thesis-open for rooms without obstacles, thesis-obstacles for other rooms, up to 16x16, lidar 3; else general"
+SUITED = (
+    "up to 16x16 cells with a lidar of range 3 thesis-team for teams, thesis-open for rooms without obstacles, else "
+    "thesis-obstacles; elsewhere general"
+)
 
 
 def suited(briefing: Briefing) -> str:
@@ -90,6 +93,8 @@ def suited(briefing: Briefing) -> str:
     source = briefing.scenario.map
     if max(briefing.shape) > ROOM or briefing.lidar_range != REFERENCE_RANGE:
         return "general"
+    if briefing.team > 1:
+        return "thesis-team"
     return "thesis-open" if isinstance(source, ThesisMaps) and source.obstacles == 0 else "thesis-obstacles"
 
 
