@@ -24,7 +24,10 @@ def test_a_snippet_runs_as_a_script(snippet, tmp_path):
 
 
 def test_every_policy_and_scenario_is_in_its_table():
-    families = {r"rewards-[123]-stuck-[012]": "rewards-R-stuck-S", r"team-[24]-radio-([013]|unlimited)": "team-N-radio-X"}
+    families = {
+        r"rewards-[123]-stuck-[012]": "rewards-R-stuck-S",
+        r"team-[24]-radio-([013]|unlimited)": "team-N-radio-X",
+    }
     for name in (*policy_names(), *(name for name in PRESETS if name != "thesis-team-4")):
         for numbers, letters in families.items():
             name = re.sub(numbers, letters, name)
