@@ -32,8 +32,12 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "no-mask": {"mask": False},
     "no-symmetries": {"symmetries": False},
     "no-early-reward": {"reward_early_step": 0.0},
+    "high-gamma-first": {"gamma_first": 0.995},
     "gamma-0.99": {"gamma_first": 0.99, "gamma_last": 0.99},
     "no-gains": {"observation.gains": False},
+    "no-tour-start": {"network.tour_cost": 0.0},
+    "tour-pull": {"network.tour_pull": 0.03},
+    "action-gap": {"action_gap": 0.5},
     "no-tours": {"observation.tours": False},
     "map-alone": {"observation.gains": False, "observation.tours": False},
     "map-alone-no-prior": {

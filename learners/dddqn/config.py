@@ -90,6 +90,8 @@ class TrainingConfig(_Config):
     """The network."""
     also: tuple[str, ...] = ()
     """Further scenarios trained on side by side with the first by the same network: presets or ``.toml`` files."""
+    prior_notes: int = Field(1_000_000, ge=0)
+    """Unknown cells near obstacles that the map prior is fitted to before the training, at most."""
     total_steps: int = Field(3_000_000, ge=1)
     """Moves made in training, all environments together."""
     environments: int = Field(64, ge=1, le=4096)

@@ -22,8 +22,8 @@ from indoor_explorers.learners.dddqn.flock import Flock
 from indoor_explorers.learners.dddqn.layout import GAINS
 from indoor_explorers.learners.dddqn.prior import INPUTS, PATCH, UNITS, MapPrior, no_prior, prior_from, write_patch
 
-#: Cells noted at most, episodes flown for them side by side at most, and ticks between two notes.
-MOST, EPISODES, EVERY = 1_000_000, 1024, 5
+#: Episodes flown side by side at most, and ticks between two notes.
+EPISODES, EVERY = 1024, 5
 #: Cells of all maps flown side by side, at most, and of these episodes at least.
 CELLS, FEWEST = 2**18, 16
 #: Ticks after which flying ends, and those after which it ends when nothing was noted.
@@ -54,7 +54,7 @@ def _note(belief: np.ndarray, counts: np.ndarray, patch: np.ndarray, label: np.n
     return found
 
 
-def collect(scenario: Scenario, first_seed: int, most: int = MOST) -> Notes:
+def collect(scenario: Scenario, first_seed: int, most: int) -> Notes:
     """Fly to the nearest gain on maps of seeds from ``first_seed`` on and note up to ``most`` cells."""
     seeds = iter(range(first_seed, first_seed + 2**30))
     sight = ObservationConfig(layers=("unknown",), coarse=0, sides=False, visits=False, tours=False)
@@ -77,7 +77,7 @@ def collect(scenario: Scenario, first_seed: int, most: int = MOST) -> Notes:
     return Notes(patch[:found], label[:found])
 
 
-def collect_all(scenarios: Sequence[Scenario], first_seed: int, most: int = MOST) -> Notes:
+def collect_all(scenarios: Sequence[Scenario], first_seed: int, most: int) -> Notes:
     """Collect up to ``most`` notes in equal parts from several scenarios."""
     parts = [collect(scenario, first_seed, most // len(scenarios)) for scenario in scenarios]
     return Notes(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))

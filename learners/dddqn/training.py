@@ -81,7 +81,7 @@ class Training:
         observation = self.config.observation
         if not (observation.tours or "chance" in observation.layers):
             return no_prior()
-        return fit_prior(collect_all(self.tasks, survey_seeds(self.seed)), self.seed)
+        return fit_prior(collect_all(self.tasks, survey_seeds(self.seed), self.config.prior_notes), self.seed)
 
     def _slots(self) -> int:
         slots = self.config.replay_steps // self.flock.columns

@@ -24,7 +24,7 @@ from indoor_explorers.evaluation.results import Results
 from indoor_explorers.evaluation.training import nested
 from indoor_explorers.learners.dddqn import train as dddqn
 
-SHORT = "total_steps=200 environments=4 warmup_steps=40 batch=8 replay_steps=400 evaluation_every=100"
+SHORT = "prior_notes=2000 total_steps=200 environments=4 warmup_steps=40 batch=8 replay_steps=400 evaluation_every=100"
 SMALL = "evaluation_episodes=2 device=cpu network.width=16 observation.tours=false observation.coarse=0"
 TINY = [*SHORT.split(), *SMALL.split()]
 BROKEN = {"broken": {"replay_steps": 40}}

@@ -32,7 +32,7 @@ def test_unknown_presets_and_learners_are_told() -> None:
         preset_of("dddq", "thesis-open")
 
 
-SMALL = "total_steps=200 environments=4 warmup_steps=40 batch=8 replay_steps=400 evaluation_every=150"
+SMALL = "prior_notes=2000 total_steps=200 environments=4 warmup_steps=40 batch=8 replay_steps=400 evaluation_every=150"
 TINY = [*SMALL.split(), "evaluation_episodes=2", "device=cpu", "network.width=16"]
 
 

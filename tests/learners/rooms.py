@@ -26,6 +26,7 @@ NARROW = NetworkConfig(width=32, move_width=4)
 TINY = TrainingConfig(
     network=NARROW,
     device="cpu",
+    prior_notes=2_000,
     total_steps=600,
     environments=4,
     warmup_steps=40,

@@ -14,7 +14,7 @@ import torch
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.state import End
 from indoor_explorers.evaluation.training import nested
-from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingConfig
+from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig, TrainingConfig
 from indoor_explorers.learners.dddqn.flock import Flock
 from indoor_explorers.learners.dddqn.learner import Learner
 from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
@@ -196,6 +196,8 @@ def test_a_flock_goes_on_from_its_tensors() -> None:
 def test_a_short_training_explores_better_than_none(tmp_path: Path) -> None:
     threads = torch.get_num_threads()
     config = TrainingConfig(
+        network=NetworkConfig(tour_cost=0.0),
+        prior_notes=2_000,
         total_steps=24_000,
         environments=16,
         warmup_steps=800,
