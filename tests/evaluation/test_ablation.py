@@ -95,7 +95,8 @@ def test_only_what_is_asked_for_is_trained_and_teams_have_more(tmp_path):
         found = orders_of("dddqn", "x", task, patterns=patterns, settings={}, seeds=2, out=tmp_path)
         return [(order.variant, order.seed) for order in found]
 
-    assert names(1, "no-t*", "1-step") == [(name, seed) for seed in (1, 2) for name in ("full", "1-step", "no-tours")]
+    wanted = ("full", "1-step", "no-tour-start", "no-tours")
+    assert names(1, "no-t*", "1-step") == [(name, seed) for seed in (1, 2) for name in wanted]
     assert names(2, "mates")[:2] == [("full", 1), ("mates", 1)]
     with pytest.raises(InputError, match="no variant is called 'mates'"):
         names(1, "mates")
