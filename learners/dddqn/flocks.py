@@ -44,21 +44,19 @@ class Flocks:
         ]
         self.columns = sum(flock.columns for flock in self.flocks)
         self._ends = np.cumsum([flock.columns for flock in self.flocks])[:-1]
-
-    @property
-    def scene(self) -> NDArray[np.uint8]:
+        self.scene = np.concatenate([flock.scene for flock in self.flocks])
         """(C, S) as last observed."""
-        return np.concatenate([flock.scene for flock in self.flocks])
-
-    @property
-    def scenes(self) -> NDArray[np.uint8]:
+        self.scenes = np.concatenate([flock.scenes for flock in self.flocks])
         """(C, I) the latest scenes, latest first."""
-        return np.concatenate([flock.scenes for flock in self.flocks])
-
-    @property
-    def moves(self) -> NDArray[np.float32]:
+        self.moves = np.concatenate([flock.moves for flock in self.flocks])
         """(C, 4, F) as last observed."""
-        return np.concatenate([flock.moves for flock in self.flocks])
+        self._share_views()
+
+    def _share_views(self) -> None:
+        """Let each flock observe into its own columns of the common arrays, so that nothing is copied in a tick."""
+        parts = (np.split(array, self._ends) for array in (self.scene, self.scenes, self.moves))
+        for flock, scene, scenes, moves in zip(self.flocks, *parts, strict=True):
+            flock.scene, flock.scenes, flock.moves = scene, scenes, moves
 
     @property
     def over(self) -> Mask:

@@ -52,7 +52,7 @@ def shapes(layout: Layout, config: NetworkConfig) -> dict[str, tuple[int, ...]]:
     if config.dueling:
         linear["value"] = (1, config.width)
     linear["advantage"] = (4, config.width)
-    if layout.tours_at >= 0 and config.tour_cost > 0.0:
+    if tour_costs(layout, config.tour_cost, config.tour_cost) is not None:
         linear["tours"] = (1, layout.features)
     linear |= {"move_hidden": (config.move_width, layout.features), "move_out": (1, config.move_width)}
     found: dict[str, tuple[int, ...]] = {}
@@ -70,15 +70,18 @@ def weights_from(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: Net
     for name in matrices:
         names += [f"{name}.weight", f"{name}.bias"]
         names += [f"{name}_norm.weight", f"{name}_norm.bias"] * (name == "think")
-    names += ["tours.weight"]
     there = shapes(layout, config)
-    matrix = ("value.weight", "tours.weight")
-    empty = {name: np.zeros((0, 0) if name in matrix else 0, np.float32) for name in names if name not in there}
+    empty = {name: np.zeros((0, 0) if name == "value.weight" else 0, np.float32) for name in names if name not in there}
     found: list[Any] = [np.ascontiguousarray({**arrays, **empty}[name].T, np.float32) for name in names]
+    return Weights._make([*found, _tours(arrays, layout, config), config.layer_norm, config.dueling])
+
+
+def _tours(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: NetworkConfig) -> Array:
+    """Return what each feature of a move adds to its value by itself, (F,): learned, and the pull of the tours."""
+    parts = [arrays["tours.weight"][0]] if "tours.weight" in arrays else []
     pull = tour_costs(layout, config.tour_pull, 0.0)
-    if pull is not None:
-        found[-1] = pull[:, None] + (found[-1] if found[-1].size else 0.0)
-    return Weights._make([*found, config.layer_norm, config.dueling])
+    parts += [] if pull is None else [pull]
+    return np.sum(parts, axis=0, dtype=np.float32) if parts else np.zeros(0, np.float32)
 
 
 @kernel()
@@ -122,7 +125,7 @@ def _own_values(moves: np.ndarray, weights: Weights, out: np.ndarray) -> None:
         for j in range(hidden.shape[0]):
             total += max(hidden[j], np.float32(0.0)) * weights.move_out[j, 0]
         for i in range(weights.tours.shape[0]):
-            total += moves[k, i] * weights.tours[i, 0]
+            total += moves[k, i] * weights.tours[i]
         out[k] += total
 
 

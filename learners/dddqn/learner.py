@@ -85,19 +85,19 @@ class Learner:
                 following_BA = self.target(next_scenes_BI, next_moves_BAF)
                 chosen_BA = self.online(next_scenes_BI, next_moves_BAF) if self.config.double else following_BA
                 here_BA = self.target(scenes_BI, moves_BAF) if self.config.action_gap > 0.0 else None
-        target_B = q_target(return_B, discount_B, self._ranked(chosen_BA, next_moves_BAF), following_BA)
+        rank_BA = self._ranked(chosen_BA, next_moves_BAF, mask=self.config.mask)
+        target_B = q_target(return_B, discount_B, rank_BA, following_BA)
         if here_BA is not None:
-            best_B = self._ranked(here_BA, moves_BAF).argmax(dim=1)
+            best_B = self._ranked(here_BA, moves_BAF, mask=self.config.mask).argmax(dim=1)
             target_B = target_B - self.config.action_gap * shortfall(here_BA, best_B, action_B)
         loss_B = nn.functional.smooth_l1_loss(q_B, target_B, reduction="none")
         return (weight_B * loss_B).mean(), (target_B - q_B).detach()
 
-    def _ranked(self, q_BA: Tensor, moves_BAF: Tensor, *, mask: bool | None = None) -> Tensor:
+    def _ranked(self, q_BA: Tensor, moves_BAF: Tensor, *, mask: bool) -> Tensor:
         """Return what moves are chosen by: their values, pulled to the tours, blocked ones below all others."""
         if self._pull is not None:
             q_BA = q_BA + moves_BAF @ self._pull
-        blocked_BA = moves_BAF[:, :, BLOCKED] > 0.5 if (self.config.mask if mask is None else mask) else None
-        return masked(q_BA, blocked_BA)
+        return masked(q_BA, moves_BAF[:, :, BLOCKED] > 0.5 if mask else None)
 
     def _precision(self) -> torch.autocast:
         return torch.autocast(self.device.type, torch.bfloat16, enabled=self.mixed)

@@ -69,8 +69,9 @@ class DuelingNetwork(nn.Module):
         self.move_hidden = nn.Linear(features, config.move_width)
         self.move_out = nn.Linear(config.move_width, 1)
         costs = tour_costs(layout, config.tour_cost, config.tour_cost)
-        self.tours = None if costs is None else nn.Linear(features, 1, bias=False)
-        if self.tours is not None and costs is not None:
+        self.tours: nn.Linear | None = None
+        if costs is not None:
+            self.tours = nn.Linear(features, 1, bias=False)
             self.tours.weight.data[0] = torch.from_numpy(costs)
             for layer in (self.advantage, self.move_out):
                 nn.init.zeros_(layer.weight)
