@@ -191,12 +191,16 @@ def test_a_process_tells_why_it_failed_and_goes_on_where_it_was_interrupted(tmp_
             pass
         os.kill(os.getpid(), signal.SIGINT)
 
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     watcher = threading.Thread(target=interrupt)
     watcher.start()
-    with pytest.raises(KeyboardInterrupt):
-        train_all([long], 1, lambda line: None)
-    stop.set()
-    watcher.join()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            train_all([long], 1, lambda line: None)
+    finally:
+        stop.set()
+        watcher.join()
+        signal.signal(signal.SIGINT, before)
     note = json.loads((tmp_path / "long" / NOTE).read_text())
     assert note["minutes"] > 0
     assert "weights" not in note
