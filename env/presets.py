@@ -83,6 +83,33 @@ def _building(name: str, maps: MapSource, budget: int) -> Scenario:
     )
 
 
+def _small(preset: Scenario, maps: MapSource) -> Scenario:
+    """A building at two fifths of the size, as many lidar ranges across: quick to fly and to learn from."""
+    return preset.model_copy(
+        update={
+            "name": f"small-{preset.name}",
+            "map": maps,
+            "lidar": Lidar(range=4.0),
+            "radio": Radio(model="disc", range=6.0),
+            "budget": 600,
+        }
+    )
+
+
+def _buildings() -> Iterator[Scenario]:
+    """Yield the bundled office and generated buildings, each kind also small."""
+    yield _building("office", OfficeMap(), 1500)
+    offices = OfficesMaps(height=40, width=40, corridor=2, room_depth=(3, 5), room_width=(3, 6), crossing=24)
+    for name, maps, budget, small in (
+        ("rooms", RoomsMaps(), 1000, RoomsMaps(height=40, width=40, room_size=(3, 6), corridor=1)),
+        ("offices", OfficesMaps(), 1000, offices),
+        ("cave", CaveMaps(), 1000, CaveMaps(height=40, width=40, chamber=4)),
+        ("maze", MazeMaps(), 1500, MazeMaps(height=26, width=26, corridor=1)),
+    ):
+        building = _building(name, maps, budget)
+        yield from (building, _small(building, small))
+
+
 def _first_phase() -> Iterator[Scenario]:
     """Yield the thesis's first experiments (section 4.2): three reward sets times three stuck rules, no obstacles."""
     for number, rewards in REWARDS.items():
@@ -119,11 +146,7 @@ PRESETS: dict[str, Scenario] = {
         *_first_phase(),
         *_second_phase(),
         *_always_linked(),
-        _building("office", OfficeMap(), 1500),
-        _building("rooms", RoomsMaps(), 1000),
-        _building("offices", OfficesMaps(), 1000),
-        _building("cave", CaveMaps(), 1000),
-        _building("maze", MazeMaps(), 1500),
+        *_buildings(),
     )
 }
 

@@ -44,6 +44,9 @@ class ObservationConfig(_Config):
     """For each move, as planners see it: the view gain there, and distance and discounted gains of what lies ahead."""
     tours: bool = True
     """For each move: the tours that a small beam search finds behind it, in rooms of up to 16x16 cells."""
+    prospects: bool = False
+    """For each move: how far it is from the best place to look from, on maps of any size, by what is in view there and
+    the way to it; once by all that is in view and once with isolated cells counting more."""
 
     @field_validator("crop", "coarse")
     @classmethod
@@ -75,10 +78,12 @@ class NetworkConfig(_Config):
     """Explore by noise in the weights of the last layers (Fortunato et al. 2018) on top of epsilon."""
     tour_cost: float = Field(0.1, ge=0.0)
     """Begin with what the tours say, where they are seen: each step that a move's tour takes beyond the shortest, to
-    the goal and to 90 %, costs so much at first. The network learns what to put right. 0 begins with nothing."""
+    the goal and to 90 %, costs so much at first. So do prospects for each step that a move is behind the best one. The
+    network learns what to put right. 0 begins with nothing."""
     tour_pull: float = Field(0.0, ge=0.0)
     """Choose moves as if each step that a move's tour to the goal takes beyond the shortest cost so much on top of what
-    the network says, in training as later: of moves that are worth about the same the one that keeps to a tour."""
+    the network says, in training as later: of moves that are worth about the same the one that keeps to a tour. Each
+    step behind the best prospect costs so much, too."""
 
 
 class TrainingConfig(_Config):

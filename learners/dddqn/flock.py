@@ -50,7 +50,7 @@ class Flock:
         self._next_seed = next_seed
         self._begin(list(range(episodes)))
         self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
-        self.memory = new_memory(self.columns, self.shape, tours=observation.tours)
+        self.memory = new_memory(self.columns, self.shape, observation)
         self._eyes = eyes(observation, self.shape, scenario.lidar.range, prior)
         self._agent = np.tile(np.arange(scenario.team, dtype=np.float64), episodes)
 

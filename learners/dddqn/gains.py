@@ -10,32 +10,61 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.compiled import leaf
-from indoor_explorers.env.grid import FREE, MOVES, touches_unknown
-from indoor_explorers.env.lidar import unknown_in_view
+from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, touches_unknown
+from indoor_explorers.env.lidar import unknown_in_view, visible_cells
 from indoor_explorers.learners.dddqn.scene import HALF_DISTANCE, within
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
 
 #: Columns of ``Scratch.ahead``: the best gain for each discount, the sum of the gains, the steps to the nearest.
 _SUM, _NEAREST = 3, 4
+#: A gain that is to be counted, and that of a cell where the UAV has been: it has seen what there is to see from there.
+STALE, SPENT = -1, -2
+#: Half the side of the square around an unknown cell in which known cells make it isolated, and the square's other
+#: cells.
+AROUND, OTHERS = 2, 24
+#: Extra weight of an unknown cell without another unknown one in that square.
+ISOLATION = 8.0
 
 
 @leaf()
 def forget_gains(gain: np.ndarray, box: np.ndarray, reach: int) -> None:
     """Forget the gains that newly known cells in a ``box`` (top, left, bottom, right) may have changed."""
-    gain[max(box[0] - reach, 0) : box[2] + reach, max(box[1] - reach, 0) : box[3] + reach] = -1
+    for r in range(max(box[0] - reach, 0), min(box[2] + reach, gain.shape[0])):
+        for c in range(max(box[1] - reach, 0), min(box[3] + reach, gain.shape[1])):
+            if gain[r, c] != SPENT:
+                gain[r, c] = STALE
 
 
 @leaf()
-def gain_at(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gain: np.ndarray) -> int:
-    """Return the unknown cells in view of a cell, counted if ``gain`` (H, W) holds -1 there and kept in it.
+def _weigh(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> tuple[int, float]:
+    """Return how many unknown cells are in view of a cell, and how much they count with isolated ones counting more."""
+    width, found, weight = belief.shape[1], 0, 0.0
+    for k in range(visible_cells(belief, row, col, sensor.optics, scratch.scan)):
+        r, c = divmod(scratch.scan.cells[k], width)
+        if belief[r, c] == UNKNOWN:
+            near = within(scratch.unknown, r - AROUND, c - AROUND, r + AROUND + 1, c + AROUND + 1)
+            found += 1
+            weight += 1.0 + ISOLATION * (OTHERS + 1 - near) / OTHERS
+    return found, weight
 
-    The summed-area tables must be filled.
+
+@leaf()
+def gain_at(
+    belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gain: np.ndarray, weight: np.ndarray
+) -> int:
+    """Return the unknown cells in view of a cell, counted if ``gain`` (H, W) is stale there and kept in it.
+
+    ``weight`` (H, W) keeps how much they count with isolated ones counting more, unless it is empty. The summed-area
+    tables must be filled.
     """
-    reach = sensor.reach
-    if gain[row, col] < 0:
-        near = within(scratch.unknown, row - reach, col - reach, row + reach + 1, col + reach + 1)
-        gain[row, col] = unknown_in_view(belief, row, col, sensor.optics, scratch.scan) if near > 0 else 0
-    return int(gain[row, col])
+    if gain[row, col] == STALE:
+        reach, gain[row, col] = sensor.reach, 0
+        if within(scratch.unknown, row - reach, col - reach, row + reach + 1, col + reach + 1) > 0:
+            if weight.shape[0] > 0:
+                gain[row, col], weight[row, col] = _weigh(belief, row, col, sensor, scratch)
+            else:
+                gain[row, col] = unknown_in_view(belief, row, col, sensor.optics, scratch.scan)
+    return max(int(gain[row, col]), 0)
 
 
 @leaf()
@@ -81,11 +110,13 @@ def _credit(gain: int, steps: int, first: int, share: float, sensor: Sensor, scr
 
 
 @leaf()
-def survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gains: np.ndarray) -> int:
+def survey(
+    belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gains: np.ndarray, weights: np.ndarray
+) -> int:
     """Look at the gain of reachable places, a lattice and every frontier cell, and fill ``scratch.ahead`` with it.
 
     Returns the steps to the nearest gain, -1 when nothing within reach is unknown. The summed-area tables must be
-    filled; ``gains`` (H, W) keeps what was counted.
+    filled; ``gains`` (H, W) and ``weights`` keep what was counted, see :func:`gain_at`.
     """
     width, nearest, at, head, tail = belief.shape[1], -1, 0, 0, 1
     weight = (sensor.scale * sensor.rate) ** 2
@@ -102,7 +133,7 @@ def survey(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scra
         on_lattice = _on_lattice(r, c, belief.shape, sensor.scale)
         gain = 0
         if on_lattice or touches_unknown(belief, r, c):
-            gain = gain_at(belief, r, c, sensor, scratch, gains)
+            gain = gain_at(belief, r, c, sensor, scratch, gains, weights)
         if gain == 0:
             continue
         while at < scratch.steps[r, c]:

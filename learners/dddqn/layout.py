@@ -47,9 +47,10 @@ TOURS = (
     "its steps to 90 %",
     "steps of the tour to the goal until 90 %",
 )
+PROSPECTS = ("by all that is in view", "with isolated cells counting more")
+PROSPECT = ("there is one", "steps behind the best", "it is the best", "distance", "what is in view there")
 
-
-#: Steps beyond the shortest tour at which that feature is 1.
+#: Steps beyond the shortest tour, or behind the best prospect, at which that feature is 1.
 BEYOND = 8.0
 
 
@@ -71,6 +72,7 @@ class Layout(NamedTuple):
     """Where the gains begin among the features of a move."""
     visits_at: int
     tours_at: int
+    prospects_at: int
     features: int
     """Features of a move, F."""
     frames: int
@@ -96,8 +98,12 @@ def layout(config: ObservationConfig) -> Layout:
         IDENTITIES * config.identity,
         PROGRESS * config.progress,
     )
-    gains_at, visits_at, tours_at, features = _places(
-        len(BLOCKED), len(GAINS) * config.gains, len(VISITS) * config.visits, len(TOURS) * config.tours
+    gains_at, visits_at, tours_at, prospects_at, features = _places(
+        len(BLOCKED),
+        len(GAINS) * config.gains,
+        len(VISITS) * config.visits,
+        len(TOURS) * config.tours,
+        len(PROSPECTS) * len(PROSPECT) * config.prospects,
     )
     layers.setflags(write=False)
     return Layout(
@@ -113,6 +119,7 @@ def layout(config: ObservationConfig) -> Layout:
         gains_at=gains_at,
         visits_at=visits_at,
         tours_at=tours_at,
+        prospects_at=prospects_at,
         features=features,
         frames=config.frames,
     )
@@ -130,13 +137,18 @@ def _places(at: int, *sizes: int) -> list[int]:
 def tour_costs(plan: Layout, to_goal: float, to_mark: float) -> NDArray[np.float32] | None:
     """Return weights (F,) of the features of a move by which steps beyond the shortest tours cost so much each.
 
-    None where no tours are seen or they cost nothing.
+    Steps behind the best prospects cost as much as those of tours to the goal. None where neither is seen or they cost
+    nothing.
     """
-    if plan.tours_at < 0 or to_goal == to_mark == 0.0:
+    if plan.tours_at == plan.prospects_at == -1 or to_goal == to_mark == 0.0:
         return None
     weights = np.zeros(plan.features, np.float32)
-    weights[plan.tours_at + TOURS.index("its steps beyond the shortest")] = -to_goal * BEYOND
-    weights[plan.tours_at + TOURS.index("its steps beyond the shortest to 90 %")] = -to_mark * BEYOND
+    if plan.tours_at >= 0:
+        weights[plan.tours_at + TOURS.index("its steps beyond the shortest")] = -to_goal * BEYOND
+        weights[plan.tours_at + TOURS.index("its steps beyond the shortest to 90 %")] = -to_mark * BEYOND
+    if plan.prospects_at >= 0:
+        behind = plan.prospects_at + PROSPECT.index("steps behind the best")
+        weights[behind : behind + len(PROSPECTS) * len(PROSPECT) : len(PROSPECT)] = -to_goal * BEYOND / len(PROSPECTS)
     return weights
 
 

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid import MOVES
 from indoor_explorers.learners.dddqn.bitboards import ROOM, STRIDE, WORDS
+from indoor_explorers.learners.dddqn.config import ObservationConfig
+from indoor_explorers.learners.dddqn.gains import STALE
+from indoor_explorers.learners.dddqn.layout import PROSPECTS
 
 #: Cells of the longest tour that is remembered.
 LONGEST = 40
@@ -27,7 +30,11 @@ class Memory(NamedTuple):
     chance: NDArray[np.uint8]
     """(C, H, W) chance of an unknown cell to count, 255 for certainly; 0 for known cells."""
     gain: NDArray[np.int32]
-    """(C, H, W) unknown cells in view of a cell, -1 where they are to be counted anew."""
+    """(C, H, W) unknown cells in view of a cell, -1 where they are to be counted anew, -2 where the UAV has been."""
+    weight: NDArray[np.float32]
+    """(C, H, W) how much these count when isolated ones count more; empty maps where prospects are not looked for."""
+    prospect: NDArray[np.int64]
+    """(C, 2) flat cell of the best prospect of each kind at the last look, -1 for none."""
     obstacles: NDArray[np.uint8]
     """(C, H, W) obstacles, known and assumed, that ``views`` and ``passages`` reckon with; 255 before the first."""
     views: NDArray[np.uint64]
@@ -49,7 +56,8 @@ class Memory(NamedTuple):
         self.visits[columns] = 0
         self.aimed[columns] = -1
         self.chance[columns] = 255
-        self.gain[columns] = -1
+        self.gain[columns] = STALE
+        self.prospect[columns] = -1
         self.obstacles[columns] = 255
         self.tour[columns] = -1
         self.gained[columns] = 0
@@ -64,16 +72,18 @@ class Memory(NamedTuple):
         self.aimed[...] = np.where(inside, row * width + col, -1)
 
 
-def new_memory(columns: int, shape: tuple[int, int], *, tours: bool) -> Memory:
-    """Allocate the memory of ``columns`` UAVs on (H, W) maps, for ``tours`` where the map is small enough."""
+def new_memory(columns: int, shape: tuple[int, int], observation: ObservationConfig) -> Memory:
+    """Allocate the memory of ``columns`` UAVs on (H, W) maps, for tours where the map is small enough."""
     cells = (columns, *shape)
-    room = STRIDE * ROOM if tours and max(shape) <= ROOM else 0
+    room = STRIDE * ROOM if observation.tours and max(shape) <= ROOM else 0
     memory = Memory(
         noted=np.zeros(cells, np.uint8),
         visits=np.zeros(cells, np.uint8),
         aimed=np.zeros(columns, np.int64),
         chance=np.zeros(cells, np.uint8),
         gain=np.zeros(cells, np.int32),
+        weight=np.zeros(cells if observation.prospects else (columns, 0, 0), np.float32),
+        prospect=np.zeros((columns, len(PROSPECTS)), np.int64),
         obstacles=np.zeros(cells, np.uint8),
         views=np.zeros((columns, room, WORDS), np.uint64),
         passages=np.zeros((columns, room, 4), np.int32),

@@ -21,11 +21,12 @@ from indoor_explorers.env.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN
 from indoor_explorers.env.lidar import visible_cells
 from indoor_explorers.learners.dddqn.config import ObservationConfig
-from indoor_explorers.learners.dddqn.gains import forget_gains, gain_at, survey, write_gains
+from indoor_explorers.learners.dddqn.gains import AROUND, SPENT, forget_gains, gain_at, survey, write_gains
 from indoor_explorers.learners.dddqn.layout import Layout, layout
 from indoor_explorers.learners.dddqn.memory import Memory
 from indoor_explorers.learners.dddqn.news import note
 from indoor_explorers.learners.dddqn.prior import MapPrior, write_chances
+from indoor_explorers.learners.dddqn.prospects import Outlook, look_for_prospects, new_outlook
 from indoor_explorers.learners.dddqn.scene import VISIT_CAP, tabulate, write_scene
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor, scratch, sensor
 from indoor_explorers.learners.dddqn.terrain import keep_up
@@ -39,6 +40,7 @@ class Eyes(NamedTuple):
     sensor: Sensor
     scratch: Scratch
     planner: Planner
+    outlook: Outlook
     prior: MapPrior
 
 
@@ -60,7 +62,7 @@ class Known(NamedTuple):
 def eyes(config: ObservationConfig, shape: tuple[int, int], lidar_range: float, prior: MapPrior) -> Eyes:
     """Prepare to observe on (H, W) maps with a lidar range in cells."""
     lens = sensor(lidar_range)
-    return Eyes(layout(config), lens, scratch(shape, lens), new_planner(), prior)
+    return Eyes(layout(config), lens, scratch(shape, lens), new_planner(), new_outlook(shape), prior)
 
 
 @leaf()
@@ -91,10 +93,8 @@ def _remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: S
 
 
 @inner()
-def _write_moves(
-    belief: np.ndarray, row: int, col: int, visits: np.ndarray, gains: np.ndarray, eyes: Eyes, out: np.ndarray
-) -> None:
-    """Write what is known of each move but for its tours."""
+def _write_moves(belief: np.ndarray, row: int, col: int, memory: Memory, i: int, eyes: Eyes, out: np.ndarray) -> None:
+    """Write what is known of each move but for its tours and prospects."""
     plan = eyes.plan
     for k in range(4):
         r, c = row + MOVES[k, 0], col + MOVES[k, 1]
@@ -105,69 +105,95 @@ def _write_moves(
             if blocked:
                 out[k, plan.gains_at + 1] = 1.0
             else:
-                here = gain_at(belief, r, c, eyes.sensor, eyes.scratch, gains)
+                here = gain_at(belief, r, c, eyes.sensor, eyes.scratch, memory.gain[i], memory.weight[i])
                 write_gains(k, here, eyes.sensor, eyes.scratch, out[k, plan.gains_at :])
         if plan.visits_at >= 0 and not blocked:
-            out[k, plan.visits_at] = min(visits[r, c], VISIT_CAP) / VISIT_CAP
+            out[k, plan.visits_at] = min(memory.visits[i, r, c], VISIT_CAP) / VISIT_CAP
+
+
+@inner()
+def _bar_pushes(memory: Memory, i: int, row: int, col: int, blocked: np.ndarray) -> None:
+    """Bar the move in which a teammate was in the way for one look: so planners lead elsewhere."""
+    width = memory.noted.shape[2]
+    for k in range(4):
+        if memory.aimed[i] == (row + MOVES[k, 0]) * width + col + MOVES[k, 1]:
+            blocked[k] = 1
+
+
+@inner()
+def _look_for_tours(known: Known, memory: Memory, i: int, eyes: Eyes, agent: int, moves: np.ndarray) -> None:
+    """Write the tours of each move."""
+    belief, chance, work = known.belief[i], memory.chance[i], eyes.scratch
+    views, passages = memory.views[i], memory.passages[i]
+    obstructed = keep_up(belief, chance, eyes.sensor, work, eyes.planner.stale, memory.obstacles[i], views, passages)
+    look_for_tours(
+        belief,
+        known.cell[i],
+        agent,
+        known.mates[i],
+        known.ages[i],
+        chance,
+        views,
+        passages,
+        memory.tour[i],
+        eyes.planner,
+        obstructed,
+        work.blocked,
+        moves[:, eyes.plan.tours_at :],
+    )
+
+
+@inner(inlined=False)
+def _look_ahead(known: Known, memory: Memory, i: int, eyes: Eyes, agent: int, moves: np.ndarray) -> None:
+    """Write what lies behind each move; the summed-area tables must be filled."""
+    belief, row, col, plan = known.belief[i], known.cell[i, 0], known.cell[i, 1], eyes.plan
+    gain, weight = memory.gain[i], memory.weight[i]
+    memory.nearest[i] = survey(belief, row, col, eyes.sensor, eyes.scratch, gain, weight)
+    _write_moves(belief, row, col, memory, i, eyes, moves)
+    _bar_pushes(memory, i, row, col, eyes.scratch.blocked)
+    if plan.prospects_at >= 0:
+        look_for_prospects(
+            belief,
+            known.mates[i],
+            known.ages[i],
+            gain,
+            weight,
+            memory.prospect[i],
+            eyes.sensor,
+            eyes.scratch,
+            eyes.outlook,
+            moves[:, plan.prospects_at :],
+        )
+    if plan.tours_at >= 0 and memory.views.shape[1] > 0:
+        _look_for_tours(known, memory, i, eyes, agent, moves)
 
 
 @inner(inlined=False)
 def _observe(
     known: Known, memory: Memory, i: int, eyes: Eyes, facts: np.ndarray, scene: np.ndarray, moves: np.ndarray
 ) -> None:
-    belief, row, col, plan = known.belief[i], known.cell[i, 0], known.cell[i, 1], eyes.plan
+    belief, row, col = known.belief[i], known.cell[i, 0], known.cell[i, 1]
     for n in range(_remember(belief, row, col, eyes.sensor, eyes.scratch, memory, i)):
         box = eyes.scratch.boxes[n]
         write_chances(belief, eyes.prior, eyes.scratch.patch, box, memory.chance[i])
-        forget_gains(memory.gain[i], box, eyes.sensor.reach)
+        forget_gains(memory.gain[i], box, eyes.sensor.reach + AROUND)
+    memory.gain[i, row, col] = SPENT
     tabulate(belief, eyes.scratch.unknown, eyes.scratch.free)
     facts[0], facts[1], facts[2] = known.facts[i, 0], known.facts[i, 1], memory.idle[i]
-    mates, ages = known.mates[i], known.ages[i]
     write_scene(
         belief,
         known.cell[i],
-        mates,
-        ages,
+        known.mates[i],
+        known.ages[i],
         memory.visits[i],
         memory.chance[i],
         facts,
         eyes.sensor,
         eyes.scratch,
-        plan,
+        eyes.plan,
         scene,
     )
-    memory.nearest[i] = survey(belief, row, col, eyes.sensor, eyes.scratch, memory.gain[i])
-    _write_moves(belief, row, col, memory.visits[i], memory.gain[i], eyes, moves)
-    if plan.tours_at >= 0 and memory.views.shape[1] > 0:
-        for k in range(4):  # a teammate in the way bars tours for one look
-            if memory.aimed[i] == (row + MOVES[k, 0]) * belief.shape[1] + col + MOVES[k, 1]:
-                eyes.scratch.blocked[k] = 1
-        views, passages = memory.views[i], memory.passages[i]
-        obstructed = keep_up(
-            belief,
-            memory.chance[i],
-            eyes.sensor,
-            eyes.scratch,
-            eyes.planner.stale,
-            memory.obstacles[i],
-            views,
-            passages,
-        )
-        look_for_tours(
-            belief,
-            known.cell[i],
-            int(facts[0]),
-            mates,
-            ages,
-            memory.chance[i],
-            views,
-            passages,
-            memory.tour[i],
-            eyes.planner,
-            obstructed,
-            eyes.scratch.blocked,
-            moves[:, plan.tours_at :],
-        )
+    _look_ahead(known, memory, i, eyes, int(facts[0]), moves)
 
 
 @kernel()

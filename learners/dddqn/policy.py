@@ -105,7 +105,7 @@ class DddqnPilot(Pilot):
         self._loaded, self._team = loaded, briefing.team
         plan = loaded.layout
         self._eyes = eyes(loaded.observation, briefing.shape, briefing.lidar_range, prior_from(loaded.prior))
-        self._memory = new_memory(1, briefing.shape, tours=loaded.observation.tours)
+        self._memory = new_memory(1, briefing.shape, loaded.observation)
         self._scene = np.zeros((1, plan.scene), np.uint8)
         self.scenes = np.zeros((1, plan.inputs), np.uint8)
         self.moves = np.zeros((1, 4, plan.features), np.float32)

@@ -61,6 +61,25 @@ PRESETS: dict[str, Preset] = {
         },
         1,
     ),
+    "general": Preset(
+        "small-offices",
+        _KEEN
+        | {
+            "also": ["small-rooms", "small-cave", "small-maze"],
+            "scale_rewards": True,
+            "observation.layers": ["unknown", "free", "chance", "mates", "mates_past"],
+            "observation.identity": True,
+            "observation.progress": True,
+            "observation.tours": False,
+            "observation.prospects": True,
+            "total_steps": 2_000_000,
+            "updates_per_tick": 4,
+            "action_gap": 0.0,
+            "network.tour_pull": 0.015,
+            "evaluation_episodes": 20,
+        },
+        1,
+    ),
     "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 4_000_000}, 1),
     "thesis-obstacles-map": Preset("thesis-obstacles", _MAP_ALONE | {"total_steps": 6_000_000}, 1),
 }
