@@ -91,7 +91,7 @@ def _small(preset: Scenario, maps: MapSource) -> Scenario:
             "map": maps,
             "lidar": Lidar(range=4.0),
             "radio": Radio(model="disc", range=6.0),
-            "budget": 600,
+            "budget": 1000,
         }
     )
 

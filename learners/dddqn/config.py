@@ -95,6 +95,9 @@ class TrainingConfig(_Config):
     """The network."""
     also: tuple[str, ...] = ()
     """Further scenarios trained on side by side with the first by the same network: presets or ``.toml`` files."""
+    team: int | None = Field(None, ge=1)
+    """UAVs of each training episode; None for as many as the scenarios have. What a UAV learns alone is learned from
+    clearer rewards, and serves teams where planner features leave to teammates what is theirs."""
     prior_notes: int = Field(1_000_000, ge=0)
     """Unknown cells near obstacles that the map prior is fitted to before the training, at most."""
     total_steps: int = Field(3_000_000, ge=1)
@@ -187,6 +190,7 @@ class TrainingConfig(_Config):
                 "rewards.received": 0.0,
                 "rewards.goal": self.reward_goal,
             }
+            | ({} if self.team is None else {"team": self.team})
         )
 
     def tasks(self, scenario: Scenario) -> list[Scenario]:

@@ -51,7 +51,7 @@ class Flock:
         self._begin(list(range(episodes)))
         self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
         self.memory = new_memory(self.columns, self.shape, observation)
-        self._eyes = eyes(observation, self.shape, scenario.lidar.range, prior)
+        self._eyes = eyes(observation, self.shape, scenario, prior)
         self._agent = np.tile(np.arange(scenario.team, dtype=np.float64), episodes)
 
     def _begin(self, episodes: list[int]) -> None:

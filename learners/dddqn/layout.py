@@ -24,6 +24,7 @@ IDENTITIES = 8
 PROGRESS = 3
 #: Features of each move, by the switch that turns them on; the first is always there.
 BLOCKED = ("blocked",)
+BLOCKED_AT = 0
 GAINS = (
     "gain there",
     "distance to the nearest gain",

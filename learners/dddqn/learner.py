@@ -13,13 +13,11 @@ from torch.optim.swa_utils import get_ema_multi_avg_fn
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingConfig
-from indoor_explorers.learners.dddqn.layout import layout, tour_costs
+from indoor_explorers.learners.dddqn.layout import BLOCKED_AT, layout, tour_costs
 from indoor_explorers.learners.dddqn.network import DuelingNetwork, new_network
 from indoor_explorers.learners.dddqn.replay import Batch
 from indoor_explorers.learners.dddqn.targets import masked, q_target, shortfall
 
-#: Place of the feature that says a move is blocked.
-BLOCKED = 0
 #: Instructions of a processor that make bfloat16 matrices faster than float32 ones.
 _FAST = ("avx512_bf16", "amx_bf16")
 
@@ -97,7 +95,7 @@ class Learner:
         """Return what moves are chosen by: their values, pulled to the tours, blocked ones below all others."""
         if self._pull is not None:
             q_BA = q_BA + moves_BAF @ self._pull
-        return masked(q_BA, moves_BAF[:, :, BLOCKED] > 0.5 if mask else None)
+        return masked(q_BA, moves_BAF[:, :, BLOCKED_AT] > 0.5 if mask else None)
 
     def _precision(self) -> torch.autocast:
         return torch.autocast(self.device.type, torch.bfloat16, enabled=self.mixed)

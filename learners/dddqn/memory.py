@@ -24,9 +24,15 @@ class Memory(NamedTuple):
     noted: NDArray[np.uint8]
     """(C, H, W) cells known at the last look."""
     visits: NDArray[np.uint8]
-    """(C, H, W) visits since the last gain, and moves there in which a teammate was in the way."""
+    """(C, H, W) visits since the last gain."""
     aimed: NDArray[np.int64]
     """(C,) flat cell that the last move was to lead to, -1 for none."""
+    looks: NDArray[np.int64]
+    """(C,) looks taken so far."""
+    barred: NDArray[np.int32]
+    """(C, H, W) the look until which a cell is taken for blocked, since a teammate was in the way to it."""
+    pushes: NDArray[np.int64]
+    """(C,) how often one was since the last gain."""
     chance: NDArray[np.uint8]
     """(C, H, W) chance of an unknown cell to count, 255 for certainly; 0 for known cells."""
     gain: NDArray[np.int32]
@@ -55,6 +61,8 @@ class Memory(NamedTuple):
         self.noted[columns] = 0
         self.visits[columns] = 0
         self.aimed[columns] = -1
+        self.looks[columns] = self.pushes[columns] = 0
+        self.barred[columns] = 0
         self.chance[columns] = 255
         self.gain[columns] = STALE
         self.prospect[columns] = -1
@@ -80,6 +88,9 @@ def new_memory(columns: int, shape: tuple[int, int], observation: ObservationCon
         noted=np.zeros(cells, np.uint8),
         visits=np.zeros(cells, np.uint8),
         aimed=np.zeros(columns, np.int64),
+        looks=np.zeros(columns, np.int64),
+        barred=np.zeros(cells, np.int32),
+        pushes=np.zeros(columns, np.int64),
         chance=np.zeros(cells, np.uint8),
         gain=np.zeros(cells, np.int32),
         weight=np.zeros(cells if observation.prospects else (columns, 0, 0), np.float32),

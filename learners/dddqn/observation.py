@@ -20,6 +20,7 @@ import numpy as np
 from indoor_explorers.env.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN
 from indoor_explorers.env.lidar import visible_cells
+from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.gains import AROUND, SPENT, forget_gains, gain_at, survey, write_gains
 from indoor_explorers.learners.dddqn.layout import Layout, layout
@@ -31,6 +32,9 @@ from indoor_explorers.learners.dddqn.scene import VISIT_CAP, tabulate, write_sce
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor, scratch, sensor
 from indoor_explorers.learners.dddqn.terrain import keep_up
 from indoor_explorers.learners.dddqn.tours import Planner, look_for_tours, new_planner
+
+#: Looks for which UAV 0 takes a way for blocked that a teammate was in.
+PATIENCE = 2
 
 
 class Eyes(NamedTuple):
@@ -59,18 +63,15 @@ class Known(NamedTuple):
     """(C, 2) float64: the UAV's number in its team, and the share of its steps that are flown."""
 
 
-def eyes(config: ObservationConfig, shape: tuple[int, int], lidar_range: float, prior: MapPrior) -> Eyes:
-    """Prepare to observe on (H, W) maps with a lidar range in cells."""
-    lens = sensor(lidar_range)
-    return Eyes(layout(config), lens, scratch(shape, lens), new_planner(), new_outlook(shape), prior)
+def eyes(config: ObservationConfig, shape: tuple[int, int], scenario: Scenario, prior: MapPrior) -> Eyes:
+    """Prepare to observe on (H, W) maps of a scenario."""
+    lens = sensor(scenario.lidar.range)
+    return Eyes(layout(config), lens, scratch(shape, lens), new_planner(shape, scenario), new_outlook(shape), prior)
 
 
 @leaf()
 def _remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, memory: Memory, i: int) -> int:
     """Count a visit, forgetting all of them after a gain of its own; return how many boxes hold what became known.
-
-    A move that led nowhere, since a teammate was in the way, counts as a visit of where it was to lead: so the UAV
-    tires of pushing.
 
     The gain is the newly known cells in view of the UAV. What it does not see came by radio, and says nothing about
     whether it is getting anywhere itself.
@@ -85,11 +86,22 @@ def _remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: S
     if gain > 0:
         visits[:] = 0
     visits[row, col] = min(visits[row, col] + 1, 255)
-    aimed = memory.aimed[i]
-    if aimed >= 0 and aimed != row * width + col:
-        r, c = divmod(aimed, width)
-        visits[r, c] = min(visits[r, c] + 1, 255)
     return note(belief, noted, scratch.boxes)
+
+
+@inner()
+def _give_way(memory: Memory, i: int, row: int, col: int, agent: int) -> None:
+    """Bar the way that a teammate was in for some looks: longer each time, and longer for higher numbers.
+
+    So two that met do not mirror each other's moves for good.
+    """
+    memory.looks[i] += 1
+    memory.pushes[i] = 0 if memory.idle[i] == 0 else memory.pushes[i]
+    width = memory.barred.shape[2]
+    if memory.aimed[i] >= 0 and memory.aimed[i] != row * width + col:
+        memory.pushes[i] += 1
+        r, c = divmod(memory.aimed[i], width)
+        memory.barred[i, r, c] = memory.looks[i] + (PATIENCE + agent) * memory.pushes[i]
 
 
 @inner()
@@ -100,6 +112,7 @@ def _write_moves(belief: np.ndarray, row: int, col: int, memory: Memory, i: int,
         r, c = row + MOVES[k, 0], col + MOVES[k, 1]
         out[k] = 0.0
         blocked = not (0 <= r < belief.shape[0] and 0 <= c < belief.shape[1] and belief[r, c] == FREE)
+        blocked = blocked or memory.barred[i, r, c] > memory.looks[i]
         eyes.scratch.blocked[k] = out[k, 0] = blocked
         if plan.gains_at >= 0:
             if blocked:
@@ -109,15 +122,6 @@ def _write_moves(belief: np.ndarray, row: int, col: int, memory: Memory, i: int,
                 write_gains(k, here, eyes.sensor, eyes.scratch, out[k, plan.gains_at :])
         if plan.visits_at >= 0 and not blocked:
             out[k, plan.visits_at] = min(memory.visits[i, r, c], VISIT_CAP) / VISIT_CAP
-
-
-@inner()
-def _bar_pushes(memory: Memory, i: int, row: int, col: int, blocked: np.ndarray) -> None:
-    """Bar the move in which a teammate was in the way for one look: so planners lead elsewhere."""
-    width = memory.noted.shape[2]
-    for k in range(4):
-        if memory.aimed[i] == (row + MOVES[k, 0]) * width + col + MOVES[k, 1]:
-            blocked[k] = 1
 
 
 @inner()
@@ -150,7 +154,6 @@ def _look_ahead(known: Known, memory: Memory, i: int, eyes: Eyes, agent: int, mo
     gain, weight = memory.gain[i], memory.weight[i]
     memory.nearest[i] = survey(belief, row, col, eyes.sensor, eyes.scratch, gain, weight)
     _write_moves(belief, row, col, memory, i, eyes, moves)
-    _bar_pushes(memory, i, row, col, eyes.scratch.blocked)
     if plan.prospects_at >= 0:
         look_for_prospects(
             belief,
@@ -178,6 +181,7 @@ def _observe(
         write_chances(belief, eyes.prior, eyes.scratch.patch, box, memory.chance[i])
         forget_gains(memory.gain[i], box, eyes.sensor.reach + AROUND)
     memory.gain[i, row, col] = SPENT
+    _give_way(memory, i, row, col, int(known.facts[i, 0]))
     tabulate(belief, eyes.scratch.unknown, eyes.scratch.free)
     facts[0], facts[1], facts[2] = known.facts[i, 0], known.facts[i, 1], memory.idle[i]
     write_scene(

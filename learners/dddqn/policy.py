@@ -18,6 +18,7 @@ from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.learners.dddqn.bitboards import ROOM
 from indoor_explorers.learners.dddqn.flock import stacked
 from indoor_explorers.learners.dddqn.inference import q_values
+from indoor_explorers.learners.dddqn.layout import BLOCKED_AT
 from indoor_explorers.learners.dddqn.memory import new_memory
 from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
 from indoor_explorers.learners.dddqn.prior import prior_from
@@ -104,7 +105,7 @@ class DddqnPilot(Pilot):
     def __init__(self, policy: Dddqn, briefing: Briefing, loaded: Loaded) -> None:
         self._loaded, self._team = loaded, briefing.team
         plan = loaded.layout
-        self._eyes = eyes(loaded.observation, briefing.shape, briefing.lidar_range, prior_from(loaded.prior))
+        self._eyes = eyes(loaded.observation, briefing.shape, briefing.scenario, prior_from(loaded.prior))
         self._memory = new_memory(1, briefing.shape, loaded.observation)
         self._scene = np.zeros((1, plan.scene), np.uint8)
         self.scenes = np.zeros((1, plan.inputs), np.uint8)
@@ -124,7 +125,7 @@ class DddqnPilot(Pilot):
         return action
 
     def _choose(self, view: View) -> int:
-        legal_A = view.legal[:4]
+        legal_A = self.moves[0, :, BLOCKED_AT] == 0.0
         if self._memory.nearest[0] < 0 or not legal_A.any():
             if self._guard is not None:
                 self._guard.rest()

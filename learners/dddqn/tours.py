@@ -11,9 +11,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env.compiled import inner, leaf
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN
+from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.beam import Aim, Beam, Tour, follow_tour, new_beam, shortest_tour
 from indoor_explorers.learners.dddqn.bitboards import ROOM, STRIDE, WORDS, bit, count
 from indoor_explorers.learners.dddqn.layout import BEYOND
@@ -40,10 +42,12 @@ class Planner(NamedTuple):
     """(4, 2, 41) their cells, -1 after the last and where a tour is not finished."""
     least: np.ndarray
     """(3,)."""
+    sector: np.ndarray
+    """(H, W) the UAV in whose sector of the map a cell lies, -1 where there are none."""
 
 
-def new_planner() -> Planner:
-    """Allocate the scratch."""
+def new_planner(shape: tuple[int, int], scenario: Scenario) -> Planner:
+    """Allocate the scratch for maps of (H, W) cells."""
     return Planner(
         beam=new_beam(),
         attainable=np.zeros(WORDS, np.uint64),
@@ -54,7 +58,23 @@ def new_planner() -> Planner:
         found=np.zeros((4, 2, 4)),
         paths=np.zeros((4, 2, LONGEST + 1), np.int64),
         least=np.zeros(3),
+        sector=sectors(shape, scenario),
     )
+
+
+def sectors(shape: tuple[int, int], scenario: Scenario) -> NDArray[np.int64]:
+    """Return (H, W) which of the team's equally large sectors around the middle of the map each cell lies in.
+
+    There are none, -1, where some teammate is likely to be in radio range from the beginning.
+    """
+    team, radio = scenario.team, scenario.radio
+    reach = {"none": 0.0, "unlimited": np.inf}.get(radio.model, radio.range)
+    if (team - 1) * (2.0 * reach + 1.0) ** 2 > OFTEN * shape[0] * shape[1]:
+        return np.full(shape, -1)
+    rows, cols = np.mgrid[: shape[0], : shape[1]]
+    bearing = np.arctan2(2 * rows + 1 - shape[0], 2 * cols + 1 - shape[1])
+    rank = np.argsort(np.argsort(bearing, axis=None, kind="stable"), kind="stable")
+    return np.asarray((rank * team // bearing.size).reshape(shape), np.int64)
 
 
 #: Shares of the cells that tours leave unseen: at the goal, and at the mark on the way.
@@ -67,6 +87,8 @@ OPEN_ISOLATION, ISOLATION = 8.0, 20.0
 HALFWAY_ISOLATION = 0.25
 #: Chances below this, of 255, let a cell be left out.
 LIKELY = 96
+#: Share of the map that teammates' radios cover together above which they are likely to be heard from the beginning.
+OFTEN = 0.4
 #: Scales of the features: steps, steps to the mark, delay beyond the least.
 STEPS, HALFWAY_STEPS, DELAYS = 48.0, 40.0, 200.0
 
@@ -91,8 +113,13 @@ def _attainable(start: int, views: np.ndarray, passages: np.ndarray, planner: Pl
 
 
 @inner()
-def _nearer_mate(row: int, col: int, agent: int, r: int, c: int, mates: np.ndarray, ages: np.ndarray) -> bool:
-    """Tell whether (r, c) is a teammate's, which was nearer to it when last heard than UAV ``agent`` at (row, col)."""
+def _is_a_mates(
+    row: int, col: int, agent: int, r: int, c: int, mates: np.ndarray, ages: np.ndarray, sector: np.ndarray
+) -> bool:
+    """Tell whether (r, c) is a teammate's: it was nearer when last heard, or was never heard and it is its sector."""
+    owner = sector[r, c]
+    if owner >= 0 and owner != agent and ages[owner] < 0:
+        return True
     own = abs(row - r) + abs(col - c)
     for m in range(ages.shape[0]):
         if ages[m] >= 0 and abs(mates[m, 0] - r) + abs(mates[m, 1] - c) < own + (m < agent):
@@ -108,6 +135,7 @@ def _wanted(
     mates: np.ndarray,
     ages: np.ndarray,
     chance: np.ndarray,
+    sector: np.ndarray,
     out: np.ndarray,
     stage: int,
 ) -> int:
@@ -115,7 +143,7 @@ def _wanted(
     for r in range(belief.shape[0]):
         for c in range(belief.shape[1]):
             left_out = belief[r, c] != UNKNOWN or (stage > 0 and chance[r, c] < LIKELY)
-            if left_out or (stage > 1 and _nearer_mate(cell[0], cell[1], agent, r, c, mates, ages)):
+            if left_out or (stage > 1 and _is_a_mates(cell[0], cell[1], agent, r, c, mates, ages, sector)):
                 out[(r * STRIDE + c) >> 6] &= ~bit(r * STRIDE + c)
     return count((out[0], out[1], out[2], out[3]))
 
@@ -137,15 +165,14 @@ def _choose_unseen(
     mates: np.ndarray,
     ages: np.ndarray,
     chance: np.ndarray,
-    attainable: np.ndarray,
-    unseen: np.ndarray,
+    planner: Planner,
 ) -> tuple[int, float]:
     """Write what tours are to see (4,); return how much that is and how many cells there may be to count in all."""
-    left, total, free = 0, 0.0, _free(belief)
+    left, total, free, unseen = 0, 0.0, _free(belief), planner.unseen
     for stage in (2, 1, 0):
         for w in range(WORDS):
-            unseen[w] = attainable[w]
-        left = _wanted(belief, cell, agent, mates, ages, chance, unseen, stage)
+            unseen[w] = planner.attainable[w]
+        left = _wanted(belief, cell, agent, mates, ages, chance, planner.sector, unseen, stage)
         total = float(free + left)
         if left > GOAL_REST * total + SLACK:
             break
@@ -239,7 +266,7 @@ def look_for_tours(
     """
     at = cell[0] * STRIDE + cell[1]
     _attainable(at, views, passages, planner)
-    left, total = _choose_unseen(belief, cell, agent, mates, ages, chance, planner.attainable, planner.unseen)
+    left, total = _choose_unseen(belief, cell, agent, mates, ages, chance, planner)
     rest, halfway = GOAL_REST * total + SLACK, HALFWAY_REST * total
     early, isolation = left > halfway, ISOLATION if obstructed else OPEN_ISOLATION
     goal_aim = Aim(rest if left > rest else 0.0, halfway, isolation)

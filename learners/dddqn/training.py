@@ -16,7 +16,8 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.flocks import Flocks
-from indoor_explorers.learners.dddqn.learner import BLOCKED, Learner
+from indoor_explorers.learners.dddqn.layout import BLOCKED_AT
+from indoor_explorers.learners.dddqn.learner import Learner
 from indoor_explorers.learners.dddqn.prior import MapPrior, no_prior, prior_arrays, prior_from
 from indoor_explorers.learners.dddqn.replay import Replay
 from indoor_explorers.learners.dddqn.surveys import collect_all, fit_prior
@@ -130,7 +131,7 @@ class Training:
         """Choose epsilon-greedily; return the moves (C,) and which were drawn at random."""
         flock, mask = self.flock, self.config.mask
         explored = self.flying_rng.random(flock.columns) < self.config.epsilon(self.share)
-        lots = self.flying_rng.random((flock.columns, 4)) - (flock.moves[:, :, BLOCKED] if mask else 0.0)
+        lots = self.flying_rng.random((flock.columns, 4)) - (flock.moves[:, :, BLOCKED_AT] if mask else 0.0)
         best = self.learner.greedy(self.learner.acting, flock.scenes, flock.moves, mask=mask)
         return np.where(explored, lots.argmax(axis=1), best), explored
 

@@ -28,10 +28,13 @@ EVERYTHING = ObservationConfig(layers=EVEN, identity=True, progress=True, tours=
 class Watcher:
     """One UAV that observes, with up to two teammates."""
 
-    def __init__(self, config: ObservationConfig, shape: tuple[int, int], lidar: float = 3.0) -> None:
+    def __init__(
+        self, config: ObservationConfig, shape: tuple[int, int], lidar: float = 3.0, radio: str = "unlimited"
+    ) -> None:
         self.plan: Layout = layout(config)
         self.memory: Memory = new_memory(1, shape, config)
-        self._eyes = eyes(config, shape, lidar, some_prior())
+        scenario = small_room().with_settings({"team": 3, "lidar.range": lidar, "radio.model": radio})
+        self._eyes = eyes(config, shape, scenario, some_prior())
         self.scene = np.zeros((1, self.plan.scene), np.uint8)
         self.moves = np.zeros((1, 4, self.plan.features), np.float32)
 
@@ -295,24 +298,33 @@ def test_visits_are_forgotten_after_a_gain_of_its_own() -> None:
     assert memory.visits.sum() == memory.gained[0] == 0
 
 
-def test_pushing_counts_as_a_visit_of_where_it_was_to_lead() -> None:
-    belief = np.zeros((4, 9), np.uint8)
-    belief[:2, :5] = FREE
+def test_a_way_that_a_teammate_was_in_is_blocked_for_longer_each_time() -> None:
+    belief = np.full((4, 9), FREE, np.uint8)
+    belief[:, 7:] = UNKNOWN
     watcher = Watcher(EVERYTHING, (4, 9))
     memory, here = watcher.memory, np.array([[1, 2]])
+    east = int(np.flatnonzero((MOVES == (0, 1)).all(axis=1))[0])
+    stays = []
     watcher.look(belief, (1, 2))
-    for pushes, away in enumerate(([1, 3], [1, 3], [1, 1]), 1):
-        memory.aim(here, np.flatnonzero((np.array(away) - here == MOVES).all(axis=1)))
-        watcher.look(belief, (1, 2))
-        assert memory.visits[0].sum() == 1 + 2 * pushes
-    assert memory.visits[0, 1, :5].tolist() == [0, 1, 4, 2, 0]
-    memory.aim(here, np.array([4]))
-    watcher.look(belief, (1, 2))
-    memory.aim(here, np.flatnonzero((MOVES == (0, 1)).all(axis=1)))
+    for _ in range(3):
+        memory.aim(here, np.array([east]))
+        watcher.look(belief, (1, 2))  # pushed: it is still where it was
+        memory.aim(here, np.array([4]))
+        looks = 0
+        while watcher.moves[0, east, 0] == 1:
+            assert watcher.moves[0, :, 0].sum() == 1
+            watcher.look(belief, (1, 2))
+            looks += 1
+        stays.append(looks)
+    assert stays == [4, 8, 12]  # UAV 2 waits two looks longer than UAV 0
+    memory.aim(here, np.array([east]))
     watcher.look(belief, (1, 3))  # got there
-    assert memory.visits[0, 1, :5].tolist() == [0, 1, 5, 3, 0]
-    memory.aim(np.array([[0, 8]]), np.flatnonzero((MOVES == (0, 1)).all(axis=1)))
+    assert not watcher.moves[0, :, 0].any()
+    memory.aim(np.array([[0, 8]]), np.array([east]))
     assert memory.aimed.tolist() == [-1]  # off the map
+    belief[:, 7] = FREE
+    watcher.look(belief, (1, 6))
+    assert memory.pushes[0] == 0  # forgotten after a gain
 
 
 def test_a_layout_needs_a_middle_and_a_layer() -> None:

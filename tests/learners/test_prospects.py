@@ -127,7 +127,7 @@ def test_a_prospect_is_held_on_to():
     assert features(held)[:, 1, BEST].tolist() == [0, 0]
 
 
-def test_a_teammate_in_the_way_bars_what_is_behind_it_for_one_look():
+def test_a_teammate_in_the_way_bars_what_is_behind_it():
     watcher = looked(corridor(), (1, 9))
     watcher.memory.aimed[:] = 21 + 8
     watcher.look(corridor(), (1, 9))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env import FREE, OCCUPIED, PRESETS, UNKNOWN
 from indoor_explorers.env.arrays import Belief
 from indoor_explorers.env.compiled import kernel
 from indoor_explorers.env.grid import MOVES
@@ -22,6 +22,7 @@ from indoor_explorers.learners.dddqn.layout import TOURS
 from indoor_explorers.learners.dddqn.memory import new_memory
 from indoor_explorers.learners.dddqn.sensor import scratch, sensor
 from indoor_explorers.learners.dddqn.terrain import UNLIKELY, keep_up
+from indoor_explorers.learners.dddqn.tours import sectors
 from tests.learners.rooms import random_belief
 from tests.learners.test_observation import Watcher
 
@@ -211,19 +212,44 @@ def test_what_a_teammate_is_nearer_to_is_left_to_it() -> None:
     assert linked.moves[0, :, 1 + TOURS.index("it is the shortest")].argmax() == west
 
 
-def test_tours_lead_elsewhere_for_one_look_when_a_teammate_is_in_the_way() -> None:
+def test_tours_lead_elsewhere_while_a_teammate_is_in_the_way() -> None:
     belief = np.full((5, 12), UNKNOWN, np.uint8)
     belief[:, :7] = FREE
     watcher = Watcher(SIGHT, (5, 12))
     east, beyond = 3, 1 + TOURS.index("its steps beyond the shortest")
     assert MOVES[east].tolist() == [0, 1]
     shortest = []
-    for pushes in (False, True, False):
+    for pushes in (False, True, False, False, False, False):
         watcher.memory.aim(np.array([[2, 3]]), np.array([east if pushes else 4]))
         watcher.look(belief, (2, 3))
-        assert watcher.moves[0, east, 0] == 0  # free to fly as far as is known
+        assert watcher.moves[0, east, 0] == (watcher.moves[0, east, beyond] == 1)
         shortest.append(watcher.moves[0, :, beyond].argmin() == east)
-    assert shortest == [True, False, True]
+    assert shortest == [True, False, False, False, False, True]
+
+
+@pytest.mark.parametrize(("radio", "parted"), [("none", True), ("unlimited", False)])
+def test_sectors_part_those_who_never_heard_of_each_other(radio: str, parted: bool) -> None:
+    belief = np.full((15, 15), UNKNOWN, np.uint8)
+    belief[5:10, 5:10] = FREE
+    shares = {}
+    for heard, ages in {"nobody": (-1, -1, -1), "all": (20, 20, -1)}.items():
+        watcher = Watcher(SIGHT, (15, 15), radio=radio)
+        watcher.look(belief, (7, 7), [(0, 0), (0, 14), (0, 0)], ages)
+        shares[heard] = watcher.moves[0, :, 1 + TOURS.index("unknown share")].max()
+    assert (shares["nobody"] < 0.4) == parted
+    assert shares["all"] > 0.4
+
+
+def test_sectors_are_as_large_as_each_other_and_meet_in_the_middle() -> None:
+    room = PRESETS["thesis-team-4-radio-0"]
+    for team in (2, 3, 4):
+        owner = sectors((16, 16), room.model_copy(update={"team": team}))
+        sizes = np.bincount(owner.ravel())
+        assert len(sizes) == team
+        assert sizes.max() - sizes.min() <= 1
+        assert len(np.unique(owner[6:10, 6:10])) == team
+    for name, parted in {"thesis-team-4-radio-1": True, "thesis-team-2": True, "thesis-team-4": False}.items():
+        assert (sectors((16, 16), PRESETS[name]) >= 0).all() == parted
 
 
 def test_what_is_as_near_to_two_is_left_to_the_lower_number() -> None:
