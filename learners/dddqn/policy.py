@@ -84,19 +84,19 @@ class Dddqn(Policy):
 
 #: What :func:`suited` says, in words.
 SUITED = (
-    "up to 16x16 cells with a lidar of range 3 thesis-team for teams, thesis-open for rooms without obstacles, else "
-    "thesis-obstacles; elsewhere general"
+    "up to 16x16 cells with a lidar of range 3 thesis-team for teams that always hear each other, thesis-open for one "
+    "UAV in rooms without obstacles, else thesis-obstacles; elsewhere general"
 )
 
 
 def suited(briefing: Briefing) -> str:
     """Return the name of the shipped weights that suit a scenario best."""
-    source = briefing.scenario.map
+    scenario = briefing.scenario
     if max(briefing.shape) > ROOM or briefing.lidar_range != REFERENCE_RANGE:
         return "general"
     if briefing.team > 1:
-        return "thesis-team"
-    return "thesis-open" if isinstance(source, ThesisMaps) and source.obstacles == 0 else "thesis-obstacles"
+        return "thesis-team" if scenario.radio.model == "unlimited" else "thesis-obstacles"
+    return "thesis-open" if isinstance(scenario.map, ThesisMaps) and scenario.map.obstacles == 0 else "thesis-obstacles"
 
 
 class DddqnPilot(Pilot):

@@ -121,7 +121,11 @@ def test_the_weights_suit_the_scenario() -> None:
         return Dddqn().suited(world.briefing(0, 0))
 
     assert flown("office") == flown("thesis-obstacles", **{"lidar.range": 9}) == "general"
-    assert all(name in shipped() for name in (flown("thesis-open"), flown("thesis-obstacles"), flown("thesis-team-4")))
+    alone = {name: flown(name) for name in ("thesis-open", "thesis-obstacles")}
+    assert alone == {name: name for name in alone}
+    teams = [flown(f"thesis-team-{team}-radio-{radio}") for team in (2, 4) for radio in (0, 3, "unlimited")]
+    assert teams == 2 * ["thesis-obstacles", "thesis-obstacles", "thesis-team"]
+    assert {*alone, *teams} <= shipped().keys()
 
 
 @pytest.mark.parametrize("frames", [1, 3])
