@@ -75,7 +75,7 @@ PRESETS: dict[str, Preset] = {
             "return_steps": 8,
             "gamma_first": 0.97,
             "gamma_last": 0.985,
-            "network.tour_pull": 0.4,
+            "network.tour_pull": 1.5,
             "evaluation_every": 96_000,
             "evaluation_episodes": 40,
         },
