@@ -29,11 +29,11 @@ def connected(address: str | None = None) -> Iterator[None]:
     Raises:
         InputError: there is none at ``address``, or it has no CPUs.
     """
+    address = address or os.environ.get("RAY_ADDRESS") or None
+    check_address(address)
     if ray.is_initialized():
         yield
         return
-    address = address or os.environ.get("RAY_ADDRESS") or None
-    check_address(address)
     _connect(address)
     try:
         if cpus() < 1:
