@@ -138,8 +138,9 @@ def _places(at: int, *sizes: int) -> list[int]:
 def tour_costs(plan: Layout, to_goal: float, to_mark: float) -> NDArray[np.float32] | None:
     """Return weights (F,) of the features of a move by which steps beyond the shortest tours cost so much each.
 
-    Steps behind the best prospects cost as much as those of tours to the goal. None where neither is seen or they cost
-    nothing.
+    Steps behind the best prospect by all that is in view cost as much as those of tours to the goal: of one kind alone,
+    as a UAV drawn to two places at once may end up flying to and fro between them. None where neither is seen or they
+    cost nothing.
     """
     if plan.tours_at == plan.prospects_at == -1 or to_goal == to_mark == 0.0:
         return None
@@ -148,8 +149,7 @@ def tour_costs(plan: Layout, to_goal: float, to_mark: float) -> NDArray[np.float
         weights[plan.tours_at + TOURS.index("its steps beyond the shortest")] = -to_goal * BEYOND
         weights[plan.tours_at + TOURS.index("its steps beyond the shortest to 90 %")] = -to_mark * BEYOND
     if plan.prospects_at >= 0:
-        behind = plan.prospects_at + PROSPECT.index("steps behind the best")
-        weights[behind : behind + len(PROSPECTS) * len(PROSPECT) : len(PROSPECT)] = -to_goal * BEYOND / len(PROSPECTS)
+        weights[plan.prospects_at + PROSPECT.index("steps behind the best")] = -to_goal * BEYOND
     return weights
 
 

@@ -135,10 +135,10 @@ def test_a_teammate_in_the_way_bars_what_is_behind_it():
     assert features(watcher)[:, 1, THERE].tolist() == [0, 0]
 
 
-def test_steps_behind_the_best_of_both_kinds_cost_half_each():
+def test_steps_behind_the_best_by_all_that_is_in_view_cost_and_pull():
     plan = layout(SIGHT)
     costs = tour_costs(plan, 0.1, 0.3)
     assert costs is not None
-    assert np.flatnonzero(costs).tolist() == [plan.prospects_at + BEHIND, plan.prospects_at + len(PROSPECT) + BEHIND]
-    assert costs[costs != 0].tolist() == pytest.approx([-0.4, -0.4])
+    assert np.flatnonzero(costs).tolist() == [plan.prospects_at + BEHIND]
+    assert costs[costs != 0].tolist() == pytest.approx([-0.8])
     assert tour_costs(plan, 0.0, 0.0) is None
