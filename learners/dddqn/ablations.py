@@ -51,6 +51,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "no-sides": {"observation.sides": False},
     "no-visits": {"observation.visits": False},
     "3-frames": {"observation.frames": 3},
+    "prospects": {"observation.prospects": True},
     "frontier-layers": {"observation.layers": (*_LAYERS, "frontier", "distance")},
     "identity-progress": {**_IDENTITY, "observation.progress": True},
 }

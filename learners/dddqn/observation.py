@@ -3,7 +3,8 @@
 ``scene`` (S,) uint8, 255 standing for 1, is a picture of the surroundings
 (:mod:`indoor_explorers.learners.dddqn.scene`). ``moves`` (4, F) float32 says of each move whether it is blocked and,
 as switched on, what planners would see behind it (:mod:`indoor_explorers.learners.dddqn.gains`,
-:mod:`indoor_explorers.learners.dddqn.tours`) and how often the next cell was visited since the last gain.
+:mod:`indoor_explorers.learners.dddqn.prospects`, :mod:`indoor_explorers.learners.dddqn.tours`) and how often the next
+cell was visited since the last gain.
 :mod:`indoor_explorers.learners.dddqn.layout` tells where everything is.
 
 Everything is measured in lidar ranges, so the input has the same size and about the same meaning for any map and

@@ -3,7 +3,8 @@
 Unknown cells are taken to be free to fly through and transparent but for those that the learned map prior is nearly
 certain about (:mod:`indoor_explorers.learners.dddqn.terrain`). Cells that it rather takes for obstacles need not be
 seen while others are left. Cells that a teammate was nearer to when it was last heard are left to it while others are
-left; those that are as near to both are the lower number's.
+left; those that are as near to both are the lower number's. So are those in the sector of a teammate never heard,
+where it was not likely to be heard.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def _attainable(start: int, views: np.ndarray, passages: np.ndarray, planner: Pl
 def _is_a_mates(
     row: int, col: int, agent: int, r: int, c: int, mates: np.ndarray, ages: np.ndarray, sector: np.ndarray
 ) -> bool:
-    """Tell whether (r, c) is a teammate's: it was nearer when last heard, or was never heard and it is its sector."""
+    """Tell whether (r, c) is a teammate's: one that was nearer when last heard, or one never heard in its sector."""
     owner = sector[r, c]
     if owner >= 0 and owner != agent and ages[owner] < 0:
         return True
