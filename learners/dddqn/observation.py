@@ -34,8 +34,8 @@ from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor, scratch, sen
 from indoor_explorers.learners.dddqn.terrain import keep_up
 from indoor_explorers.learners.dddqn.tours import Planner, look_for_tours, new_planner
 
-#: Looks for which UAV 0 takes a way for blocked that a teammate was in.
-PATIENCE = 2
+#: Looks for which UAV 0 takes a way for blocked that a teammate was in, and times that the wait still grows.
+PATIENCE, GROWTH = 2, 3
 
 
 class Eyes(NamedTuple):
@@ -102,7 +102,7 @@ def _give_way(memory: Memory, i: int, row: int, col: int, agent: int) -> None:
     if memory.aimed[i] >= 0 and memory.aimed[i] != row * width + col:
         memory.pushes[i] += 1
         r, c = divmod(memory.aimed[i], width)
-        memory.barred[i, r, c] = memory.looks[i] + (PATIENCE + agent) * memory.pushes[i]
+        memory.barred[i, r, c] = memory.looks[i] + (PATIENCE + agent) * min(memory.pushes[i], GROWTH)
 
 
 @inner()

@@ -126,6 +126,8 @@ class DddqnPilot(Pilot):
 
     def _choose(self, view: View) -> int:
         legal_A = self.moves[0, :, BLOCKED_AT] == 0.0
+        if not legal_A.any():  # a teammate is in the only way
+            legal_A = view.legal[:4]
         if self._memory.nearest[0] < 0 or not legal_A.any():
             if self._guard is not None:
                 self._guard.rest()
