@@ -32,28 +32,38 @@ MOVES = np.array([(1, 0), (0, -1), (-1, 0), (0, 1), (0, 0)], dtype=np.int64)
 
 
 @leaf()
-def distances_from(belief: np.ndarray, row: int, col: int, queue: np.ndarray, out: np.ndarray) -> int:
-    """Flood ``out`` (H, W) int32 with steps from (row, col) through ``FREE`` cells; return cells reached.
+def spread(belief: np.ndarray, through: np.uint8, tail: int, queue: np.ndarray, out: np.ndarray) -> int:
+    """Flood ``out`` (H, W) int32 with steps through cells that hold ``through``; return cells reached.
 
-    ``queue`` is scratch, (H*W,) int32; its first entries are the reached cells in order of distance, as
-    flat indices. Unreached cells hold ``UNREACHABLE``. The start counts as free whatever it holds.
+    It goes on from the first ``tail`` flat indices of ``queue``, (H*W,) int32, in order of their steps, which ``out``
+    holds; other cells hold more than they can be away. Reached cells are added to the queue in order of distance.
     """
     height, width = belief.shape
-    out[:] = UNREACHABLE
-    out[row, col] = 0
-    queue[0] = row * width + col
-    head, tail = 0, 1
+    head = 0
     while head < tail:
         r, c = divmod(queue[head], width)
         head += 1
         d = out[r, c] + 1
         for k in range(4):
             rr, cc = r + MOVES[k, 0], c + MOVES[k, 1]
-            if 0 <= rr < height and 0 <= cc < width and belief[rr, cc] == FREE and out[rr, cc] > d:
+            if 0 <= rr < height and 0 <= cc < width and belief[rr, cc] == through and out[rr, cc] > d:
                 out[rr, cc] = d
                 queue[tail] = rr * width + cc
                 tail += 1
     return tail
+
+
+@leaf()
+def distances_from(belief: np.ndarray, row: int, col: int, queue: np.ndarray, out: np.ndarray) -> int:
+    """Flood ``out`` (H, W) int32 with steps from (row, col) through ``FREE`` cells; return cells reached.
+
+    ``queue`` is scratch, (H*W,) int32; its first entries are the reached cells in order of distance, as
+    flat indices. Unreached cells hold ``UNREACHABLE``. The start counts as free whatever it holds.
+    """
+    out[:] = UNREACHABLE
+    out[row, col] = 0
+    queue[0] = row * belief.shape[1] + col
+    return spread(belief, FREE, 1, queue, out)
 
 
 def distance_field(belief: Belief, cell: tuple[int, int]) -> Distances:

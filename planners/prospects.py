@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.arrays import Belief, Distances
 from indoor_explorers.env.compiled import kernel, leaf
-from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, UNREACHABLE
+from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, UNREACHABLE, spread
 from indoor_explorers.env.lidar import Optics, Scan, new_scan, optics, unknown_in_view, visible_cells
 from indoor_explorers.planners.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.gains import AROUND, known_around
@@ -36,7 +36,7 @@ def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
     """
     height, width = belief.shape
     out[:] = UNREACHABLE
-    head, tail = 0, 0
+    tail = 0
     for row in range(height):
         for col in range(width):
             for k in range(4 if belief[row, col] == FREE else 0):
@@ -45,15 +45,7 @@ def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
                     out[r, c] = 1
                     queue[tail] = r * width + c
                     tail += 1
-    while head < tail:
-        row, col = divmod(queue[head], width)
-        head += 1
-        for k in range(4):
-            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-            if 0 <= r < height and 0 <= c < width and belief[r, c] == UNKNOWN and out[r, c] > out[row, col] + 1:
-                out[r, c] = out[row, col] + 1
-                queue[tail] = r * width + c
-                tail += 1
+    spread(belief, UNKNOWN, tail, queue, out)
 
 
 @leaf()

@@ -126,7 +126,7 @@ def _write_moves(belief: np.ndarray, row: int, col: int, memory: Memory, i: int,
 
 
 @inner()
-def _look_for_tours(known: Known, memory: Memory, i: int, eyes: Eyes, agent: int, moves: np.ndarray) -> None:
+def _look_for_tours(known: Known, memory: Memory, i: int, eyes: Eyes, moves: np.ndarray) -> None:
     """Write the tours of each move."""
     belief, chance, work = known.belief[i], memory.chance[i], eyes.scratch
     views, passages = memory.views[i], memory.passages[i]
@@ -134,7 +134,7 @@ def _look_for_tours(known: Known, memory: Memory, i: int, eyes: Eyes, agent: int
     look_for_tours(
         belief,
         known.cell[i],
-        agent,
+        int(known.facts[i, 0]),
         known.mates[i],
         known.ages[i],
         chance,
@@ -149,7 +149,7 @@ def _look_for_tours(known: Known, memory: Memory, i: int, eyes: Eyes, agent: int
 
 
 @inner(inlined=False)
-def _look_ahead(known: Known, memory: Memory, i: int, eyes: Eyes, agent: int, moves: np.ndarray) -> None:
+def _look_ahead(known: Known, memory: Memory, i: int, eyes: Eyes, moves: np.ndarray) -> None:
     """Write what lies behind each move; the summed-area tables must be filled."""
     belief, row, col, plan = known.belief[i], known.cell[i, 0], known.cell[i, 1], eyes.plan
     gain, weight = memory.gain[i], memory.weight[i]
@@ -169,7 +169,7 @@ def _look_ahead(known: Known, memory: Memory, i: int, eyes: Eyes, agent: int, mo
             moves[:, plan.prospects_at :],
         )
     if plan.tours_at >= 0 and memory.views.shape[1] > 0:
-        _look_for_tours(known, memory, i, eyes, agent, moves)
+        _look_for_tours(known, memory, i, eyes, moves)
 
 
 @inner(inlined=False)
@@ -198,7 +198,7 @@ def _observe(
         eyes.plan,
         scene,
     )
-    _look_ahead(known, memory, i, eyes, int(facts[0]), moves)
+    _look_ahead(known, memory, i, eyes, moves)
 
 
 @kernel()

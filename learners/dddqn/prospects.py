@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.compiled import leaf
-from indoor_explorers.env.grid import FREE, MOVES, touches_unknown
+from indoor_explorers.env.grid import FREE, UNREACHABLE, spread, touches_unknown
 from indoor_explorers.learners.dddqn.layout import BEYOND, PROSPECT, PROSPECTS
 from indoor_explorers.learners.dddqn.scene import HALF_DISTANCE
 from indoor_explorers.learners.dddqn.sensor import REFERENCE_RANGE, Scratch, Sensor
@@ -30,7 +30,6 @@ POWERS, RATES = (1.0, 0.5), (1.5, 0.8)
 NEAR, HOLD = 0.4, 1.2
 #: What is left of a prospect that a teammate heard in the last so many lidar ranges of steps is nearer to.
 HEARD, THEIRS = 3.0, 0.05
-_FAR = 1 << 30
 _THERE, _BEHIND, _BEST, _WAY, _VIEW = range(len(PROSPECT))
 
 
@@ -56,24 +55,16 @@ def new_outlook(shape: tuple[int, int]) -> Outlook:
 @leaf()
 def _spread_theirs(
     belief: np.ndarray, mates: np.ndarray, ages: np.ndarray, most: float, queue: np.ndarray, theirs: np.ndarray
-) -> bool:
-    """Fill ``theirs`` from where teammates were heard up to ``most`` steps ago; return whether there are any."""
-    width, head, tail = belief.shape[1], 0, 0
-    theirs[:] = _FAR
+) -> None:
+    """Fill ``theirs`` from where teammates were heard up to ``most`` steps ago."""
+    tail = 0
+    theirs[:] = UNREACHABLE
     for m in range(ages.shape[0]):
         row, col = mates[m, 0], mates[m, 1]
         if 0 <= ages[m] <= most and theirs[row, col] != 0:
-            theirs[row, col], queue[tail] = 0, row * width + col
+            theirs[row, col], queue[tail] = 0, row * belief.shape[1] + col
             tail += 1
-    while head < tail:
-        row, col = divmod(queue[head], width)
-        head += 1
-        for k in range(4):
-            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-            if 0 <= r < belief.shape[0] and 0 <= c < width and belief[r, c] == FREE and theirs[r, c] == _FAR:
-                theirs[r, c], queue[tail] = theirs[row, col] + 1, r * width + c
-                tail += 1
-    return tail > 0
+    spread(belief, FREE, tail, queue, theirs)
 
 
 @leaf()
@@ -128,14 +119,14 @@ def look_for_prospects(
     are the flat cells of the best prospects of the last look, and are brought up to date.
     """
     width, lidar_range = belief.shape[1], REFERENCE_RANGE / sensor.rate
-    others = _spread_theirs(belief, mates, ages, HEARD * lidar_range, scratch.queue, outlook.theirs)
+    _spread_theirs(belief, mates, ages, HEARD * lidar_range, scratch.queue, outlook.theirs)
     outlook.worth[:] = 0.0
     for row in range(belief.shape[0]):
         for col in range(width):
             steps, found = scratch.steps[row, col], gain[row, col]
             if steps < 0 or found <= 0 or not touches_unknown(belief, row, col):
                 continue
-            share = THEIRS if others and outlook.theirs[row, col] <= steps else 1.0
+            share = THEIRS if outlook.theirs[row, col] <= steps else 1.0
             for kind in range(len(POWERS)):
                 r, c = divmod(kept[kind], width)
                 held = kept[kind] >= 0 and max(abs(row - r), abs(col - c)) <= NEAR * lidar_range

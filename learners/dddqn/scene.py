@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.compiled import leaf
-from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, touches_unknown
+from indoor_explorers.env.grid import FREE, UNKNOWN, UNREACHABLE, spread, touches_unknown
 from indoor_explorers.learners.dddqn.layout import IDENTITIES, Layout
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor
 
@@ -89,23 +89,17 @@ def _show_frontier(belief: np.ndarray, layer: np.ndarray) -> None:
 @leaf()
 def _show_distance(belief: np.ndarray, rate: float, scratch: Scratch) -> None:
     """Show how far known free cells are from the nearest frontier; 255 elsewhere."""
-    width, found, head = belief.shape[1], 0, 0
+    width, found = belief.shape[1], 0
+    scratch.layer[:], scratch.steps[:] = 255, UNREACHABLE
     for r in range(belief.shape[0]):
         for c in range(width):
-            scratch.layer[r, c], scratch.steps[r, c] = 255, -1
             if belief[r, c] == FREE and touches_unknown(belief, r, c):
                 scratch.steps[r, c], scratch.queue[found] = 0, r * width + c
                 found += 1
-    while head < found:
-        r, c = divmod(scratch.queue[head], width)
-        head += 1
+    for place in range(spread(belief, FREE, found, scratch.queue, scratch.steps)):
+        r, c = divmod(scratch.queue[place], width)
         far = scratch.steps[r, c] * rate
         scratch.layer[r, c] = int(255.0 * far / (far + HALF_DISTANCE) + 0.5)
-        for k in range(4):
-            i, j = r + MOVES[k, 0], c + MOVES[k, 1]
-            if 0 <= i < belief.shape[0] and 0 <= j < width and belief[i, j] == FREE and scratch.steps[i, j] < 0:
-                scratch.steps[i, j], scratch.queue[found] = scratch.steps[r, c] + 1, i * width + j
-                found += 1
 
 
 @leaf()

@@ -44,7 +44,7 @@ class Planner(NamedTuple):
     least: np.ndarray
     """(3,)."""
     sector: np.ndarray
-    """(H, W) the UAV in whose sector of the map a cell lies, -1 where there are none."""
+    """(H, W) the UAV in whose sector of the map a cell lies, -1 where there are none; empty where tours are not."""
 
 
 def new_planner(shape: tuple[int, int], scenario: Scenario) -> Planner:
@@ -59,7 +59,7 @@ def new_planner(shape: tuple[int, int], scenario: Scenario) -> Planner:
         found=np.zeros((4, 2, 4)),
         paths=np.zeros((4, 2, LONGEST + 1), np.int64),
         least=np.zeros(3),
-        sector=sectors(shape, scenario),
+        sector=sectors(shape, scenario) if max(shape) <= ROOM else np.empty((0, 0), np.int64),
     )
 
 

@@ -64,16 +64,14 @@ def test_prospects_are_what_their_definition_says(lidar):
         ]
         sights = {place: views(belief, place, lidar) for place in places}
         for kind, (power, rate) in enumerate([(1.0, 1.5), (0.5, 0.8)]):
-            worth, best_of = np.zeros(4), {}
+            worth = np.zeros(4)
             for k, (dr, dc) in enumerate(MOVES[:4].tolist()):
                 r, c = cell[0] + dr, cell[1] + dc
                 if not (0 <= r < belief.shape[0] and 0 <= c < belief.shape[1]) or belief[r, c] != FREE:
                     continue
                 steps = distance_field(belief, (r, c))
                 for place in places:
-                    value = sights[place][kind] ** power * math.exp(-rate * steps[place] / lidar)
-                    if value > worth[k]:
-                        worth[k], best_of[k] = value, (place, steps[place])
+                    worth[k] = max(worth[k], sights[place][kind] ** power * math.exp(-rate * steps[place] / lidar))
             for k in range(4):
                 if worth[k] == 0.0:
                     assert shown[kind, k].tolist() == [0, float(worth.any()), 0, 0, 0]

@@ -48,11 +48,8 @@ class Room:
     def __init__(self, belief: Belief, chance: NDArray[np.uint8] | None = None) -> None:
         self.belief = belief
         self.chance = np.full(belief.shape, 255, np.uint8) if chance is None else chance
-        memory, lens, stale = (
-            new_memory(1, belief.shape, ObservationConfig()),
-            sensor(3.0),
-            np.zeros((16, 16), np.uint8),
-        )
+        memory = new_memory(1, belief.shape, ObservationConfig())
+        lens, stale = sensor(3.0), np.zeros((16, 16), np.uint8)
         self.views, self.passages = memory.views[0], memory.passages[0]
         work = scratch(belief.shape, lens)
         self.obstructed = keep_up(
