@@ -17,9 +17,11 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.compiled import kernel
+from indoor_explorers.env.compiled import kernel, leaf
 from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN, Action, distances_from, step_towards, touches_unknown
-from indoor_explorers.env.view import View
+from indoor_explorers.env.lidar import Optics, Scan, new_scan, optics, visible_cells
+from indoor_explorers.env.policy import Pilot
+from indoor_explorers.env.view import Briefing, View
 
 #: Steps without a new cell that are always granted.
 PATIENCE = 8
@@ -46,6 +48,19 @@ def nearest_frontier(belief: np.ndarray, row: int, col: int, queue: np.ndarray, 
         if touches_unknown(belief, r, c):
             return int(queue[i])
     return -1
+
+
+@leaf()
+def discovered(belief: np.ndarray, row: int, col: int, optics: Optics, scan: Scan, noted: np.ndarray) -> int:
+    """Count the known cells in view of a UAV that ``noted`` (H, W) uint8 lacks: what it has discovered itself.
+
+    What is not in its view came by radio, and says nothing about whether it is getting anywhere.
+    """
+    found = 0
+    for k in range(visible_cells(belief, row, col, optics, scan)):
+        r, c = divmod(scan.cells[k], belief.shape[1])
+        found += belief[r, c] != UNKNOWN and noted[r, c] == 0
+    return found
 
 
 class Guard:
@@ -81,7 +96,7 @@ class Guard:
         action = self._own_move(view)
         self.guarded += action is not None
         chosen = proposal if action is None else action
-        self._last = view.cell, chosen
+        self._last = (view.cell, chosen) if view.legal[chosen] else None  # a wall is no teammate in the way
         return chosen
 
     def rest(self) -> None:
@@ -132,6 +147,10 @@ class Guard:
             return self._towards_frontier(view)
         return None
 
+    def finished(self, view: View) -> bool:
+        """Tell whether the UAV can reach no frontier."""
+        return self._frontier(view) < 0
+
     def _frontier(self, view: View) -> int:
         return int(nearest_frontier(view.belief, *view.cell, self._queue, self._steps))
 
@@ -158,3 +177,29 @@ class Guard:
             return Action.STAY
         distances_from(view.belief, *view.cell, self._queue, self._steps)
         return int(step_towards(self._steps, *self._refuge))
+
+
+class WatchedPilot(Pilot):
+    """A pilot whose moves the guard may replace; what the UAV discovers itself is told from its views."""
+
+    def __init__(self, briefing: Briefing, *, guard: bool) -> None:
+        self._guard = Guard(briefing.shape, briefing.rng) if guard else None
+        self._noted = np.zeros(briefing.shape, np.uint8)
+        self._optics = optics(briefing.lidar_range)
+        self._scan = new_scan(self._optics)
+        self._gained = 0
+
+    def review(self, view: View, proposal: int) -> int:
+        """Return the move to make: ``proposal``, or the guard's; to stay when that finds nothing in reach unknown."""
+        if self._guard is None:
+            return proposal
+        self._gained += int(discovered(view.belief, *view.cell, self._optics, self._scan, self._noted))
+        self._noted[...] = view.belief != UNKNOWN
+        if self._guard.finished(view):
+            self._guard.rest()
+            return Action.STAY
+        return self._guard.review(view, self._gained, proposal)
+
+    def tally(self) -> dict[str, float]:
+        """Return ``guarded_share``, the share of the decisions that the guard took over."""
+        return {} if self._guard is None else {"guarded_share": self._guard.share}

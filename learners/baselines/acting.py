@@ -24,6 +24,7 @@ from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.learners.baselines.config import EGOCENTRIC, BaselineConfig
 from indoor_explorers.learners.baselines.record import RECORD, Record, read_record
 from indoor_explorers.learners.baselines.trial import Scores, best_moves
+from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.session import one_thread
 
 
@@ -55,10 +56,11 @@ class Trained:
 
 @dataclass(frozen=True, kw_only=True)
 class TrainedPolicy(Policy):
-    """Fly the network of a training, greedily and without memory.
+    """Fly the network of a training, greedily and, but for the guard, without memory.
 
     Each UAV's action is computed from its own row alone, so that it is the same in any batch; torch runs on one
-    thread meanwhile. Deterministic. The folder is read once in each process, unless it changes.
+    thread meanwhile. Deterministic but for the guard's back-off. The folder is read once in each process, unless it
+    changes.
 
     Raises:
         InputError: ``path`` is missing or is no training of this library.
@@ -69,6 +71,8 @@ class TrainedPolicy(Policy):
     """The folder that ``indoor-explorers train`` wrote, or a model file in it."""
     mask: bool = True
     """Choose among the legal actions alone, also for a learner that knows no mask; else among all."""
+    guard: bool = False
+    """Hand over to the nearest frontier while the network goes nowhere."""
 
     def __post_init__(self) -> None:
         self.trained()
@@ -89,7 +93,7 @@ class TrainedPolicy(Policy):
 
     def pilot(self, briefing: Briefing) -> TrainedPilot:
         """Make the mind of one UAV for one episode."""
-        return TrainedPilot(self, self.trained().encoder(briefing))
+        return TrainedPilot(self, self.trained().encoder(briefing), briefing)
 
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
         """Choose for many UAVs, each as it would alone."""
@@ -99,13 +103,14 @@ class TrainedPolicy(Policy):
             found = [scores(mind.perceive(view)[None])[0] for mind, view in zip(minds, views, strict=True)]
         legal = np.array([view.legal if self.mask else np.ones(5, np.bool_) for view in views])
         actions: list[int] = best_moves(np.array(found), legal).tolist()
-        return actions
+        return [mind.review(view, action) for mind, view, action in zip(minds, views, actions, strict=True)]
 
 
-class TrainedPilot(Pilot):
+class TrainedPilot(WatchedPilot):
     """Encode one UAV's views."""
 
-    def __init__(self, policy: TrainedPolicy, encoder: Encoder) -> None:
+    def __init__(self, policy: TrainedPolicy, encoder: Encoder, briefing: Briefing) -> None:
+        super().__init__(briefing, guard=policy.guard)
         self._policy, self._encoder = policy, encoder
 
     def act(self, view: View) -> int:

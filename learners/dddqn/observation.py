@@ -19,8 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from indoor_explorers.env.compiled import inner, kernel, leaf
-from indoor_explorers.env.grid import FREE, MOVES, UNKNOWN
-from indoor_explorers.env.lidar import visible_cells
+from indoor_explorers.env.grid import FREE, MOVES
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.gains import AROUND, SPENT, forget_gains, gain_at, survey, write_gains
@@ -33,6 +32,7 @@ from indoor_explorers.learners.dddqn.scene import VISIT_CAP, tabulate, write_sce
 from indoor_explorers.learners.dddqn.sensor import Scratch, Sensor, scratch, sensor
 from indoor_explorers.learners.dddqn.terrain import keep_up
 from indoor_explorers.learners.dddqn.tours import Planner, look_for_tours, new_planner
+from indoor_explorers.learners.guard import discovered
 
 #: Looks for which UAV 0 takes a way for blocked that a teammate was in, and times that the wait still grows.
 PATIENCE, GROWTH = 2, 3
@@ -72,16 +72,9 @@ def eyes(config: ObservationConfig, shape: tuple[int, int], scenario: Scenario, 
 
 @leaf()
 def _remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, memory: Memory, i: int) -> int:
-    """Count a visit, forgetting all of them after a gain of its own; return how many boxes hold what became known.
-
-    The gain is the newly known cells in view of the UAV. What it does not see came by radio, and says nothing about
-    whether it is getting anywhere itself.
-    """
-    width, gain = belief.shape[1], 0
+    """Count a visit, forgetting all of them after a gain of its own; return how many boxes hold what became known."""
     noted, visits = memory.noted[i], memory.visits[i]
-    for k in range(visible_cells(belief, row, col, sensor.optics, scratch.scan)):
-        r, c = divmod(scratch.scan.cells[k], width)
-        gain += belief[r, c] != UNKNOWN and noted[r, c] == 0
+    gain = discovered(belief, row, col, sensor.optics, scratch.scan, noted)
     memory.gained[i] += gain
     memory.idle[i] = 0 if gain > 0 else memory.idle[i] + 1
     if gain > 0:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.thesis.eye import MOVES, Eye
 from indoor_explorers.learners.thesis.inference import q_values
 from indoor_explorers.learners.thesis.observation import LEVELS, painted, window
@@ -36,6 +37,8 @@ class DddqnThesis(Policy):
     """Path of a safetensors file from training; None: the weights that ship."""
     mask: bool = False
     """Choose among legal moves alone, so that no wall is hit; the thesis: no."""
+    guard: bool = False
+    """Hand over to the nearest frontier while the network goes nowhere; the thesis: no."""
 
     def __post_init__(self) -> None:
         trained(self._path)
@@ -55,17 +58,18 @@ class DddqnThesis(Policy):
 
     def pilot(self, briefing: Briefing) -> DddqnThesisPilot:
         """Make the mind of one UAV for one episode."""
-        return DddqnThesisPilot(self, briefing.agent)
+        return DddqnThesisPilot(self, briefing)
 
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
         """Choose for many UAVs with one forward pass; each choice is what it would be alone."""
         eye, weights = trained(self._path)
         images_BKHW = np.empty((len(pilots), eye.frames, eye.height, eye.width), np.uint8)
         q_BA = np.empty((len(pilots), MOVES), np.float32)
-        for mind, view, images_KHW in zip(cast("Sequence[DddqnThesisPilot]", pilots), views, images_BKHW, strict=True):
+        minds = cast("Sequence[DddqnThesisPilot]", pilots)
+        for mind, view, images_KHW in zip(minds, views, images_BKHW, strict=True):
             mind.perceive(view, images_KHW)
         q_values(images_BKHW, LEVELS, weights, q_BA)
-        return [self._choice(view, q_A) for view, q_A in zip(views, q_BA, strict=True)]
+        return [mind.review(view, self._choice(view, q_A)) for mind, view, q_A in zip(minds, views, q_BA, strict=True)]
 
     def _choice(self, view: View, q_A: NDArray[np.float32]) -> int:
         if self.mask and view.legal[:MOVES].any():
@@ -73,11 +77,12 @@ class DddqnThesis(Policy):
         return int(q_A.argmax())
 
 
-class DddqnThesisPilot(Pilot):
+class DddqnThesisPilot(WatchedPilot):
     """Remember the latest images of one UAV."""
 
-    def __init__(self, policy: DddqnThesis, agent: int) -> None:
-        self._policy, self._agent, self._eye = policy, agent, policy.eye
+    def __init__(self, policy: DddqnThesis, briefing: Briefing) -> None:
+        super().__init__(briefing, guard=policy.guard)
+        self._policy, self._agent, self._eye = policy, briefing.agent, policy.eye
         self._images: deque[NDArray[np.uint8]] = deque(maxlen=self._eye.frames)
 
     def act(self, view: View) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +14,9 @@ from indoor_explorers.env.maps import Floorplan
 from indoor_explorers.env.world import World
 from indoor_explorers.learners.dddqn.policy import Dddqn
 from indoor_explorers.learners.guard import Guard, nearest_frontier
+from indoor_explorers.learners.thesis.policy import DddqnThesis
 from tests.learners.rooms import fly, maze
+from tests.learners.thesis.rooms import MENDED_EYE, write_network
 
 
 class Stubborn(Policy):
@@ -55,6 +58,23 @@ def test_an_untrained_network_finishes_mazes(untrained: str, seed: int, lidar: f
     free = maze(np.random.default_rng(100 + seed))
     world = fly(Dddqn(weights=untrained), task(2, lidar=lidar), seed, free)
     assert world.team_coverage[0] == 1.0
+
+
+@pytest.mark.parametrize("mask", [True, False])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_network_that_flies_into_walls_finishes_mazes_with_the_guard(mask: bool, seed: int, tmp_path: Path) -> None:
+    weights = write_network(tmp_path / "untrained.safetensors", 3, MENDED_EYE)
+    free = maze(np.random.default_rng(200 + seed))
+    scenario = task(2).with_settings({"on_collision": "block"})
+    lost = fly(DddqnThesis(weights=weights, mask=mask), scenario.with_settings({"budget": 2_000}), seed, free)
+    assert lost.team_coverage[0] < 1.0
+    world = World(scenario)
+    world.begin(0, seed, floorplan=Floorplan.from_free(free, "maze"))
+    pilots = [DddqnThesis(weights=weights, mask=mask, guard=True).pilot(world.briefing(0, n)) for n in range(2)]
+    while world.flying.any():
+        world.step(np.array([[pilots[n].act(world.view(0, n)) for n in range(2)]]))
+    assert world.team_coverage[0] == 1.0
+    assert all(0.1 < pilot.tally()["guarded_share"] < 1.0 for pilot in pilots)
 
 
 def test_two_uavs_that_want_past_each_other_in_a_corridor_do() -> None:
