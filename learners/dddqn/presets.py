@@ -81,6 +81,6 @@ PRESETS: dict[str, Preset] = {
         },
         1,
     ),
-    "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 3_000_000, "reward_early_step": -0.3}, 1),
+    "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 3_000_000}, 1),
     "thesis-obstacles-map": Preset("thesis-obstacles", _MAP_ALONE | {"total_steps": 5_000_000}, 1),
 }
