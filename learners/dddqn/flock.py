@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Mask
+from indoor_explorers.env.arrays import Mask, read_only
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 from indoor_explorers.env.world import World
@@ -89,7 +89,7 @@ class Flock:
         heard = state.heard_step.reshape(self.columns, team)
         steps = self.age
         return Known(
-            state.belief.reshape(self.columns, *self.shape),
+            read_only(state.belief.reshape(self.columns, *self.shape)),
             state.cell.reshape(self.columns, 2),
             state.heard_cell.reshape(self.columns, team, 2),
             np.where(heard >= 0, steps[:, None] - heard, -1),

@@ -53,7 +53,7 @@ class Known(NamedTuple):
     """What C UAVs know, of up to M teammates each."""
 
     belief: np.ndarray
-    """(C, H, W) uint8."""
+    """(C, H, W) uint8, read-only as in a pilot's view, lest everything is compiled twice."""
     cell: np.ndarray
     """(C, 2) int64."""
     mates: np.ndarray

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from indoor_explorers.env import FREE, UNKNOWN, World
-from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.arrays import Belief, read_only
 from indoor_explorers.env.grid import MOVES, distance_field, frontier_mask
 from indoor_explorers.env.lidar import view_gain
 from indoor_explorers.learners.dddqn.config import LAYERS, Layer, ObservationConfig
@@ -43,7 +43,7 @@ class Watcher:
     ) -> None:
         """Observe as UAV 2, half-way through its steps."""
         known = Known(
-            np.ascontiguousarray(belief)[None],
+            read_only(np.ascontiguousarray(belief)[None]),
             np.array([cell]),
             np.array([mates or [(0, 0), (0, 0)]]),
             np.array([ages]),
