@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from indoor_explorers.learners.dddqn.memory import new_memory
 from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
 from indoor_explorers.learners.dddqn.prior import prior_from
 from indoor_explorers.learners.dddqn.sensor import REFERENCE_RANGE
-from indoor_explorers.learners.dddqn.weights import Loaded, load_weights, shipped
+from indoor_explorers.learners.dddqn.weights import WEIGHTS, Loaded, load_weights, shipped
 from indoor_explorers.learners.guard import Guard
 
 
@@ -36,16 +37,20 @@ class Dddqn(Policy):
     when nothing within its reach is unknown. Deterministic but for the guard's back-off.
 
     Raises:
-        InputError: ``weights`` is missing or holds something else.
+        InputError: ``weights`` is missing or holds something else, or ``map_alone`` is asked for beside it.
 
     """
 
     weights: str | None = None
-    """Name of weights that ship, or path of a safetensors file from training; None: those that suit the scenario."""
+    """Name of weights that ship, or path of a training's folder or weights; None: those that suit the scenario."""
+    map_alone: bool = False
+    """Of the weights that ship, take those that see the map alone and no planner features: in small rooms only."""
     guard: bool = True
     """Hand over to the nearest frontier while the network goes nowhere."""
 
     def __post_init__(self) -> None:
+        if self.map_alone and self.weights is not None:
+            raise InputError(f"expected weights or map_alone, got both: {self.weights!r}; leave one of them out")
         for path in self._paths().values():
             load_weights(path)
 
@@ -56,15 +61,25 @@ class Dddqn(Policy):
             return known
         if self.weights in known:
             return {self.weights: known[self.weights]}
-        if "/" not in self.weights and not self.weights.endswith(".safetensors"):
+        path = Path(self.weights)
+        if path.is_dir():
+            return {self.weights: path / WEIGHTS}
+        if "/" not in self.weights and path.suffix != ".safetensors":
             raise InputError(
                 f"unknown weights {self.weights!r} (expected a name or a path){did_you_mean(self.weights, known)}"
             )
-        return {self.weights: Path(self.weights)}
+        return {self.weights: path}
 
     def suited(self, briefing: Briefing) -> str:
-        """Return the name of the weights that a UAV with this briefing flies with."""
-        return suited(briefing) if self.weights is None else self.weights
+        """Return the name of the weights that a UAV with this briefing flies with.
+
+        Raises:
+            InputError: no weights that see the map alone suit the scenario.
+
+        """
+        if self.weights is not None:
+            return self.weights
+        return suited_alone(briefing) if self.map_alone else suited(briefing)
 
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the weights, and which are flown where."""
@@ -91,12 +106,40 @@ SUITED = (
 
 def suited(briefing: Briefing) -> str:
     """Return the name of the shipped weights that suit a scenario best."""
-    scenario = briefing.scenario
-    if max(briefing.shape) > ROOM or briefing.lidar_range != REFERENCE_RANGE:
+    if not _is_room(briefing):
         return "general"
     if briefing.team > 1:
-        return "thesis-team" if scenario.radio.model == "unlimited" else "thesis-obstacles"
-    return "thesis-open" if isinstance(scenario.map, ThesisMaps) and scenario.map.obstacles == 0 else "thesis-obstacles"
+        return "thesis-team" if briefing.scenario.radio.model == "unlimited" else "thesis-obstacles"
+    return "thesis-open" if _is_empty(briefing) else "thesis-obstacles"
+
+
+def suited_alone(briefing: Briefing) -> str:
+    """Return the name of the shipped weights that suit a scenario best of those that see the map alone.
+
+    Raises:
+        InputError: it is no small room.
+
+    """
+    if not _is_room(briefing):
+        raise InputError(
+            f"expected a map of up to {ROOM}x{ROOM} cells and a lidar range of {REFERENCE_RANGE:g} for weights that "
+            f"see the map alone, got {briefing.shape[0]}x{briefing.shape[1]} and {briefing.lidar_range:g}; leave it out"
+        )
+    return "thesis-open-map" if briefing.team == 1 and _is_empty(briefing) else "thesis-obstacles-map"
+
+
+def _is_room(briefing: Briefing) -> bool:
+    return max(briefing.shape) <= ROOM and briefing.lidar_range == REFERENCE_RANGE
+
+
+def _is_empty(briefing: Briefing) -> bool:
+    maps = briefing.scenario.map
+    return isinstance(maps, ThesisMaps) and maps.obstacles == 0
+
+
+def opened(path: str, **parameters: Any) -> Dddqn:
+    """Fly what ``train`` has trained, ``dddqn:DIR``, or some of the weights that ship, ``dddqn:NAME``."""
+    return Dddqn(weights=path, **parameters)
 
 
 class DddqnPilot(Pilot):

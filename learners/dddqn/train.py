@@ -24,7 +24,7 @@ from indoor_explorers.learners.dddqn.presets import PRESETS
 from indoor_explorers.learners.dddqn.prior import prior_arrays
 from indoor_explorers.learners.dddqn.scalars import Scalars
 from indoor_explorers.learners.dddqn.training import Training
-from indoor_explorers.learners.dddqn.weights import write_weights
+from indoor_explorers.learners.dddqn.weights import WEIGHTS, write_weights
 from indoor_explorers.learners.session import one_thread, opened, passed, patience
 
 __all__ = [
@@ -38,7 +38,7 @@ __all__ = [
     "train",
 ]
 
-CHECKPOINT, WEIGHTS, RECORD = "checkpoint.safetensors", "weights.safetensors", "training.json"
+CHECKPOINT, RECORD = "checkpoint.safetensors", "training.json"
 #: Packages that the result of a training depends on.
 PACKAGES = ("indoor-explorers", "numpy", "numba", "torch")
 #: Ticks between two reports.

@@ -29,6 +29,8 @@ from indoor_explorers.learners.dddqn.prior import INPUTS
 FORMAT = 2
 #: The entry of the metadata that holds everything.
 ABOUT = "about"
+#: The file of the averaged weights in the folder of a training.
+WEIGHTS = "weights.safetensors"
 #: The largest file that is read as weights.
 MOST_BYTES = 1_000_000_000
 _FOLDER = Path(__file__).parent / "weights"

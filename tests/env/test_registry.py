@@ -119,7 +119,7 @@ def test_an_opener_declared_twice_is_refused(declare):
 
 
 def test_the_project_s_own_openers_are_declared():
-    assert {"sb3", "rllib"} <= set(opener_entry_points())
+    assert {"dddqn", "sb3", "rllib"} <= set(opener_entry_points())
 
 
 @pytest.mark.parametrize(("module", "extra"), [("stable_baselines3", "sb3"), ("ray", "ray"), ("torch", "rl")])

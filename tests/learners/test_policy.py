@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from indoor_explorers.env import PRESETS, InputError, World, check_policy
+from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
 from indoor_explorers.learners.dddqn.config import LAYERS, ObservationConfig
 from indoor_explorers.learners.dddqn.flock import Flock
 from indoor_explorers.learners.dddqn.policy import Dddqn, DddqnPilot
-from indoor_explorers.learners.dddqn.weights import shipped
+from indoor_explorers.learners.dddqn.weights import load_weights, shipped
 from tests.learners.rooms import fly, small_room, some_prior, write_network
 
 
@@ -126,6 +126,35 @@ def test_the_weights_suit_the_scenario() -> None:
     teams = [flown(f"thesis-team-{team}-radio-{radio}") for team in (2, 4) for radio in (0, 3, "unlimited")]
     assert teams == 2 * ["thesis-obstacles", "thesis-obstacles", "thesis-team"]
     assert {*alone, *teams} <= shipped().keys()
+
+
+def test_weights_that_see_the_map_alone_are_for_small_rooms() -> None:
+    def flown(name: str, **settings: object) -> str:
+        world = World(PRESETS[name].with_settings(settings))
+        world.reset([1])
+        return Dddqn(map_alone=True).suited(world.briefing(0, 0))
+
+    names = {name: flown(name) for name in ("thesis-open", "thesis-obstacles", "thesis-team-2")}
+    assert list(names.values()) == ["thesis-open-map", "thesis-obstacles-map", "thesis-obstacles-map"]
+    assert {*names.values()} <= shipped().keys()
+    for name in names.values():
+        seen = load_weights(shipped()[name]).observation
+        assert (seen.gains, seen.tours, seen.prospects) == (False, False, False)
+    for settings in ({"lidar.range": 9}, {"map.width": 17}):
+        with pytest.raises(InputError, match=r"expected a map of up to 16x16 cells and a lidar range of 3 for we"):
+            flown("thesis-obstacles", **settings)
+    with pytest.raises(InputError, match=r"expected weights or map_alone, got both: 'general'; leave one of them out"):
+        Dddqn(weights="general", map_alone=True)
+
+
+def test_a_trainings_folder_is_opened(tmp_path: Path) -> None:
+    write_network(tmp_path / "weights.safetensors", 1)
+    policy = make_policy(f"dddqn:{tmp_path}", guard=False)
+    assert policy == Dddqn(weights=str(tmp_path), guard=False)
+    assert len(policy.provenance()["weights_sha256"]) == 64
+    assert make_policy("dddqn:general") == Dddqn(weights="general")
+    with pytest.raises(InputError, match=r"weights\.safetensors: expected a safetensors file, found none"):
+        make_policy(f"dddqn:{tmp_path.parent}")
 
 
 @pytest.mark.parametrize("frames", [1, 3])
