@@ -22,7 +22,7 @@ from indoor_explorers.evaluation import bench
 from indoor_explorers.evaluation.ablation import run_ablation
 from indoor_explorers.evaluation.check_table import print_findings, print_header
 from indoor_explorers.evaluation.combining import combined
-from indoor_explorers.evaluation.compare import plan, run
+from indoor_explorers.evaluation.compare import Execution, plan, run
 from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.level import level_of
 from indoor_explorers.evaluation.map_text import facts, picture
@@ -65,19 +65,17 @@ def run_compare(arguments: argparse.Namespace) -> int:
     )
     levels = {scenario.name: level_of(scenario.goal) for scenario in experiment.scenarios}
     with ProgressBar(console, levels) as bar:
-        results = run(
-            experiment,
-            arguments.out,
+        execution = Execution(
             workers=arguments.workers,
             engine=arguments.engine,
             address=arguments.address,
             decision_timeout=arguments.decision_timeout,
             memory_limit=arguments.memory_limit,
             retry_failed=arguments.retry_failed,
-            ratio_to=arguments.ratio_to,
             watcher=bar,
             command=arguments.words,
         )
+        results = run(experiment, arguments.out, execution, ratio_to=arguments.ratio_to)
     console.print(headline_table(results, console.width))
     _print_ratios(results, arguments.ratio_to, console)
     console.print(f"Report: {arguments.out / 'report.html'}", highlight=False, soft_wrap=True)

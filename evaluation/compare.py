@@ -46,6 +46,28 @@ class Watcher(Protocol):
         """Be told of newly stored episodes."""
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Execution:
+    """How episodes are flown; see :func:`compare`."""
+
+    workers: int | None = None
+    engine: str = "local"
+    address: str | None = None
+    decision_timeout: float | None = DECISION_TIMEOUT
+    memory_limit: float | None = None
+    retry_failed: bool = False
+    watcher: Watcher | None = None
+    command: str = ""
+    """What was typed, for the provenance."""
+
+    @property
+    def crew(self) -> int:
+        """The workers that jobs are cut for."""
+        if self.workers is not None:
+            return self.workers
+        return CLUSTER if self.engine == "ray" else os.cpu_count() or 1
+
+
 def compare(
     out: str | Path,
     *,
@@ -95,20 +117,17 @@ def compare(
         seed=seed,
         settings=settings,
     )
-    results = run(
-        planned,
-        Path(out),
+    execution = Execution(
         workers=workers,
         engine=engine,
         address=address,
         decision_timeout=decision_timeout,
         memory_limit=memory_limit,
         retry_failed=retry_failed,
-        ratio_to=ratio_to,
         watcher=watcher,
         command=command,
     )
-    return results.summary()
+    return run(planned, Path(out), execution, ratio_to=ratio_to).summary()
 
 
 def plan(
@@ -161,52 +180,19 @@ def _scenarios(
 
 
 def run(
-    experiment: Experiment,
-    out: Path,
-    *,
-    workers: int | None = None,
-    engine: str = "local",
-    address: str | None = None,
-    decision_timeout: float | None = DECISION_TIMEOUT,
-    memory_limit: float | None = None,
-    retry_failed: bool = False,
-    ratio_to: Sequence[str] | None = None,
-    watcher: Watcher | None = None,
-    command: str = "",
+    experiment: Experiment, out: Path, execution: Execution | None = None, *, ratio_to: Sequence[str] | None = None
 ) -> Results:
     """Fly what ``out`` does not hold yet and write everything that is made from it; see :func:`compare`."""
-    fly_missing(
-        experiment,
-        out,
-        workers=workers,
-        engine=engine,
-        address=address,
-        decision_timeout=decision_timeout,
-        memory_limit=memory_limit,
-        retry_failed=retry_failed,
-        ratio_to=ratio_to,
-        watcher=watcher,
-        command=command,
-    )
+    fly_missing(experiment, out, execution or Execution(), ratio_to=ratio_to)
     return write_outputs(out, ratio_to)
 
 
 def fly_missing(
-    experiment: Experiment,
-    out: Path,
-    *,
-    workers: int | None = None,
-    engine: str = "local",
-    address: str | None = None,
-    decision_timeout: float | None = DECISION_TIMEOUT,
-    memory_limit: float | None = None,
-    retry_failed: bool = False,
-    ratio_to: Sequence[str] | None = None,
-    watcher: Watcher | None = None,
-    command: str = "",
+    experiment: Experiment, out: Path, execution: Execution, *, ratio_to: Sequence[str] | None = None
 ) -> None:
     """Fly what ``out/results.db`` does not hold yet, and write nothing else; see :func:`compare`."""
-    fly_jobs = make_engine(engine, workers, address, decision_timeout, memory_limit)
+    how, watcher = execution, execution.watcher
+    fly_jobs = make_engine(how.engine, how.workers, how.address, how.decision_timeout, how.memory_limit)
     about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
     for scenario in experiment.scenarios:
         for index in range(scenario.map.count):
@@ -214,16 +200,15 @@ def fly_missing(
     _make_folder(out)
     with Store(out / "results.db") as store:
         chosen_baselines([*store.policies(), *about], [], ratio_to)  # refuses unknown ones before anything is flown
-        number = store.begin_run(experiment, about, run_facts(command, engine, workers))
-        finished = store.finished(failed=not retry_failed)
-        crew = workers if workers is not None else CLUSTER if engine == "ray" else os.cpu_count() or 1
-        jobs = list(missing_jobs(experiment, finished, crew))
+        number = store.begin_run(experiment, about, run_facts(how.command, how.engine, how.workers))
+        finished = store.finished(failed=not how.retry_failed)
+        jobs = list(missing_jobs(experiment, finished, how.crew))
         if watcher is not None:
             missing = sum(len(job.tasks) for job in jobs)
             watcher.begin(len(experiment.policies) * len(experiment.tasks()), missing)
         for records in fly_jobs(jobs) if jobs else ():
             for record in records:
-                store.add(record, number, replace_failed=retry_failed)
+                store.add(record, number, replace_failed=how.retry_failed)
             if watcher is not None:
                 watcher.flown(records)
 
