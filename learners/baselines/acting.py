@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 from zipfile import BadZipFile
 
 import numpy as np
@@ -67,6 +67,9 @@ class TrainedPolicy(Policy):
 
     """
 
+    MODEL: ClassVar[str]
+    """The file of the model that did best."""
+
     path: str
     """The folder that ``indoor-explorers train`` wrote, or a model file in it."""
     mask: bool = True
@@ -77,13 +80,24 @@ class TrainedPolicy(Policy):
     def __post_init__(self) -> None:
         self.trained()
 
+    @staticmethod
     @abstractmethod
+    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
+        """Open a training's model; what it returns may be kept as long as the files have not ``changed``.
+
+        Raises:
+            InputError: it is missing, damaged or another library's.
+
+        """
+
     def model_file(self) -> Path:
         """Return the path of the model."""
+        return folder_and_model(self.path, self.MODEL)[1]
 
-    @abstractmethod
     def trained(self) -> Trained:
         """Return what the path holds."""
+        folder, model = folder_and_model(self.path, self.MODEL)
+        return self.opened(folder, model, changed(folder / RECORD, model))
 
     def provenance(self) -> dict[str, str]:
         """Return the hash of the model, and what trained it."""

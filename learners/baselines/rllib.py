@@ -18,49 +18,34 @@ from indoor_explorers.learners.baselines.acting import (
     DAMAGE,
     Trained,
     TrainedPolicy,
-    changed,
-    folder_and_model,
     read_training,
 )
 from indoor_explorers.learners.baselines.record import RECORD
 
 #: The learners whose networks this policy flies; each has a module of that name.
 LEARNERS = ("rllib-ppo", "rllib-sac")
-#: The file of the network that did best.
-WEIGHTS = "weights.safetensors"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rllib(TrainedPolicy):
     """Fly what ``rllib-ppo`` and its like have trained: ``rllib:DIR``."""
 
-    def model_file(self) -> Path:
-        """Return the path of the weights."""
-        return folder_and_model(self.path, WEIGHTS)[1]
+    MODEL = "weights.safetensors"
 
-    def trained(self) -> Trained:
-        """Return what the path holds.
+    @staticmethod
+    @lru_cache(maxsize=8)
+    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
+        """Open a training's model."""
+        from safetensors.torch import load_file  # torch loads when it is used, and not to list the policies
 
-        Raises:
-            InputError: it is missing, damaged or another library's.
-
-        """
-        folder, model = folder_and_model(self.path, WEIGHTS)
-        return _opened(folder, model, changed(folder / RECORD, model))
-
-
-@lru_cache(maxsize=8)
-def _opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
-    from safetensors.torch import load_file  # torch loads when it is used, and not to list the policies
-
-    record, _, config = read_training(folder, LEARNERS)
-    module = config.untrained(record.inputs)
-    try:
-        weights = load_file(model)  # the critic's among them, which flying does without
-        module.load_state_dict({name: weights[name] for name in module.state_dict()})
-    except (SafetensorError, *DAMAGE) as error:
-        raise InputError(
-            f"{model}: expected the weights that {record.learner} trained with this {RECORD}, got something else "
-            f"({error!r:.200})"
-        ) from error
-    return Trained(record, config, partial(config.rate, module))
+        record, _, config = read_training(folder, LEARNERS)
+        module = config.untrained(record.inputs)
+        try:
+            weights = load_file(model)  # the critic's among them, which flying does without
+            module.load_state_dict({name: weights[name] for name in module.state_dict()})
+        except (SafetensorError, *DAMAGE) as error:
+            raise InputError(
+                f"{model}: expected the weights that {record.learner} trained with this {RECORD}, got something else "
+                f"({error!r:.200})"
+            ) from error
+        return Trained(record, config, partial(config.rate, module))

@@ -33,7 +33,7 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.books import Books
 from indoor_explorers.learners.baselines.record import new_record
-from indoor_explorers.learners.baselines.rllib import WEIGHTS
+from indoor_explorers.learners.baselines.rllib import Rllib
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig, quietly
 from indoor_explorers.learners.baselines.rllib_team import TrainingTeam, rllib_team
 from indoor_explorers.learners.seeds import training_seeds
@@ -87,7 +87,7 @@ def train_rllib(
                     books.report(trainee)
         finally:
             trainee.stop()
-    return out / WEIGHTS
+    return out / Rllib.MODEL
 
 
 def _algorithm(config: RllibConfig, seed: int) -> Algorithm:
@@ -129,7 +129,7 @@ class _Trainee:
 
     def keep(self) -> None:
         state = self._module().state_dict()
-        with written_whole(self._out / WEIGHTS) as partial:
+        with written_whole(self._out / Rllib.MODEL) as partial:
             save_file({name: tensor.contiguous() for name, tensor in state.items()}, partial)
 
     def _module(self) -> TorchRLModule:

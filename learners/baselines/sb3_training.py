@@ -30,7 +30,7 @@ from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners.baselines.books import Books
 from indoor_explorers.learners.baselines.config import BaselineConfig
 from indoor_explorers.learners.baselines.record import new_record
-from indoor_explorers.learners.baselines.stable_baselines import MODEL
+from indoor_explorers.learners.baselines.stable_baselines import StableBaselines
 from indoor_explorers.learners.seeds import training_seeds
 from indoor_explorers.learners.session import Progress
 
@@ -113,7 +113,7 @@ def train_stable_baselines(
         remaining = config.total_steps - trainee.steps
         if remaining > 0:
             trainee.model.learn(remaining, _Callback(books, trainee), log_interval=None, reset_num_timesteps=False)  # type: ignore[arg-type]  # None is meant: never
-    return out / MODEL
+    return out / StableBaselines.MODEL
 
 
 def _model(
@@ -155,7 +155,7 @@ class _Trainee:
         return self._kind.rate(self.model.policy, rows)
 
     def keep(self) -> None:
-        self._save(MODEL)
+        self._save(StableBaselines.MODEL)
 
     def save(self) -> None:
         self._save(CHECKPOINT)

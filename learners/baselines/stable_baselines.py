@@ -19,50 +19,37 @@ from indoor_explorers.learners.baselines.acting import (
     DAMAGE,
     Trained,
     TrainedPolicy,
-    changed,
-    folder_and_model,
     read_training,
 )
 from indoor_explorers.learners.baselines.record import RECORD
 
 #: The learners whose models this policy flies; each has a module of that name.
 LEARNERS = ("sb3-a2c", "sb3-dqn", "sb3-maskable-ppo", "sb3-ppo", "sb3-qrdqn")
-#: The file of the model that did best, and the member of it that holds the weights.
-MODEL, WEIGHTS = "model.zip", "policy.pth"
+#: The member of a model's zip that holds the weights.
+WEIGHTS = "policy.pth"
 
 
 @dataclass(frozen=True, kw_only=True)
 class StableBaselines(TrainedPolicy):
     """Fly what ``sb3-ppo`` and its like have trained: ``sb3:DIR``."""
 
-    def model_file(self) -> Path:
-        """Return the path of the model's zip."""
-        return folder_and_model(self.path, MODEL)[1]
+    MODEL = "model.zip"
 
-    def trained(self) -> Trained:
-        """Return what the path holds.
-
-        Raises:
-            InputError: it is missing, damaged or another library's.
-
-        """
-        folder, model = folder_and_model(self.path, MODEL)
-        return _opened(folder, model, changed(folder / RECORD, model))
-
-
-@lru_cache(maxsize=8)
-def _opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
-    record, module, config = read_training(folder, LEARNERS)
-    policy = module.KIND.untrained(config, record.inputs)
-    try:
-        policy.load_state_dict(_weights(model))
-    except DAMAGE as error:
-        raise InputError(
-            f"{model}: expected the zip of a model that {record.learner} trained with this {RECORD}, got something "
-            f"else ({error!r:.200})"
-        ) from error
-    policy.set_training_mode(False)
-    return Trained(record, config, partial(module.KIND.rate, policy))
+    @staticmethod
+    @lru_cache(maxsize=8)
+    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
+        """Open a training's model."""
+        record, module, config = read_training(folder, LEARNERS)
+        policy = module.KIND.untrained(config, record.inputs)
+        try:
+            policy.load_state_dict(_weights(model))
+        except DAMAGE as error:
+            raise InputError(
+                f"{model}: expected the zip of a model that {record.learner} trained with this {RECORD}, got something "
+                f"else ({error!r:.200})"
+            ) from error
+        policy.set_training_mode(False)
+        return Trained(record, config, partial(module.KIND.rate, policy))
 
 
 def _weights(model: Path) -> dict[str, Any]:
