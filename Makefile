@@ -20,7 +20,7 @@ test: $(VENV)/.installed-test browser
 	$(RUN)/ruff check .
 	$(RUN)/ruff format --check .
 	$(RUN)/mypy
-	$(RUN)/python -P -m pytest -n 2
+	$(RUN)/python -P -m pytest -n 2 --dist worksteal
 
 stress: $(VENV)/.installed-test
 	$(RUN)/python -P tests/stress_resume.py --kills 50

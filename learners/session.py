@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -91,3 +91,8 @@ def patience() -> Iterator[threading.Event]:
         yield interrupted
     finally:
         signal.signal(signal.SIGINT, previous)
+
+
+def noted(commits: Sequence[str | None], commit: str | None) -> list[str | None]:
+    """Return the commits of the source that a training ran under, first one first, with the one it goes on under."""
+    return [*commits, commit] if list(commits[-1:]) != [commit] else list(commits)

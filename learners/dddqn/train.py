@@ -25,7 +25,7 @@ from indoor_explorers.learners.dddqn.prior import prior_arrays
 from indoor_explorers.learners.dddqn.scalars import Scalars
 from indoor_explorers.learners.dddqn.training import Training
 from indoor_explorers.learners.dddqn.weights import WEIGHTS, write_weights
-from indoor_explorers.learners.session import one_thread, opened, passed, patience
+from indoor_explorers.learners.session import noted, one_thread, opened, passed, patience
 
 __all__ = [
     "ABLATIONS",
@@ -86,7 +86,7 @@ def train(
     checkpoint = out / CHECKPOINT if opened(out, CHECKPOINT, resume=resume) else None
     with one_thread(), patience() as interrupted:
         training = Training(config, scenario, seed, checkpoint)
-        training.note_commit(source_commit())
+        training.commits = noted(training.commits, source_commit())
         with Scalars(out) as scalars:
 
             def tell(progress: Progress) -> None:

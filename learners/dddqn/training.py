@@ -144,11 +144,6 @@ class Training:
         self.replay.reprioritise(batch.place, errors)
         return loss
 
-    def note_commit(self, commit: str | None) -> None:
-        """Remember the source's commit from here on."""
-        if self.commits[-1:] != [commit]:
-            self.commits.append(commit)
-
     def take_trial(self) -> Trial:
         """Evaluate the averaged weights and keep them when they are the best so far."""
         first, episodes = trial_seeds(self.seed), self.config.evaluation_episodes

@@ -16,7 +16,7 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners import session
-from indoor_explorers.learners.session import one_thread, opened, passed, patience
+from indoor_explorers.learners.session import noted, one_thread, opened, passed, patience
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.training import Training
 from indoor_explorers.learners.thesis.weights import write_weights
@@ -50,7 +50,7 @@ def train(
     """Train on a scenario and return the path of the weights in the folder ``out``.
 
     Writes ``weights.safetensors`` (the network as it is at the end, as the thesis's), ``episodes.csv`` (every
-    training episode: the thesis's curve), ``training.json`` (configuration, seed, versions, commit, evaluations)
+    training episode: the thesis's curve), ``training.json`` (configuration, seed, versions, commits, evaluations)
     and ``checkpoint.safetensors`` (everything, to resume from). Ctrl-C finishes the move, writes a checkpoint and
     raises :class:`KeyboardInterrupt`; a second one stops at once. The same seed gives the same weights, resumed or
     not.
@@ -63,6 +63,7 @@ def train(
         training = Training(config, scenario, seed)
         if opened(out, CHECKPOINT, resume=resume):
             training.load(out / CHECKPOINT)
+        training.commits = noted(training.commits, source_commit())
         clock = _Clock(training, report or (lambda progress: None))
         while not training.done:
             before = training.episodes
@@ -130,7 +131,8 @@ def _record(training: Training, scenario: Scenario, seconds: float) -> dict[str,
         "fingerprint": scenario.fingerprint,
         "config": training.config.model_dump(mode="json"),
         "versions": {"python": platform.python_version()} | versions(PACKAGES),
-        "commit": source_commit(),
+        "commit": training.commits[0],
+        "commits": training.commits,
         "done": training.done,
         "seconds": round(training.seconds + seconds, 1),
         "steps": training.steps,

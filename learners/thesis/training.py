@@ -36,6 +36,8 @@ class Training:
         """Flown up to the checkpoint that it goes on from."""
         self.evaluations: list[Flown] = []
         self.losses: list[float] = []
+        self.commits: list[str | None] = []
+        """Commits of the source that the training ran under, the one it began with first."""
         self.rng = np.random.default_rng(np.random.SeedSequence(seed))
         pilots = range(self.task.team if config.mates == "learn" else 1)
         looks: dict[str, Any] = {"frames": config.frame_stack, "identity": config.identity}
@@ -142,6 +144,7 @@ class Training:
             "seconds": self.seconds + seconds,
             "written": self.replay.written,
             "evaluations": self.evaluations,
+            "commits": self.commits,
             "rng": self.rng.bit_generator.state,
         }
         tensors = self.learner.tensors() | self.fleet.tensors() | self.history.tensors() | places
@@ -167,7 +170,7 @@ class Training:
                 f"{path}: expected a checkpoint of this version, got something else ({error!r})"
             ) from error
         self.steps, self.begun, self.replay.written = notes["steps"], notes["begun"], notes["written"]
-        self.seconds = notes["seconds"]
+        self.seconds, self.commits = notes["seconds"], notes.get("commits", [None])  # unknown in checkpoints of before
         self.evaluations = [Flown(Trial(*trial), curve) for trial, curve in notes["evaluations"]]
         self.rng.bit_generator.state = notes["rng"]
 

@@ -67,6 +67,19 @@ def _evaluations(folder):
     return record["evaluations"], record["training_coverage_by_step"], record["greedy_coverage_by_step"]
 
 
+def test_a_resumed_training_records_each_commit_that_it_ran_under(tmp_path, monkeypatch):
+    commits = iter(["first", "second", "second"])
+    monkeypatch.setattr("indoor_explorers.learners.thesis.train.source_commit", lambda: next(commits))
+    for after in (0, 1):
+        with monkeypatch.context() as cut:
+            cut.setattr(Training, "take_trial", _stopping(Training.take_trial, after))
+            with pytest.raises(Stop):
+                train(TINY, short("thesis-open"), tmp_path, seed=3, resume=True)
+    train(TINY, short("thesis-open"), tmp_path, seed=3, resume=True)
+    record = json.loads((tmp_path / RECORD).read_text())
+    assert (record["commit"], record["commits"]) == ("first", ["first", "second"])
+
+
 def test_what_is_left_behind(tmp_path):
     seen = []
     scenario = short("thesis-open")
