@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from indoor_explorers.env.compiled import inner, leaf
+from indoor_explorers.env.hashing import is_new
 from indoor_explorers.env.randomness import draw
 from indoor_explorers.learners.dddqn.bitboards import ROOM, STRIDE, Words, count, hash_of, pairs, without
 from indoor_explorers.learners.dddqn.memory import LONGEST
@@ -99,21 +100,6 @@ def new_beam() -> Beam:
 
 
 @inner()
-def _is_new(table: np.ndarray, key: np.uint64) -> bool:
-    """Tell whether a state was not met before, and remember it while there is room for it."""
-    last = np.uint64(table.shape[0] - 1)
-    slot, key = (key >> np.uint64(20)) & last, key | _ONE
-    for _ in range(8):
-        if table[slot] == key:
-            return False
-        if table[slot] == 0:
-            table[slot] = key
-            return True
-        slot = (slot + _ONE) & last
-    return True
-
-
-@inner()
 def _write(
     beam: Beam,
     bank: int,
@@ -170,7 +156,7 @@ def _expand(beam: Beam, states: int, step: int, views: np.ndarray, passages: np.
             left = float(count(words))
             gains = left < parent[0]
             key = hash_of(words) if gains else beam.key[0, s]
-            if not _is_new(beam.met, key ^ beam.cell_key[cell]):
+            if not is_new(beam.met, key ^ beam.cell_key[cell]):
                 continue
             halfway = float(step) if parent[4] == 0 and left <= aim.halfway else parent[4]
             delay = parent[2] + left

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from indoor_explorers.env.compiled import inner, kernel
+from indoor_explorers.env.hashing import is_new
 from indoor_explorers.env.sights import bit_count
 from indoor_explorers.planners.horizon.cellsets import holds, meet, within
 
@@ -147,21 +148,6 @@ def _rank(states: States, s: int, terrain: Terrain, style: Style) -> None:
     states.rank[s] = states.worth[s] + style.pull * first + style.stretch * last
 
 
-@inner()
-def _is_new(table: np.ndarray, key: np.uint64) -> bool:
-    """Tell whether a state's hash was not met before, and remember it while there is room for it."""
-    last = np.uint64(table.shape[0] - 1)
-    slot, key = (key >> np.uint64(20)) & last, key | _ONE
-    for _ in range(8):
-        if table[slot] == key:
-            return False
-        if table[slot] == 0:
-            table[slot] = key
-            return True
-        slot = (slot + _ONE) & last
-    return True
-
-
 @kernel()
 def _root(start: int, unseen: np.ndarray, terrain: Terrain, isolation: float, states: States) -> None:
     """Make state 0 from the UAV's cell and the unseen set."""
@@ -192,7 +178,7 @@ def _expand(
                 continue
             _copy(states, s, children, found)
             _look(children, found, cell, terrain, style.isolation)
-            if not _is_new(table, children.key[found] ^ terrain.keys[terrain.views.shape[0] + cell]):
+            if not is_new(table, children.key[found] ^ terrain.keys[terrain.views.shape[0] + cell]):
                 continue
             _rank(children, found, terrain, style)
             if children.left[found] <= rest and (done < 0 or children.delay[found] < children.delay[done]):
