@@ -25,6 +25,8 @@ from indoor_explorers.evaluation.experiment import Experiment, Task, merged_expe
 from indoor_explorers.evaluation.record import Outcome, Record
 
 FORMAT = 3
+#: Differences that a refusal names.
+MOST_NAMED = 4
 
 SCHEMA = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
@@ -172,7 +174,9 @@ class Store:
             f"the parameters of policy {name!r}" for name in policies if name in known and known[name] != policies[name]
         ]
         if differing:
-            raise InputError(f"{self.path} holds another experiment; what differs: {'; '.join(differing)}; {way_out}")
+            more = [f"and {len(differing) - MOST_NAMED} more"] if len(differing) > MOST_NAMED else []
+            named = "; ".join(differing[:MOST_NAMED] + more)
+            raise InputError(f"{self.path} holds another experiment; what differs: {named}; {way_out}")
 
     # -- episodes -------------------------------------------------------------------------------------
 

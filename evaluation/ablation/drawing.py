@@ -102,7 +102,7 @@ def _scale(axes: Axes, ranked: Sequence[Judged], full: Judged, metric: str) -> N
     far = max(abs(judged.against(full, name).mean) for judged in ranked for name in ("t99", "t90"))
     if far > FAR * NEAR:
         low, high = axes.dataLim.intervalx
-        axes.set_xscale("symlog", linthresh=NEAR, linscale=2.0)
+        axes.set_xscale("symlog", linthresh=NEAR, linscale=1.0)
         axes.set_xlim(min(1.5 * low, -1.0), max(1.5 * high, 1.0))
         axes.set_xticks([0, *(sign * tick for sign in (-1, 1) for tick in TICKS if low <= sign * tick <= high)])
         axes.xaxis.set_minor_locator(NullLocator())

@@ -101,6 +101,15 @@ def test_other_parameters_of_a_policy_are_refused(tmp_path):
         store.begin_run(planned, {"w": {"use": POLICY, "privileged": True}}, {})
 
 
+def test_of_many_differences_a_few_are_named(tmp_path):
+    planned = experiment(policies=[{"use": POLICY, "name": f"p{n}"} for n in range(9)])
+    with Store(tmp_path / "results.db") as store:
+        store.begin_run(planned, about(planned), {})
+        others = {name: facts | {"privileged": True} for name, facts in about(planned).items()}
+        with pytest.raises(InputError, match=r"policy 'p0'; .*policy 'p3'; and 5 more; choose another --out"):
+            store.begin_run(planned, others, {})
+
+
 def test_a_full_disk_is_said_and_what_was_added_stays(tmp_path):
     planned = experiment(episodes=40)
     records = list(fly(Wander(), "w", planned.scenarios[0], planned.tasks()))
