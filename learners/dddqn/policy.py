@@ -86,7 +86,8 @@ class Dddqn(Policy):
         hashes = {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in self._paths().items()}
         if self.weights is not None:
             return {"weights_sha256": hashes[self.weights]}
-        return {f"weights_{name}_sha256": digest for name, digest in hashes.items()} | {"weights_for": SUITED}
+        used = SUITED_ALONE if self.map_alone else SUITED
+        return {f"weights_{name}_sha256": digest for name, digest in hashes.items()} | {"weights_for": used}
 
     def pilot(self, briefing: Briefing) -> DddqnPilot:
         """Make the mind of one UAV for one episode."""
@@ -102,6 +103,9 @@ SUITED = (
     "up to 16x16 cells with a lidar of range 3 thesis-team for teams that always hear each other, thesis-open for one "
     "UAV in rooms without obstacles, else thesis-obstacles; elsewhere general"
 )
+
+#: What :func:`suited_alone` says, in words.
+SUITED_ALONE = "thesis-open-map for one UAV in rooms without obstacles, else thesis-obstacles-map"
 
 
 def suited(briefing: Briefing) -> str:
@@ -121,9 +125,10 @@ def suited_alone(briefing: Briefing) -> str:
 
     """
     if not _is_room(briefing):
+        height, width = briefing.shape
         raise InputError(
             f"expected a map of up to {ROOM}x{ROOM} cells and a lidar range of {REFERENCE_RANGE:g} for weights that "
-            f"see the map alone, got {briefing.shape[0]}x{briefing.shape[1]} and {briefing.lidar_range:g}; leave it out"
+            f"see the map alone, got {height}x{width} and {briefing.lidar_range:g}; fly without map_alone"
         )
     return "thesis-open-map" if briefing.team == 1 and _is_empty(briefing) else "thesis-obstacles-map"
 
