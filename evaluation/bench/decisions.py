@@ -6,7 +6,7 @@ import json
 import tempfile
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from indoor_explorers.env import make_policy
 from indoor_explorers.env.presets import scenario
@@ -55,11 +55,16 @@ class Trained(NamedTuple):
     """Mean steps to 90 % at the last evaluation: greedy, no guard, on maps kept apart from training."""
 
 
-@lru_cache(maxsize=1)
-def trained(episodes: int) -> Trained:
-    """Train the DDDQN as the preset ``thesis-open`` does, on about so many episodes."""
+def trained(part: Literal["seconds", "t90"], preset: str, episodes: int) -> float:
+    """Return a figure of a training of the DDDQN as one of its presets does, on about so many episodes."""
+    return float(getattr(_trained(preset, episodes), part))
+
+
+@lru_cache(maxsize=2)
+def _trained(name: str, episodes: int) -> Trained:
+    """Train the DDDQN as one of its presets does, on about so many episodes."""
     learner = find_learner("dddqn")
-    preset = learner.PRESETS["thesis-open"]
+    preset = learner.PRESETS[name]
     settings = {**preset.settings, "total_steps": TRAINING_STEPS * episodes}
     config = validated(learner.TrainingConfig, nested(settings), "settings of the bench")
     with tempfile.TemporaryDirectory() as folder:

@@ -99,5 +99,7 @@ def _harness(everything: bool) -> Iterator[Measure]:
         take = partial(decisions.comparison_time, episodes)
         yield Measure("Harness", f"harness-{episodes}-episodes", "s", take)
     if everything and importlib.util.find_spec("torch"):
-        yield Measure("Harness", "train-10000-episodes", "s", lambda: decisions.trained(10_000).seconds)
-        yield Measure("Harness", "train-10000-episodes-t90", "steps", lambda: decisions.trained(10_000).t90)
+        for preset, name in (("thesis-open", ""), ("thesis-open-map", "-map-alone")):
+            seconds, t90 = (partial(decisions.trained, part, preset, 10_000) for part in ("seconds", "t90"))
+            yield Measure("Harness", f"train-10000-episodes{name}", "s", seconds)
+            yield Measure("Harness", f"train-10000-episodes{name}-t90", "steps", t90)
