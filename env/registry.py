@@ -2,7 +2,7 @@
 
 Policies are declared in the entry-point group ``indoor_explorers.policies``, the project's own like anybody
 else's. Openers of paths are declared in ``indoor_explorers.openers``: what makes a policy from a parameter
-``path``, such as ``sb3``, so that ``sb3:results/ppo`` is that class with this path. Before a colon, an opener's
+``path``, such as ``sb3``, so that ``sb3:results/ppo`` is what that makes of this path. Before a colon, an opener's
 name is never a module's: a module of the same name is reached through a package of its own. Nothing is
 imported before it is asked for, so torch and ompl load only when they are used.
 """
