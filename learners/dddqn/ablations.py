@@ -38,6 +38,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "no-tour-start": {"network.tour_cost": 0.0},
     "tour-pull": {"network.tour_pull": 0.03},
     "action-gap": {"action_gap": 0.5},
+    "wide-tours": {"observation.tour_width": 24},
     "no-tours": {"observation.tours": False},
     "map-alone": {"observation.gains": False, "observation.tours": False},
     "map-alone-no-prior": {

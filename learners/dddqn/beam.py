@@ -21,8 +21,8 @@ from indoor_explorers.env.randomness import draw
 from indoor_explorers.learners.dddqn.bitboards import ROOM, STRIDE, Words, count, hash_of, pairs, without
 from indoor_explorers.learners.dddqn.memory import LONGEST
 
-#: States kept at each step, and steps looked ahead.
-WIDTH, DEPTH = 8, LONGEST
+#: Steps looked ahead.
+DEPTH = LONGEST
 #: Weight of a step without gain, and of a cell that is unseen for one step longer.
 PULL, DELAY = 0.02, 1e-4
 #: Steps that a tour which was not finished is reckoned to need for each unit of its last rank, and on top.
@@ -80,20 +80,20 @@ class Tour(NamedTuple):
     """The step at which ``Aim.halfway`` was met, 0 for not."""
 
 
-def new_beam() -> Beam:
-    """Allocate the working arrays."""
+def new_beam(width: int) -> Beam:
+    """Allocate the working arrays to keep ``width`` states at each step."""
     table = 64
-    while table < 4 * WIDTH * DEPTH:
+    while table < 4 * width * DEPTH:
         table *= 2
     return Beam(
-        np.zeros((2, WIDTH), np.int64),
-        np.zeros((2, WIDTH, 4), np.uint64),
-        np.zeros((2, WIDTH), np.uint64),
-        np.zeros((2, WIDTH, 7)),
-        np.zeros(WIDTH, np.int64),
+        np.zeros((2, width), np.int64),
+        np.zeros((2, width, 4), np.uint64),
+        np.zeros((2, width), np.uint64),
+        np.zeros((2, width, 7)),
+        np.zeros(width, np.int64),
         np.zeros(table, np.uint64),
         np.array([draw(np.uint64(1), np.uint64(k)) for k in range(ROOM * STRIDE)], np.uint64),
-        np.zeros((DEPTH + 1, WIDTH, 2), np.int64),
+        np.zeros((DEPTH + 1, width, 2), np.int64),
         np.zeros(4),
         np.zeros(DEPTH + 1, np.int64),
     )

@@ -44,6 +44,8 @@ class ObservationConfig(_Config):
     """For each move, as planners see it: the view gain there, and distance and discounted gains of what lies ahead."""
     tours: bool = True
     """For each move: the tours that a small beam search finds behind it, in rooms of up to 16x16 cells."""
+    tour_width: int = Field(8, ge=1, le=1024)
+    """States that this search keeps at each step: the more, the shorter its tours and the slower each decision."""
     prospects: bool = False
     """For each move: how far it is from the best place to look from, on maps of any size, by what is in view there and
     the way to it; once by all that is in view and once with isolated cells counting more."""

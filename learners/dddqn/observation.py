@@ -67,7 +67,8 @@ class Known(NamedTuple):
 def eyes(config: ObservationConfig, shape: tuple[int, int], scenario: Scenario, prior: MapPrior) -> Eyes:
     """Prepare to observe on (H, W) maps of a scenario."""
     lens = sensor(scenario.lidar.range)
-    return Eyes(layout(config), lens, scratch(shape, lens), new_planner(shape, scenario), new_outlook(shape), prior)
+    planner = new_planner(shape, scenario, config.tour_width)
+    return Eyes(layout(config), lens, scratch(shape, lens), planner, new_outlook(shape), prior)
 
 
 @leaf()

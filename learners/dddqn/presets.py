@@ -35,7 +35,7 @@ PRESETS: dict[str, Preset] = {
         _KEEN | {"total_steps": 1_000_000, "reward_early_step": -0.25, "evaluation_every": 96_000},
         1,
     ),
-    "thesis-obstacles": Preset("thesis-obstacles", _KEEN | {"total_steps": 3_000_000}, 1),
+    "thesis-obstacles": Preset("thesis-obstacles", _KEEN | {"observation.tour_width": 24, "total_steps": 3_000_000}, 1),
     "thesis-team": Preset(
         "thesis-team-4",
         _KEEN

@@ -47,10 +47,10 @@ class Planner(NamedTuple):
     """(H, W) the UAV in whose sector of the map a cell lies, -1 where there are none; empty where tours are not."""
 
 
-def new_planner(shape: tuple[int, int], scenario: Scenario) -> Planner:
-    """Allocate the scratch for maps of (H, W) cells."""
+def new_planner(shape: tuple[int, int], scenario: Scenario, width: int) -> Planner:
+    """Allocate the scratch for maps of (H, W) cells and a search that keeps ``width`` states at each step."""
     return Planner(
-        beam=new_beam(),
+        beam=new_beam(width),
         attainable=np.zeros(WORDS, np.uint64),
         unseen=np.zeros(WORDS, np.uint64),
         met=np.zeros(ROOM * STRIDE, np.uint8),
