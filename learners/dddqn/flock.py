@@ -11,6 +11,7 @@ from indoor_explorers.env.arrays import Mask, read_only
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 from indoor_explorers.env.world import World
+from indoor_explorers.learners.checkpoint import restore_world, world_tensors
 from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.layout import layout
 from indoor_explorers.learners.dddqn.memory import new_memory
@@ -117,18 +118,12 @@ class Flock:
 
     def tensors(self) -> dict[str, NDArray[np.generic]]:
         """Return everything that :meth:`restore` needs, by name."""
-        state = {f"world/{name}": array for name, array in self.world.state._asdict().items()}
         memory = {f"memory/{name}": array for name, array in self.memory._asdict().items()}
-        seeds = np.array([[seed >> 32, seed & 0xFFFFFFFF] for seed in self.world.seeds], np.int64)
-        return state | memory | {"flock/seeds": seeds, "flock/scenes": self.scenes}
+        return world_tensors(self.world) | memory | {"flock/scenes": self.scenes}
 
     def restore(self, tensors: dict[str, NDArray[np.generic]]) -> None:
         """Go on exactly where :meth:`tensors` was taken."""
-        maps = self.world.scenario.map.count
-        for episode, (high, low) in enumerate(tensors["flock/seeds"].tolist()):
-            seed = (high << 32) | low
-            self.world.begin(episode, seed, index=seed % maps)
+        restore_world(tensors, self.world)
         self.scenes[...] = tensors["flock/scenes"]
-        for part, arrays in (("world", self.world.state), ("memory", self.memory)):
-            for name, array in arrays._asdict().items():
-                array[...] = tensors[f"{part}/{name}"]
+        for name, array in self.memory._asdict().items():
+            array[...] = tensors[f"memory/{name}"]

@@ -12,6 +12,7 @@ from torch import Tensor, nn
 from torch.optim.swa_utils import get_ema_multi_avg_fn
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.learners.checkpoint import learner_tensors, restore_learner
 from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingConfig
 from indoor_explorers.learners.dddqn.layout import BLOCKED_AT, layout, tour_costs
 from indoor_explorers.learners.dddqn.network import DuelingNetwork, new_network
@@ -128,24 +129,12 @@ class Learner:
 
     def tensors(self) -> dict[str, NDArray[Any]]:
         """Return copies of everything that :meth:`restore` needs, by name."""
-        found: dict[str, Any] = {}
-        for name, network in self.networks().items():
-            found |= {f"{name}/{key}": value for key, value in network.state_dict().items()}
-        for place, entries in self.optimiser.state_dict()["state"].items():
-            found |= {f"adam/{place}/{key}": value for key, value in entries.items()}
-        found |= {"noise": self._noise.get_state(), "updates": torch.tensor(self.updates)}
-        return {name: value.cpu().numpy().copy() for name, value in found.items()}
+        own = {"noise": self._noise.get_state().numpy(), "updates": np.array(self.updates)}
+        return learner_tensors(self.networks(), self.optimiser) | own
 
     def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
         """Go on exactly where :meth:`tensors` was taken."""
-        for name, network in self.networks().items():
-            network.load_state_dict({key: torch.from_numpy(tensors[f"{name}/{key}"]) for key in network.state_dict()})
-        state: dict[int, dict[str, Tensor]] = {}
-        for name, array in tensors.items():
-            if name.startswith("adam/"):
-                _, place, key = name.split("/")
-                state.setdefault(int(place), {})[key] = torch.from_numpy(array)
-        self.optimiser.load_state_dict(self.optimiser.state_dict() | {"state": state})
+        restore_learner(tensors, self.networks(), self.optimiser)
         self._noise.set_state(torch.from_numpy(tensors["noise"]))
         self.updates = int(tensors["updates"].item())
 

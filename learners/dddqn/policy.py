@@ -24,8 +24,9 @@ from indoor_explorers.learners.dddqn.memory import new_memory
 from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
 from indoor_explorers.learners.dddqn.prior import prior_from
 from indoor_explorers.learners.dddqn.sensor import REFERENCE_RANGE
-from indoor_explorers.learners.dddqn.weights import WEIGHTS, Loaded, load_weights, shipped
+from indoor_explorers.learners.dddqn.weights import Loaded, load_weights, shipped
 from indoor_explorers.learners.guard import Guard
+from indoor_explorers.learners.tensors import WEIGHTS
 
 
 @dataclass(frozen=True, kw_only=True)

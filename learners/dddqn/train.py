@@ -24,8 +24,9 @@ from indoor_explorers.learners.dddqn.presets import PRESETS
 from indoor_explorers.learners.dddqn.prior import prior_arrays
 from indoor_explorers.learners.dddqn.scalars import Scalars
 from indoor_explorers.learners.dddqn.training import Training
-from indoor_explorers.learners.dddqn.weights import WEIGHTS, write_weights
+from indoor_explorers.learners.dddqn.weights import write_weights
 from indoor_explorers.learners.session import noted, one_thread, opened, passed, patience
+from indoor_explorers.learners.tensors import WEIGHTS
 
 __all__ = [
     "ABLATIONS",

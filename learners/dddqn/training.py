@@ -22,8 +22,8 @@ from indoor_explorers.learners.dddqn.prior import MapPrior, no_prior, prior_arra
 from indoor_explorers.learners.dddqn.replay import Replay
 from indoor_explorers.learners.dddqn.surveys import collect_all, fit_prior
 from indoor_explorers.learners.dddqn.trial import Trial, evaluate, mean_trial
-from indoor_explorers.learners.dddqn.weights import read_tensors, write_tensors
 from indoor_explorers.learners.seeds import survey_seeds, training_seeds, trial_seeds
+from indoor_explorers.learners.tensors import read_tensors, write_tensors
 
 #: Coverage until which a step costs ``reward_early_step`` more.
 EARLY = 0.9

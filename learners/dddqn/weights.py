@@ -1,4 +1,4 @@
-"""Weights on disk: safetensors files, which hold numbers and nothing that could run.
+"""Weights on disk.
 
 A weights file describes itself: its metadata tells what the network sees and how it is built, so that a policy
 needs the file alone.
@@ -15,22 +15,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
-from safetensors import SafetensorError, safe_open
-from safetensors.numpy import save_file
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
 from indoor_explorers.learners.dddqn.inference import Weights, shapes, weights_from
 from indoor_explorers.learners.dddqn.layout import Layout, layout
 from indoor_explorers.learners.dddqn.prior import INPUTS
+from indoor_explorers.learners.tensors import read_tensors, write_tensors
 
 #: Grows whenever files of before can no longer be read.
 FORMAT = 2
 #: The entry of the metadata that holds everything.
 ABOUT = "about"
-#: The file of the averaged weights in the folder of a training.
-WEIGHTS = "weights.safetensors"
 #: The largest file that is read as weights.
 MOST_BYTES = 1_000_000_000
 _FOLDER = Path(__file__).parent / "weights"
@@ -50,28 +46,6 @@ class Loaded(NamedTuple):
 def shipped() -> dict[str, Path]:
     """Return the weights that ship, by name."""
     return {path.stem: path for path in sorted(_FOLDER.glob("*.safetensors"))}
-
-
-def write_tensors(path: Path, tensors: Mapping[str, NDArray[Any]], metadata: dict[str, str] | None = None) -> None:
-    """Write a safetensors file in one go: a crash leaves the old file or the new one, never half of one."""
-    with written_whole(path) as partial:
-        save_file({name: np.ascontiguousarray(array) for name, array in tensors.items()}, partial, metadata)
-
-
-def read_tensors(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-    """Return the arrays of a safetensors file by name, and its metadata.
-
-    Raises:
-        InputError: the file is missing or is no safetensors file.
-
-    """
-    if not path.is_file():
-        raise InputError(f"{path}: expected a safetensors file, found none; give the path of existing weights")
-    try:
-        with safe_open(path, framework="numpy") as file:
-            return {name: file.get_tensor(name) for name in file.keys()}, file.metadata() or {}  # noqa: SIM118
-    except (SafetensorError, OSError) as error:
-        raise InputError(f"{path}: expected a safetensors file, got something else ({error})") from error
 
 
 def write_weights(
@@ -105,12 +79,7 @@ def load_weights(path: Path) -> Loaded:
 
 @lru_cache(maxsize=8)
 def _read_once(path: Path, changed: int) -> Loaded:
-    if path.is_file() and path.stat().st_size > MOST_BYTES:
-        raise InputError(
-            f"{path}: expected weights of at most {MOST_BYTES // 10**6} MB, got {path.stat().st_size / 1e6:.0f} MB; "
-            "give weights that train wrote, not a checkpoint"
-        )
-    found, metadata = read_tensors(path)
+    found, metadata = read_tensors(path, MOST_BYTES)
     observation, network = _described(path, metadata)
     plan = layout(observation)
     prior = {name: array for name, array in found.items() if name.startswith("prior.")}

@@ -12,6 +12,7 @@ from indoor_explorers.env.arrays import Mask
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 from indoor_explorers.env.world import World
+from indoor_explorers.learners.checkpoint import restore_world, world_tensors
 from indoor_explorers.learners.thesis.observation import paint_all
 
 
@@ -83,14 +84,9 @@ class Fleet:
 
     def tensors(self) -> dict[str, NDArray[Any]]:
         """Return everything that :meth:`restore` needs, by name."""
-        state = {f"world/{name}": array for name, array in self.world.state._asdict().items()}
-        seeds = np.array([[seed >> 32, seed & 0xFFFFFFFF] for seed in self.world.seeds], np.int64)
-        return state | {"fleet/images": self.images, "fleet/seeds": seeds}
+        return world_tensors(self.world) | {"fleet/images": self.images}
 
     def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
         """Go on exactly where :meth:`tensors` was taken."""
-        for episode, (high, low) in enumerate(tensors["fleet/seeds"].tolist()):
-            self._begin(episode, (high << 32) | low)
-        for name, array in self.world.state._asdict().items():
-            array[...] = tensors[f"world/{name}"]
+        restore_world(tensors, self.world)
         self.images[...] = tensors["fleet/images"]

@@ -10,6 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from indoor_explorers.learners.checkpoint import learner_tensors, restore_learner
 from indoor_explorers.learners.dddqn.targets import q_target
 from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.eye import Eye
@@ -55,22 +56,14 @@ class Learner:
 
     def tensors(self) -> dict[str, NDArray[Any]]:
         """Return everything that :meth:`restore` needs, by name."""
-        found = {f"online/{name}": array for name, array in self.arrays().items()}
-        found |= {f"target/{name}": value.numpy() for name, value in self.target.state_dict().items()}
-        for place, entries in self.optimiser.state_dict()["state"].items():
-            found |= {f"adam/{place}/{key}": value.numpy() for key, value in entries.items()}
-        return found
+        return learner_tensors(self._networks(), self.optimiser)
 
     def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
         """Go on exactly where :meth:`tensors` was taken."""
-        state: dict[int, dict[str, Tensor]] = {}
-        for name, array in tensors.items():
-            if name.startswith("adam/"):
-                _, place, key = name.split("/")
-                state.setdefault(int(place), {})[key] = torch.from_numpy(array)
-        for name, network in (("online", self.online), ("target", self.target)):
-            network.load_state_dict({key: torch.from_numpy(tensors[f"{name}/{key}"]) for key in network.state_dict()})
-        self.optimiser.load_state_dict(self.optimiser.state_dict() | {"state": state})
+        restore_learner(tensors, self._networks(), self.optimiser)
+
+    def _networks(self) -> dict[str, ThesisNetwork]:
+        return {"online": self.online, "target": self.target}
 
 
 def td_targets(

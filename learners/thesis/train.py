@@ -17,13 +17,14 @@ from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.learners import session
 from indoor_explorers.learners.session import noted, one_thread, opened, passed, patience
+from indoor_explorers.learners.tensors import WEIGHTS
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.training import Training
 from indoor_explorers.learners.thesis.weights import write_weights
 
 __all__ = ["MENDED", "RECORD", "Progress", "TrainingConfig", "train"]
 
-CHECKPOINT, WEIGHTS, RECORD, EPISODES = "checkpoint.safetensors", "weights.safetensors", "training.json", "episodes.csv"
+CHECKPOINT, RECORD, EPISODES = "checkpoint.safetensors", "training.json", "episodes.csv"
 #: Packages that the result of a training depends on.
 PACKAGES = ("indoor-explorers", "numpy", "numba", "torch")
 #: Seconds between two reports.

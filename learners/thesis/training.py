@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
-from indoor_explorers.learners.dddqn.weights import read_tensors, write_tensors
 from indoor_explorers.learners.seeds import training_seeds, trial_seeds
+from indoor_explorers.learners.tensors import read_tensors, write_tensors
 from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.eye import MOVES, Eye
 from indoor_explorers.learners.thesis.fleet import Fleet

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.learners.dddqn.weights import read_tensors, write_tensors
+from indoor_explorers.learners.tensors import read_tensors, write_tensors
 from indoor_explorers.learners.thesis.eye import Eye
 from indoor_explorers.learners.thesis.inference import Weights, weights_from
 
@@ -42,13 +42,7 @@ def load_weights(path: Path) -> tuple[Eye, dict[str, NDArray[np.float32]]]:
         InputError: the file is missing, too large, no safetensors file, or holds another network.
 
     """
-    if path.is_file() and path.stat().st_size > MOST_BYTES:
-        size = path.stat().st_size / 1e6
-        raise InputError(
-            f"{path}: expected weights of at most {MOST_BYTES // 10**6} MB, got {size:.0f} MB; "
-            "give weights that train wrote, not a checkpoint"
-        )
-    found, metadata = read_tensors(path)
+    found, metadata = read_tensors(path, MOST_BYTES)
     try:
         eye = Eye(**json.loads(metadata["eye"]))
         expected = eye.shapes()

@@ -18,7 +18,7 @@ from indoor_explorers.learners.dddqn.sensor import sensor
 from indoor_explorers.learners.dddqn.train import CHECKPOINT, train
 from indoor_explorers.learners.dddqn.training import Training
 from indoor_explorers.learners.dddqn.trial import Trial, mean_trial
-from indoor_explorers.learners.dddqn.weights import read_tensors
+from indoor_explorers.learners.tensors import read_tensors
 from tests.learners.rooms import TINY, small_room
 
 SIGHT = ObservationConfig(layers=("unknown", "free", "mates"), tours=False)

@@ -23,8 +23,8 @@ from indoor_explorers.learners.dddqn.scalars import FOLDER
 from indoor_explorers.learners.dddqn.train import CHECKPOINT, RECORD, Progress, train
 from indoor_explorers.learners.dddqn.training import Training
 from indoor_explorers.learners.dddqn.trial import evaluate
-from indoor_explorers.learners.dddqn.weights import read_tensors
 from indoor_explorers.learners.seeds import SEED_BLOCK
+from indoor_explorers.learners.tensors import read_tensors
 from tests.learners.rooms import TINY, small_room
 
 

@@ -19,11 +19,10 @@ from indoor_explorers.learners.dddqn.prior import prior_arrays
 from indoor_explorers.learners.dddqn.weights import (
     ABOUT,
     load_weights,
-    read_tensors,
     shipped,
-    write_tensors,
     write_weights,
 )
+from indoor_explorers.learners.tensors import read_tensors, write_tensors
 from tests.learners.rooms import some_prior
 
 PLAIN = ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False)
