@@ -198,7 +198,9 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
 def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--learner", default="dddqn", metavar="NAME", help="what learns: dddqn (default), sb3-ppo, ...")
     parser.add_argument(
-        "--preset", metavar="NAME", help="scenario, hyperparameters and seed of weights that ship, where not given here"
+        "--preset",
+        metavar="NAME",
+        help="scenario, hyperparameters and seed of weights that ship, or of a quick training, where not given here",
     )
     parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="what to train on (default thesis-obstacles)")
     _add_settings(parser, "hyperparameters of the training, such as batch=512 or observation.tours=false")

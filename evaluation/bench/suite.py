@@ -99,7 +99,7 @@ def _harness(everything: bool) -> Iterator[Measure]:
         take = partial(decisions.comparison_time, episodes)
         yield Measure("Harness", f"harness-{episodes}-episodes", "s", take)
     if everything and importlib.util.find_spec("torch"):
-        for preset, name in (("thesis-open", ""), ("thesis-open-map", "-map-alone")):
+        for preset, name in (("thesis-open-quick", ""), ("thesis-open-map", "-map-alone")):
             seconds, t90 = (partial(decisions.trained, part, preset, 10_000) for part in ("seconds", "t90"))
             yield Measure("Harness", f"train-10000-episodes{name}", "s", seconds)
             yield Measure("Harness", f"train-10000-episodes{name}-t90", "steps", t90)
