@@ -13,6 +13,8 @@ from indoor_explorers.learners.dddqn.sensor import REFERENCE_RANGE, sensor
 #: Layers that the fine map may have, in the order in which they are written.
 Layer = Literal["unknown", "free", "chance", "visits", "frontier", "distance", "mates", "mates_past"]
 LAYERS: tuple[Layer, ...] = ("unknown", "free", "chance", "visits", "frontier", "distance", "mates", "mates_past")
+#: States that the search for tours may keep at each step.
+WIDEST = 1024
 
 
 class _Config(BaseModel):
@@ -44,7 +46,7 @@ class ObservationConfig(_Config):
     """For each move, as planners see it: the view gain there, and distance and discounted gains of what lies ahead."""
     tours: bool = True
     """For each move: the tours that a small beam search finds behind it, in rooms of up to 16x16 cells."""
-    tour_width: int = Field(8, ge=1, le=1024)
+    tour_width: int = Field(8, ge=1, le=WIDEST)
     """States that this search keeps at each step: the more, the shorter its tours and the slower each decision."""
     prospects: bool = False
     """For each move: how far it is from the best place to look from, on maps of any size, by what is in view there and

@@ -17,6 +17,7 @@ from indoor_explorers.env.maps.thesis import ThesisMaps
 from indoor_explorers.env.policy import Pilot, Policy
 from indoor_explorers.env.view import Briefing, View
 from indoor_explorers.learners.dddqn.bitboards import ROOM
+from indoor_explorers.learners.dddqn.config import WIDEST
 from indoor_explorers.learners.dddqn.flock import stacked
 from indoor_explorers.learners.dddqn.inference import q_values
 from indoor_explorers.learners.dddqn.layout import BLOCKED_AT
@@ -38,7 +39,8 @@ class Dddqn(Policy):
     when nothing within its reach is unknown. Deterministic but for the guard's back-off.
 
     Raises:
-        InputError: ``weights`` is missing or holds something else, or ``map_alone`` is asked for beside it.
+        InputError: ``weights`` is missing or holds something else, ``map_alone`` is asked for beside it, or
+            ``tour_width`` is no number of states.
 
     """
 
@@ -46,12 +48,17 @@ class Dddqn(Policy):
     """Name of weights that ship, or path of a training's folder or weights; None: those that suit the scenario."""
     map_alone: bool = False
     """Of the weights that ship, take those that see the map alone and no planner features: in small rooms only."""
+    tour_width: int | None = None
+    """States that the search for tours keeps at each step: more are slower, and find shorter tours; None: as many as
+    the weights say. Changes nothing where no tours are looked for."""
     guard: bool = True
     """Hand over to the nearest frontier while the network goes nowhere."""
 
     def __post_init__(self) -> None:
         if self.map_alone and self.weights is not None:
             raise InputError(f"expected weights or map_alone, got both: {self.weights!r}; leave one of them out")
+        if self.tour_width is not None and self.tour_width not in range(1, WIDEST + 1):
+            raise InputError(f"expected tour_width from 1 to {WIDEST}, got {self.tour_width!r}")
         for path in self._paths().values():
             load_weights(path)
 
@@ -92,7 +99,11 @@ class Dddqn(Policy):
 
     def pilot(self, briefing: Briefing) -> DddqnPilot:
         """Make the mind of one UAV for one episode."""
-        return DddqnPilot(self, briefing, load_weights(self._paths()[self.suited(briefing)]))
+        loaded = load_weights(self._paths()[self.suited(briefing)])
+        if self.tour_width is not None:
+            wide = loaded.observation.model_copy(update={"tour_width": self.tour_width})
+            loaded = loaded._replace(observation=wide)
+        return DddqnPilot(self, briefing, loaded)
 
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
         """Choose for many UAVs; each choice is what it would be alone."""

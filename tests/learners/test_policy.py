@@ -147,6 +147,29 @@ def test_weights_that_see_the_map_alone_are_for_small_rooms() -> None:
         Dddqn(weights="general", map_alone=True)
 
 
+def test_tours_are_searched_as_wide_as_asked(tmp_path: Path) -> None:
+    """The same width, asked of the policy or written in the weights, is the same flight; another is another."""
+    room = small_room().with_settings({"map.height": 12, "map.width": 12})
+
+    def seen(policy: Dddqn) -> list[bytes]:
+        world = World(room)
+        world.reset([3])
+        pilot = policy.pilot(world.briefing(0, 0))
+        looks = []
+        for _ in range(8):
+            world.step(np.array([[pilot.act(world.view(0, 0))]]))
+            looks.append(pilot.moves.tobytes())
+        return looks
+
+    plain, wide = (
+        write_network(tmp_path / f"{width}.safetensors", 1, ObservationConfig(tour_width=width)) for width in (1, 64)
+    )
+    assert seen(Dddqn(weights=plain, tour_width=64)) == seen(Dddqn(weights=wide)) != seen(Dddqn(weights=plain))
+    for wrong in (0, -3, 2000, 2.5, "wide"):
+        with pytest.raises(InputError, match=r"expected tour_width from 1 to 1024, got"):
+            Dddqn(weights=plain, tour_width=wrong)  # type: ignore[arg-type]
+
+
 def test_a_trainings_folder_is_opened(tmp_path: Path) -> None:
     write_network(tmp_path / "weights.safetensors", 1)
     policy = make_policy(f"dddqn:{tmp_path}", guard=False)
