@@ -112,8 +112,8 @@ class Dddqn(Policy):
 
 #: What :func:`suited` says, in words.
 SUITED = (
-    "up to 16x16 cells with a lidar of range 3 thesis-team for three UAVs or more that always hear each other, "
-    "thesis-open for one UAV in rooms without obstacles, else thesis-obstacles; elsewhere general"
+    "up to 16x16 cells with a lidar of range 3 thesis-team for teams that always hear each other, thesis-open for one "
+    "UAV in rooms without obstacles, else thesis-obstacles; elsewhere general"
 )
 
 #: What :func:`suited_alone` says, in words.
@@ -125,8 +125,7 @@ def suited(briefing: Briefing) -> str:
     if not _is_room(briefing):
         return "general"
     if briefing.team > 1:
-        unlimited = briefing.scenario.radio.model == "unlimited"
-        return "thesis-team" if briefing.team > 2 and unlimited else "thesis-obstacles"
+        return "thesis-team" if briefing.scenario.radio.model == "unlimited" else "thesis-obstacles"
     return "thesis-open" if _is_empty(briefing) else "thesis-obstacles"
 
 

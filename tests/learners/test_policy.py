@@ -124,7 +124,7 @@ def test_the_weights_suit_the_scenario() -> None:
     alone = {name: flown(name) for name in ("thesis-open", "thesis-obstacles")}
     assert alone == {name: name for name in alone}
     teams = [flown(f"thesis-team-{team}-radio-{radio}") for team in (2, 4) for radio in (0, 3, "unlimited")]
-    assert teams == [*5 * ["thesis-obstacles"], "thesis-team"]
+    assert teams == 2 * ["thesis-obstacles", "thesis-obstacles", "thesis-team"]
     assert {*alone, *teams} <= shipped().keys()
 
 
