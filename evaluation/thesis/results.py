@@ -16,7 +16,7 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.thesis.experiments import Experiment
 
 #: What a training writes, as :mod:`indoor_explorers.learners.thesis.train` says.
-RECORD, EPISODES = "training.json", "episodes.csv"
+RECORD, EPISODES, WEIGHTS = "training.json", "episodes.csv", "weights.safetensors"
 #: Columns of ``summary.csv``; those from ``coverage`` on are of the last greedy evaluation.
 COLUMNS = (
     *("experiment", "version", "scenario", "team", "episodes", "seed", "minutes", "thesis_minutes"),

@@ -14,9 +14,8 @@ from indoor_explorers.env.validation import validated
 from indoor_explorers.evaluation.thesis.drawing import write_figures
 from indoor_explorers.evaluation.thesis.experiments import Experiment, chosen, versions
 from indoor_explorers.evaluation.thesis.page import write_page
-from indoor_explorers.evaluation.thesis.results import Run, read_run, write_summary
+from indoor_explorers.evaluation.thesis.results import WEIGHTS, Run, read_run, write_summary
 from indoor_explorers.evaluation.training import find_learner, run_training
-from indoor_explorers.learners.tensors import WEIGHTS
 
 LEARNER = "dddqn-thesis"
 #: Greedy evaluations in the course of a training, and checkpoints.
