@@ -1,21 +1,16 @@
-"""What checkpoints of trainings in torch have in common: networks, Adam's moments and a batch of worlds, as arrays."""
+"""What checkpoints of trainings in torch have in common: networks and what their optimiser remembers, as arrays."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import nn
 
-from indoor_explorers.env.world import World
 
-Arrays = dict[str, NDArray[Any]]
-
-
-def learner_tensors(networks: Mapping[str, nn.Module], optimiser: torch.optim.Optimizer) -> Arrays:
+def learner_tensors(networks: Mapping[str, nn.Module], optimiser: torch.optim.Optimizer) -> dict[str, NDArray[Any]]:
     """Return copies of the weights of networks and of what their optimiser remembers, by name."""
     found: dict[str, torch.Tensor] = {}
     for name, network in networks.items():
@@ -37,19 +32,3 @@ def restore_learner(
             _, place, key = name.split("/")
             state.setdefault(int(place), {})[key] = torch.from_numpy(array)
     optimiser.load_state_dict(optimiser.state_dict() | {"state": state})
-
-
-def world_tensors(world: World) -> Arrays:
-    """Return the state and the episodes' seeds of a batch of worlds, by name; the arrays are the world's own."""
-    state = {f"world/{name}": array for name, array in world.state._asdict().items()}
-    return state | {"world/seeds": np.array([[seed >> 32, seed & 0xFFFFFFFF] for seed in world.seeds], np.int64)}
-
-
-def restore_world(tensors: Mapping[str, NDArray[Any]], world: World) -> None:
-    """Go on exactly where :func:`world_tensors` was taken."""
-    maps = world.scenario.map.count
-    for episode, (high, low) in enumerate(tensors["world/seeds"].tolist()):
-        seed = (high << 32) | low
-        world.begin(episode, seed, index=seed % maps)
-    for name, array in world.state._asdict().items():
-        array[...] = tensors[f"world/{name}"]

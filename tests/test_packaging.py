@@ -98,6 +98,13 @@ def test_importing_the_command_line_loads_neither_torch_nor_ompl():
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.parametrize("learner", ["dddqn", "thesis"])
+def test_flying_a_shipped_network_needs_no_torch(learner):
+    code = f"import sys, indoor_explorers.learners.{learner}.policy; print('torch' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
 def test_constraints_pin_everything_and_name_no_host(project):
     lines = [line for line in (ROOT / "constraints.txt").read_text().splitlines() if line and not line.startswith("#")]
     assert "torch==2.13.0" in lines

@@ -11,12 +11,12 @@ from indoor_explorers.env.arrays import Mask, read_only
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 from indoor_explorers.env.world import World
-from indoor_explorers.learners.checkpoint import restore_world, world_tensors
 from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.layout import layout
 from indoor_explorers.learners.dddqn.memory import new_memory
 from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
 from indoor_explorers.learners.dddqn.prior import MapPrior
+from indoor_explorers.learners.worlds import restore_world, world_tensors
 
 
 def stacked(scene: NDArray[np.uint8], scenes: NDArray[np.uint8], first: Mask) -> NDArray[np.uint8]:

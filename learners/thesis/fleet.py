@@ -12,8 +12,8 @@ from indoor_explorers.env.arrays import Mask
 from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 from indoor_explorers.env.world import World
-from indoor_explorers.learners.checkpoint import restore_world, world_tensors
 from indoor_explorers.learners.thesis.observation import paint_all
+from indoor_explorers.learners.worlds import restore_world, world_tensors
 
 
 class Fleet:
