@@ -141,7 +141,7 @@ def test_weights_that_see_the_map_alone_are_for_small_rooms() -> None:
         seen = load_weights(shipped()[name]).observation
         assert (seen.gains, seen.tours, seen.prospects) == (False, False, False)
     for settings in ({"lidar.range": 9}, {"map.width": 17}):
-        with pytest.raises(InputError, match=r"expected a map of up to 16x16 cells and a lidar range of 3 for w"):
+        with pytest.raises(InputError, match=r"expected a map of up to 16x16 cells and a lidar range of 3 for we"):
             flown("thesis-obstacles", **settings)
     with pytest.raises(InputError, match=r"expected weights or map_alone, got both: 'general'; leave one of them out"):
         Dddqn(weights="general", map_alone=True)
