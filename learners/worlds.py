@@ -17,11 +17,14 @@ def world_tensors(world: World) -> dict[str, NDArray[Any]]:
     return state | {"world/seeds": np.array([[seed >> 32, seed & 0xFFFFFFFF] for seed in world.seeds], np.int64)}
 
 
+def begin(world: World, episode: int, seed: int) -> None:
+    """Begin an episode of a batch; on files of maps, on the map that the seed picks."""
+    world.begin(episode, seed, index=seed % world.scenario.map.count)
+
+
 def restore_world(tensors: Mapping[str, NDArray[Any]], world: World) -> None:
     """Go on exactly where :func:`world_tensors` was taken."""
-    maps = world.scenario.map.count
     for episode, (high, low) in enumerate(tensors["world/seeds"].tolist()):
-        seed = (high << 32) | low
-        world.begin(episode, seed, index=seed % maps)
+        begin(world, episode, (high << 32) | low)
     for name, array in world.state._asdict().items():
         array[...] = tensors[f"world/{name}"]

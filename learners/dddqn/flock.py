@@ -16,7 +16,7 @@ from indoor_explorers.learners.dddqn.layout import layout
 from indoor_explorers.learners.dddqn.memory import new_memory
 from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
 from indoor_explorers.learners.dddqn.prior import MapPrior
-from indoor_explorers.learners.worlds import restore_world, world_tensors
+from indoor_explorers.learners.worlds import begin, restore_world, world_tensors
 
 
 def stacked(scene: NDArray[np.uint8], scenes: NDArray[np.uint8], first: Mask) -> NDArray[np.uint8]:
@@ -57,12 +57,12 @@ class Flock:
 
     def _begin(self, episodes: list[int]) -> None:
         """Begin episodes; those on files of maps one by one, each on the next map."""
-        seeds, maps = [self._next_seed() for _ in episodes], self.world.scenario.map.count
-        if maps == 1:
+        seeds = [self._next_seed() for _ in episodes]
+        if self.world.scenario.map.count == 1:
             self.world.restart(episodes, seeds)
             return
         for episode, seed in zip(episodes, seeds, strict=True):
-            self.world.begin(episode, seed, index=seed % maps)
+            begin(self.world, episode, seed)
 
     @property
     def over(self) -> Mask:

@@ -13,7 +13,7 @@ from indoor_explorers.env.scenario import Scenario
 from indoor_explorers.env.state import End
 from indoor_explorers.env.world import World
 from indoor_explorers.learners.thesis.observation import paint_all
-from indoor_explorers.learners.worlds import restore_world, world_tensors
+from indoor_explorers.learners.worlds import begin, restore_world, world_tensors
 
 
 class Fleet:
@@ -35,7 +35,7 @@ class Fleet:
         """Numbers of the UAVs whose images are kept: those that the network flies."""
         self._next_seed, self._identity = next_seed, identity
         for episode in range(episodes):
-            self._begin(episode, next_seed())
+            begin(self.world, episode, next_seed())
         self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
         self._painted = np.zeros((self.columns, *self.shape), np.uint8)
         self.images = np.zeros((self.columns, frames, *self.shape), np.uint8)
@@ -45,9 +45,6 @@ class Fleet:
     def columns_of(self, episodes: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the columns of these episodes' UAVs that the network flies."""
         return np.asarray((episodes[:, None] * self.world.scenario.team + self.pilots).ravel())
-
-    def _begin(self, episode: int, seed: int) -> None:
-        self.world.begin(episode, seed, index=seed % self.world.scenario.map.count)
 
     def _look_anew(self, columns: NDArray[np.int64]) -> None:
         self.images[columns] = self._look(columns)[:, None]
@@ -79,7 +76,7 @@ class Fleet:
     def restart(self, episodes: NDArray[np.int64]) -> None:
         """Begin new episodes in place of these."""
         for episode in episodes.tolist():
-            self._begin(episode, self._next_seed())
+            begin(self.world, episode, self._next_seed())
         self._look_anew(self.columns_of(episodes))
 
     def tensors(self) -> dict[str, NDArray[Any]]:
