@@ -4,15 +4,15 @@ import gymnasium
 
 from indoor_explorers.env.conformance import Finding, check_policy, run_checks
 from indoor_explorers.env.errors import InputError, PolicyError
-from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN, Action
-from indoor_explorers.env.live import LivePlanes
-from indoor_explorers.env.marl import env, parallel_env
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.presets import PRESETS, scenario
-from indoor_explorers.env.registry import make_policy, policy_names
-from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.env.view import Briefing, Mate, Message, View
-from indoor_explorers.env.world import World
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, Action
+from indoor_explorers.env.interfaces.pettingzoo import env, parallel_env
+from indoor_explorers.env.observations.incremental import LivePlanes
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.registry import make_policy, policy_names
+from indoor_explorers.env.policies.view import Briefing, Mate, Message, View
+from indoor_explorers.env.scenarios.presets import PRESETS, scenario
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.world import World
 
 __all__ = [
     "FREE",
@@ -43,6 +43,6 @@ __all__ = [
 
 gymnasium.register(
     id="IndoorExplorers-v0",
-    entry_point="indoor_explorers.env.gym:IndoorExplorersEnv",
-    vector_entry_point="indoor_explorers.env.vector:IndoorExplorersVectorEnv",
+    entry_point="indoor_explorers.env.interfaces.gymnasium_env:IndoorExplorersEnv",
+    vector_entry_point="indoor_explorers.env.interfaces.vector:IndoorExplorersVectorEnv",
 )

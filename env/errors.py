@@ -15,7 +15,7 @@ class InputError(ValueError):
 
 
 class PolicyError(Exception):
-    """Report a policy that breaks the contract of :mod:`indoor_explorers.env.policy`."""
+    """Report a policy that breaks the contract of :mod:`indoor_explorers.env.policies.policy`."""
 
 
 class RunError(RuntimeError):

@@ -12,20 +12,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from indoor_explorers.env import InputError, Policy, Scenario
-from indoor_explorers.env.presets import on_files
-from indoor_explorers.env.starts import draw_floorplan, draw_spawns
-from indoor_explorers.evaluation.engines import make_engine
-from indoor_explorers.evaluation.experiment import Experiment, Job, Task, build_experiment, read_experiment
-from indoor_explorers.evaluation.limits import DECISION_TIMEOUT
-from indoor_explorers.evaluation.provenance import run_facts
-from indoor_explorers.evaluation.record import Record
-from indoor_explorers.evaluation.selection import chosen_baselines, chosen_policies, chosen_scenarios
-from indoor_explorers.evaluation.store import Store
+from indoor_explorers.env.scenarios.presets import on_files
+from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
+from indoor_explorers.evaluation.engines.factory import make_engine
+from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT
+from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.experiment.experiment import Experiment, Job, Task, build_experiment, read_experiment
+from indoor_explorers.evaluation.experiment.provenance import run_facts
+from indoor_explorers.evaluation.experiment.selection import chosen_baselines, chosen_policies, chosen_scenarios
+from indoor_explorers.evaluation.results.store import Store
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from indoor_explorers.evaluation.results import Results
+    from indoor_explorers.evaluation.results.results import Results
 
 #: The most episodes of a job, and its most cells x steps x UAVs: what a worker loses at most when a run is killed.
 #: Learned policies decide for a whole job at once; of fifty episodes each costs a sixth less than of ten.
@@ -93,13 +93,13 @@ def compare(
     """Compare policies and return the summary as a table with the columns of ``summary.csv``.
 
     Takes the arguments of ``indoor-explorers compare``. Writes ``out/results.db``, ``report.html``, and what
-    :func:`~indoor_explorers.evaluation.exports.write_exports` does; episodes that ``out/results.db`` holds already
-    are not flown again, but for failed ones with ``retry_failed``. ``decision_timeout`` (seconds, None for none) and
+    :func:`~indoor_explorers.evaluation.exports.write_exports` does; episodes that ``out/results.db`` holds already are
+    not flown again, but for failed ones with ``retry_failed``. ``decision_timeout`` (seconds, None for none) and
     ``memory_limit`` (GB a worker, None for its share of four fifths of the machine's memory) bound what a policy may
     take before its episode fails. ``ratio_to`` names policies whose steps those of all are divided by in tables and
-    page, by default the usual ones, see :func:`~indoor_explorers.evaluation.selection.chosen_baselines`. A policy that
-    breaks in any way costs only its own episodes; without workers (0) it is flown in this process, and what hangs,
-    leaks or dies there is not caught.
+    page, by default the usual ones, see :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`. A
+    policy that breaks in any way costs only its own episodes; without workers (0) it is flown in this process, and what
+    hangs, leaks or dies there is not caught.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
@@ -262,7 +262,7 @@ def write_outputs(out: Path, ratio_to: Sequence[str] | None = None) -> Results:
     # imported here, as they take longer than everything else together and worker processes do without
     from indoor_explorers.evaluation.exports import write_exports
     from indoor_explorers.evaluation.report import write_report
-    from indoor_explorers.evaluation.results import Results
+    from indoor_explorers.evaluation.results.results import Results
 
     results = Results.load(out)
     write_exports(results, out, ratio_to=ratio_to)

@@ -12,8 +12,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import did_you_mean
-from indoor_explorers.env.registry import missing_module
-from indoor_explorers.env.validation import validated
+from indoor_explorers.env.policies.registry import missing_module
+from indoor_explorers.env.scenarios.validation import validated
 
 #: Entry points of modules with a ``TrainingConfig`` and a ``train`` function, as those of the DDDQN.
 GROUP = "indoor_explorers.learners"

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from indoor_explorers.env.grid import Action
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
 
 
 @dataclass(frozen=True, kw_only=True)

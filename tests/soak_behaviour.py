@@ -25,12 +25,12 @@ from typing import Any
 
 import numpy as np
 
-from indoor_explorers.env.registry import policy_names
+from indoor_explorers.env.policies.registry import policy_names
 from indoor_explorers.evaluation.compare import plan
-from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.metrics import WASTED, excused
-from indoor_explorers.evaluation.record import Outcome, Record
-from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.evaluation.episodes.metrics import WASTED, excused
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
 
 #: A preset, or the path of a map file, and settings.
 World = tuple[str, dict[str, Any]]

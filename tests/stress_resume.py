@@ -19,12 +19,12 @@ from pathlib import Path
 
 import numpy as np
 
-from indoor_explorers.evaluation.store import Store
+from indoor_explorers.evaluation.results.store import Store
 
 ROOT = Path(__file__).resolve().parents[1]
 POLICIES = ("tests.evaluation.plugins:Slower", "random", "tests.evaluation.plugins:Slow", "frontier-nearest")
 KINDS = ("driver SIGKILL", "worker SIGKILL", "driver SIGINT")
-COMMAND = "import sys; from indoor_explorers.evaluation.cli import main; sys.exit(main())"
+COMMAND = "import sys; from indoor_explorers.evaluation.cli.parser import main; sys.exit(main())"
 
 
 def start(out: Path, episodes: int) -> subprocess.Popen[str]:

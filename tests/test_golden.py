@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, World, make_policy
-from indoor_explorers.env.registry import policy_entry_points
-from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.env.policies.registry import policy_entry_points
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
 
 GOLDEN = Path(__file__).parent / "golden.json"
 #: Every policy of this project; those of other installed packages are none of ours.

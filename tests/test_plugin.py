@@ -28,7 +28,7 @@ def installed(tmp_path_factory):
 
 
 def command(env, *words, cwd):
-    code = "import sys; from indoor_explorers.evaluation.cli import main; sys.exit(main())"
+    code = "import sys; from indoor_explorers.evaluation.cli.parser import main; sys.exit(main())"
     return subprocess.run(
         [sys.executable, "-c", code, *words], env=env, cwd=cwd, capture_output=True, text=True, timeout=300
     )

@@ -7,9 +7,9 @@ import pytest
 
 from indoor_explorers.env import PRESETS, Scenario, check_policy, make_policy, policy_names
 from indoor_explorers.env.maps.sources import FileMaps
-from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.record import Outcome
-from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.evaluation.episodes.record import Outcome
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
 
 from .policies import PLANNERS, REGISTERED
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from indoor_explorers.env import PRESETS, policy_names
-from indoor_explorers.evaluation.cli import build_parser
+from indoor_explorers.evaluation.cli.parser import build_parser
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text()

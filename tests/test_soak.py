@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import make_policy
-from indoor_explorers.evaluation.record import Outcome
+from indoor_explorers.evaluation.episodes.record import Outcome
 
 from .policies import PLANNERS
 from .soak_behaviour import Case, quick_cases, violations

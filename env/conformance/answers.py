@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from indoor_explorers.env.conformance.subject import Subject
-from indoor_explorers.env.view import MESSAGE_LIMIT
+from indoor_explorers.env.conformance.harness import Subject
+from indoor_explorers.env.policies.view import MESSAGE_LIMIT
 
 
 def check_decisions(subject: Subject) -> str:

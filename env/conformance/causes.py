@@ -9,7 +9,7 @@ from types import FunctionType
 
 import numpy as np
 
-from indoor_explorers.env.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import Pilot, Policy
 
 _CONTAINERS = (list, dict, set, bytearray, np.ndarray, np.random.Generator, random.Random)
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from indoor_explorers.env.conformance.findings import Breach, CannotFly, calling, shown
 from indoor_explorers.env.conformance.traces import Trace
-from indoor_explorers.env.grid import Action
-from indoor_explorers.env.policy import Pilot, is_action
-from indoor_explorers.env.view import MESSAGE_LIMIT, Briefing, Message
+from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.policies.policy import Pilot, is_action
+from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Message
 
 
 def checked_action(answer: object, trace: Trace) -> int:

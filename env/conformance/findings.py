@@ -13,7 +13,7 @@ from indoor_explorers.env.errors import PolicyError
 #: Characters of a plug-in's value or error that are repeated in a message.
 SHOWN = 120
 #: The folders of this package and of the policy interface; where a plug-in raised is looked for outside of them.
-_OURS = (Path(__file__).parent, Path(__file__).parent.parent)
+_OURS = Path(__file__).parents[1]
 
 
 class Breach(PolicyError):
@@ -68,7 +68,9 @@ def calling(what: str) -> Iterator[None]:
 
 def _where(error: BaseException) -> str:
     """Say where a plug-in raised: the innermost place in its own folder, not in a library that it called."""
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent not in _OURS]
+    frames = [
+        frame for frame in traceback.extract_tb(error.__traceback__) if not Path(frame.filename).is_relative_to(_OURS)
+    ]
     if not frames:
         return "give it the arguments that indoor_explorers.env.Policy and Pilot have"
     home = Path(frames[0].filename).parent

@@ -21,11 +21,11 @@ from indoor_explorers.env.conformance.contract import (
 )
 from indoor_explorers.env.conformance.findings import CannotFly, calling, shown
 from indoor_explorers.env.conformance.traces import Decision, Setup, Trace, digest_of
-from indoor_explorers.env.grid import UNKNOWN, Action
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.env.view import Briefing
-from indoor_explorers.env.world import World
+from indoor_explorers.env.grid.cells import UNKNOWN, Action
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.world import World
 
 #: A UAV of a batch: (episode, agent).
 Asked = tuple[int, int]

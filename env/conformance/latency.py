@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from indoor_explorers.env.conformance.flying import one_by_one, together
-from indoor_explorers.env.conformance.subject import FIRST, LARGE, SOLO, STEPS, Subject
-from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.env.conformance.harness import FIRST, LARGE, SOLO, STEPS, Subject
+from indoor_explorers.env.scenarios.scenario import Scenario
 
 #: Steps flown on the large map.
 LARGE_STEPS = 100

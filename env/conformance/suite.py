@@ -6,12 +6,17 @@ import time
 from collections.abc import Callable, Iterator
 
 from indoor_explorers.env.conformance.answers import check_actions, check_decisions, check_messages, check_tally
+from indoor_explorers.env.conformance.determinism import (
+    check_independent,
+    check_order,
+    check_pickling,
+    check_repeatable,
+)
 from indoor_explorers.env.conformance.findings import Breach, CannotFly, Differs, Finding
-from indoor_explorers.env.conformance.knowledge import check_unlinked, check_unseen
+from indoor_explorers.env.conformance.harness import Subject
+from indoor_explorers.env.conformance.information_leaks import check_unlinked, check_unseen
 from indoor_explorers.env.conformance.latency import report_large_latency, report_latency
-from indoor_explorers.env.conformance.sameness import check_independent, check_order, check_pickling, check_repeatable
-from indoor_explorers.env.conformance.subject import Subject
-from indoor_explorers.env.policy import Policy
+from indoor_explorers.env.policies.policy import Policy
 
 REPEATABLE = "same seed, same episode"
 #: The checks by name, in the order in which they run; each returns what it found or raises a :class:`Breach`.

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.conformance.findings import Breach
+from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.view import Message, View
+from indoor_explorers.env.policies.view import Message, View
 
 
 class Setup(NamedTuple):

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from indoor_explorers.env.arrays import Mask
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.randomness import Stream, generator
 
 
 class BaseMaps(BaseModel):

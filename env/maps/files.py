@@ -6,15 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.maps.doorways import open_doorways
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.maps.houseexpo import RESOLUTION, read_houseexpo
-from indoor_explorers.env.maps.movingai import read_movingai
-from indoor_explorers.env.maps.npy import read_npy
-from indoor_explorers.env.maps.opening import Fits, check_file
-from indoor_explorers.env.maps.plain import read_plain
+from indoor_explorers.env.maps.readers.doorways import open_doorways
+from indoor_explorers.env.maps.readers.houseexpo import RESOLUTION, read_houseexpo
+from indoor_explorers.env.maps.readers.movingai import read_movingai
+from indoor_explorers.env.maps.readers.npy import read_npy
+from indoor_explorers.env.maps.readers.opening import Fits, check_file
+from indoor_explorers.env.maps.readers.plain import read_plain
+from indoor_explorers.env.maps.readers.ros import read_ros
 from indoor_explorers.env.maps.reduction import Source, check_resolution, checked_factor, cropped, reduced
-from indoor_explorers.env.maps.ros import read_ros
 
 
 def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, sparse
 
-from indoor_explorers.env.arrays import Belief, Cell, Mask
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid import FREE, OCCUPIED, largest_part
+from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, largest_part
 from indoor_explorers.env.maps.floorplan import MAX_CELLS, Floorplan
 
 #: Occupied shares that make a cell solid, most careful first; 0 stands for any occupied pixel at all.

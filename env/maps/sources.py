@@ -11,12 +11,12 @@ from typing import Any, Literal, get_args
 from pydantic import Field, PrivateAttr
 
 from indoor_explorers.env.maps.base import BaseMaps
-from indoor_explorers.env.maps.cave import CaveMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.maps.maze import MazeMaps
-from indoor_explorers.env.maps.offices import OfficesMaps
-from indoor_explorers.env.maps.rooms import RoomsMaps
-from indoor_explorers.env.maps.thesis import ThesisMaps
+from indoor_explorers.env.maps.generators.cave import CaveMaps
+from indoor_explorers.env.maps.generators.maze import MazeMaps
+from indoor_explorers.env.maps.generators.offices import OfficesMaps
+from indoor_explorers.env.maps.generators.rooms import RoomsMaps
+from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 
 __all__ = [
     "SOURCES",
@@ -95,6 +95,6 @@ def _read_once(path: str, resolution: float | None) -> Floorplan:
 
 @lru_cache(maxsize=1)
 def _office_once() -> Floorplan:
-    from indoor_explorers.env.maps.office import office
+    from indoor_explorers.env.maps.readers.office import office
 
     return office()

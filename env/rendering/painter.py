@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Mask
-from indoor_explorers.env.grid import UNKNOWN
-from indoor_explorers.env.rendering import marks
-from indoor_explorers.env.rendering.ink import Canvas, disc, fitting, stroke, text_width, write
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.rendering import overlays
 from indoor_explorers.env.rendering.layout import CAPTION, FOOTER, MARGIN, Box, Layout, layout_of
-from indoor_explorers.env.rendering.marks import OVERHANG, Chart
+from indoor_explorers.env.rendering.overlays import OVERHANG, Chart
 from indoor_explorers.env.rendering.palette import (
     BAR,
     FAINT,
@@ -22,9 +21,10 @@ from indoor_explorers.env.rendering.palette import (
     paler,
     uav_colours,
 )
-from indoor_explorers.env.rendering.raster import lay
+from indoor_explorers.env.rendering.primitives import Canvas, disc, fitting, stroke, text_width, write
+from indoor_explorers.env.rendering.resample import lay
 from indoor_explorers.env.rendering.scene import Scene
-from indoor_explorers.env.state import End
+from indoor_explorers.env.simulation.state import End
 
 #: How strongly the cells in view take on the colour of the UAVs that see them.
 TINT = 0.25
@@ -109,29 +109,29 @@ def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]
     flying = scene.ends == End.FLYING
     if scene.team <= OUTLINED:
         for agent in np.flatnonzero(flying).tolist():
-            marks.lidar_reach(chart, scene.cells[agent], scene.lidar_range, colours[agent])
+            overlays.lidar_reach(chart, scene.cells[agent], scene.lidar_range, colours[agent])
             if scene.team > 1:
-                marks.radio_reach(chart, scene.cells[agent], *scene.radio, colours[agent])
+                overlays.radio_reach(chart, scene.cells[agent], *scene.radio, colours[agent])
     for agent in range(scene.team):
-        marks.trail(chart, scene.trails[:, agent], colours[agent], _lane(scene, agent))
-    marks.links(chart, scene.cells, scene.linked if scene.team <= NUMBERED else nearest_links(scene))
+        overlays.trail(chart, scene.trails[:, agent], colours[agent], _lane(scene, agent))
+    overlays.links(chart, scene.cells, scene.linked if scene.team <= NUMBERED else nearest_links(scene))
     for agent in np.flatnonzero(gone(scene)).tolist() if scene.team <= LABELLED else ():
-        marks.label(chart, scene.cells, agent, ENDS[End(int(scene.ends[agent]))])
+        overlays.label(chart, scene.cells, agent, ENDS[End(int(scene.ends[agent]))])
     for agent in np.argsort(flying, kind="stable").tolist():  # those that fly last, on top
-        marks.uav(chart, scene.cells[agent], colours[agent], agent)
+        overlays.uav(chart, scene.cells[agent], colours[agent], agent)
 
 
 def _own_map(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[np.uint8]) -> None:
     """Paint what one UAV knows: nothing in it comes from anything else than its own map, flight and radio."""
     few = scene.team <= NUMBERED
     chart = _lay(canvas, box, np.take(KNOWN, scene.beliefs[agent], axis=0), 7.0 if few else 6.0)
-    marks.trail(chart, scene.trails[:, agent], colour, _lane(scene, agent))
+    overlays.trail(chart, scene.trails[:, agent], colour, _lane(scene, agent))
     ages = scene.heard_age[agent]
     for mate in np.argsort(-ages, kind="stable").tolist():  # the latest news last, on top
         if ages[mate] >= 0 and mate != agent:
             place, full = scene.heard_cell[agent, mate], uav_colours(scene.team)[mate]
-            marks.mate(chart, place, full, mate, int(ages[mate]), small=not few)
-    marks.uav(chart, scene.cells[agent], colour, agent)
+            overlays.mate(chart, place, full, mate, int(ages[mate]), small=not few)
+    overlays.uav(chart, scene.cells[agent], colour, agent)
 
 
 def _title(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[np.uint8]) -> None:

@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 
 #: RGB colours of the page, of text, of lesser text and of the hairlines around maps.
 PAGE, INK, FAINT, HAIRLINE = (255, 255, 255), (24, 28, 36), (104, 112, 124), (150, 157, 168)

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Mask
-from indoor_explorers.env.grid import UNKNOWN
-from indoor_explorers.env.lidar import scan
-from indoor_explorers.env.state import End
-from indoor_explorers.env.world import World
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.sensing.lidar import scan
+from indoor_explorers.env.simulation.state import End
+from indoor_explorers.env.simulation.world import World
 
 #: Positions that a trail holds at least and at most; between them, twice the sum of the map's sides.
 TRAIL_LENGTHS = (40, 400)

@@ -9,11 +9,11 @@ from typing import Any
 from rich.console import Console
 
 from indoor_explorers.env import InputError, Scenario
-from indoor_explorers.env.presets import named_scenario
+from indoor_explorers.env.scenarios.presets import named_scenario
 from indoor_explorers.evaluation.ablation.drawing import write_figure
-from indoor_explorers.evaluation.ablation.judging import judge
-from indoor_explorers.evaluation.ablation.orders import Order, orders_of
 from indoor_explorers.evaluation.ablation.running import Failure, train_all
+from indoor_explorers.evaluation.ablation.runs import Order, orders_of
+from indoor_explorers.evaluation.ablation.scoring import judge
 from indoor_explorers.evaluation.ablation.table import printed, write_table
 
 

@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.ablation.judging import Judged
-from indoor_explorers.evaluation.report.palette import COLOURS, Style, styles
-from indoor_explorers.evaluation.report.paper import LOOK, plain, save, sheet, strokes
+from indoor_explorers.evaluation.ablation.scoring import Judged
+from indoor_explorers.evaluation.report.style.palette import COLOURS, Style, styles
+from indoor_explorers.evaluation.report.style.print_style import LOOK, plain, save, sheet, strokes
 
 #: Variants whose learning is drawn beside the full one's: those that differ most.
 CURVES = 4

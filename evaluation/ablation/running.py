@@ -12,13 +12,13 @@ import time
 from collections.abc import Callable, Sequence
 from typing import IO, NamedTuple
 
-from indoor_explorers.evaluation.ablation.orders import Order, read_note
+from indoor_explorers.evaluation.ablation.runs import Order, read_note
 
 #: Seconds between two looks at the processes.
 PAUSE = 0.2
 #: Every process learns on one thread; ``--jobs`` says how many there are.
 THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
-COMMAND = (sys.executable, "-P", "-m", "indoor_explorers.evaluation.ablation.child")
+COMMAND = (sys.executable, "-P", "-m", "indoor_explorers.evaluation.ablation.worker")
 
 
 class Failure(NamedTuple):

@@ -11,7 +11,7 @@ from typing import Any
 from rich.table import Table
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.ablation.judging import Judged
+from indoor_explorers.evaluation.ablation.scoring import Judged
 from indoor_explorers.evaluation.statistics import Estimate
 
 METRICS = ("t90", "t99")

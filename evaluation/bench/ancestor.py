@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Scenario, World
-from indoor_explorers.env.grid import OCCUPIED
+from indoor_explorers.env.grid.cells import OCCUPIED
 from indoor_explorers.evaluation.bench.figure import median_of, seconds_of
 from indoor_explorers.evaluation.bench.worlds import random_moves
 

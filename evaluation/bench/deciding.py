@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Scenario, World, make_policy
-from indoor_explorers.env.grid import UNKNOWN
-from indoor_explorers.env.registry import policy_entry_points
-from indoor_explorers.env.scenario import Radio
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.policies.registry import policy_entry_points
+from indoor_explorers.env.scenarios.scenario import Radio
 from indoor_explorers.evaluation.bench.worlds import square
 
 #: Steps of the flight that warms up.

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 from indoor_explorers.env import make_policy
-from indoor_explorers.env.presets import scenario
-from indoor_explorers.env.validation import validated
+from indoor_explorers.env.scenarios.presets import scenario
+from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.bench.figure import median_of, seconds_of
 from indoor_explorers.evaluation.compare import JOB_EPISODES, plan, run
-from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.record import Record
-from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.training import find_learner, nested
 
 #: Moves of an episode that the DDDQN learns from, on average and rounded up.

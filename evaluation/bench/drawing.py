@@ -19,8 +19,8 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.bench.deciding import SIDES, TEAM_SIDE, TEAMS
 from indoor_explorers.evaluation.bench.figure import Figure
 from indoor_explorers.evaluation.bench.growth import SERIES, Series
-from indoor_explorers.evaluation.report.palette import COLOURS
-from indoor_explorers.evaluation.report.paper import FORMATS, LOOK
+from indoor_explorers.evaluation.report.style.palette import COLOURS
+from indoor_explorers.evaluation.report.style.print_style import FORMATS, LOOK
 
 #: Share of the value by which the highest and lowest point stay clear of the frame.
 ROOM = 2.5

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Scenario, World
-from indoor_explorers.env.compiled import kernel, leaf
-from indoor_explorers.env.grid import FREE, MOVES
-from indoor_explorers.env.state import State
+from indoor_explorers.env.grid.cells import FREE, MOVES
+from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.simulation.state import State
 from indoor_explorers.evaluation.bench.worlds import first_episodes, next_episodes
 
 #: Turns in the order in which they are tried: straight on, right, left, back; moves are numbered clockwise.

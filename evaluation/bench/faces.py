@@ -11,9 +11,9 @@ import time
 import numpy as np
 
 from indoor_explorers.env import World, parallel_env
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import FREE
-from indoor_explorers.env.lidar import Optics, Scan, new_scan, optics, visible_cells
+from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, visible_cells
 from indoor_explorers.evaluation.bench.figure import median_of, seconds_of
 from indoor_explorers.evaluation.bench.worlds import random_moves, square
 
@@ -59,7 +59,7 @@ def pettingzoo_step(steps: int = 2000) -> float:
 
 def vector_speed(num_envs: int, steps: int = 400) -> float:
     """Return env-steps a second of the native vector environment with its default observation, resets included."""
-    from indoor_explorers.env.vector import IndoorExplorersVectorEnv
+    from indoor_explorers.env.interfaces.vector import IndoorExplorersVectorEnv
 
     env = IndoorExplorersVectorEnv(num_envs, settings=UNENDING)
     actions = random_moves(num_envs, 1)[..., 0]

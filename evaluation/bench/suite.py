@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Scenario
-from indoor_explorers.env.registry import policy_entry_points
+from indoor_explorers.env.policies.registry import policy_entry_points
 from indoor_explorers.evaluation.bench import ancestor, deciding, decisions, exploring, faces, growth, worlds
 from indoor_explorers.evaluation.bench.figure import Measure
 from indoor_explorers.evaluation.bench.worlds import STEPS, WORLDS

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Scenario, World
-from indoor_explorers.env.live import LivePlanes
 from indoor_explorers.env.maps.sources import ThesisMaps
-from indoor_explorers.env.scenario import Lidar, Radio
+from indoor_explorers.env.observations.incremental import LivePlanes
+from indoor_explorers.env.scenarios.scenario import Lidar, Radio
 from indoor_explorers.evaluation.bench.figure import median_of
 
 #: Steps of a repetition, and of an episode that does not reach its goal.
@@ -65,9 +65,10 @@ def world_speed(
 ) -> float:
     """Return agent-steps a second: rewards, ends, observations and, with ``resets``, new episodes included.
 
-    Observations are all planes of ``channels``, kept up to date in place (:mod:`indoor_explorers.env.live`).
-    ``moves`` (K, B, N) are flown over and over, random ones by default. Every repetition flies the same episodes, so
-    moves recorded by :func:`indoor_explorers.evaluation.bench.exploring.exploring_moves` fit them.
+    Observations are all planes of ``channels``, kept up to date in place
+    (:mod:`indoor_explorers.env.observations.incremental`). ``moves`` (K, B, N) are flown over and over, random ones by
+    default. Every repetition flies the same episodes, so moves recorded by
+    :func:`indoor_explorers.evaluation.bench.exploring.exploring_moves` fit them.
     """
     world = World(task, batch, threads=threads)
     actions = random_moves(batch, task.team) if moves is None else moves

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from indoor_explorers.evaluation.level import NEARLY_ALL, Level, tabled
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.facts import denominator
-from indoor_explorers.evaluation.report.numbers import counted, fixed, interval, percent
 from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
-from indoor_explorers.evaluation.report.table import latency
-from indoor_explorers.evaluation.report.tables import failed
+from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent
+from indoor_explorers.evaluation.report.summary.facts import denominator
+from indoor_explorers.evaluation.report.tables.columns import failed
+from indoor_explorers.evaluation.report.tables.headline_table import latency
+from indoor_explorers.evaluation.results.coverage_level import NEARLY_ALL, Level, tabled
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, contrasts
 
 
@@ -27,7 +27,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """The figures of one policy, in the order of :func:`~indoor_explorers.evaluation.report.table.headings`."""
+    """The figures of one policy, in the order of the headline table's ``headings``."""
 
     policy: str
     privileged: bool

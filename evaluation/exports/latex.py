@@ -12,9 +12,9 @@ import unicodedata
 from indoor_explorers.evaluation.exports.cells import Cell, Row, caption, table_rows
 from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.figures import slug
-from indoor_explorers.evaluation.report.numbers import EN_DASH, MINUS, THIN_SPACE
-from indoor_explorers.evaluation.report.table import headings
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.style.formatting import EN_DASH, MINUS, THIN_SPACE
+from indoor_explorers.evaluation.report.tables.headline_table import headings
+from indoor_explorers.evaluation.results.results import Results
 
 #: Characters that stand for something else in LaTeX, or that not every engine knows.
 COMMANDS = {

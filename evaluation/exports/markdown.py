@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 
 from indoor_explorers.evaluation.exports.cells import Cell, Row, caption, table_rows
-from indoor_explorers.evaluation.ratios import Ratios
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.ratio_table import RatioTable, ratio_tables
-from indoor_explorers.evaluation.report.table import headings
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.tables.headline_table import headings
+from indoor_explorers.evaluation.report.tables.ratio_table import RatioTable, ratio_tables
+from indoor_explorers.evaluation.results.ratios import Ratios
+from indoor_explorers.evaluation.results.results import Results
 
 #: What Markdown, GitHub's tables and mathematics, or HTML would read as more than text.
 SPECIAL = re.compile(r"([\\`*_\[\]<>&|~$#])")

@@ -18,13 +18,13 @@ from pathlib import Path
 from typing import Any
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.metrics import LEVELS, MEASURES
-from indoor_explorers.evaluation.record import Outcome
-from indoor_explorers.evaluation.report.axes import coverage_at, sampled_steps
-from indoor_explorers.evaluation.report.charts import WHO
+from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
+from indoor_explorers.evaluation.episodes.record import Outcome
+from indoor_explorers.evaluation.report.charts.axes import coverage_at, sampled_steps
+from indoor_explorers.evaluation.report.charts.interactive import WHO
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.facts import denominator, setting_rows
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.summary.facts import denominator, setting_rows
+from indoor_explorers.evaluation.results.results import Results
 
 SCHEMA = """
 CREATE TABLE experiments (

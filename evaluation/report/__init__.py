@@ -2,6 +2,6 @@
 
 from indoor_explorers.evaluation.report.figures import write_figures
 from indoor_explorers.evaluation.report.page import write_report
-from indoor_explorers.evaluation.report.table import headline_table
+from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 
 __all__ = ["headline_table", "write_figures", "write_report"]

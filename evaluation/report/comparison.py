@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.level import Level
-from indoor_explorers.evaluation.record import Record
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Contrast, Estimate, bootstrap_mean, contrasts, maps_are_sampled
 
 

@@ -18,14 +18,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-from indoor_explorers.evaluation.metrics import LEVELS, MEASURES
-from indoor_explorers.evaluation.report.axes import coverage_at, focus_step, sampled_steps
+from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
+from indoor_explorers.evaluation.report.charts.axes import coverage_at, focus_step, sampled_steps
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.facts import denominator
-from indoor_explorers.evaluation.report.palette import Style, crowded, styles
-from indoor_explorers.evaluation.report.panels.prints import scenario_figures, sweep_figures
-from indoor_explorers.evaluation.report.paper import LOOK, plain, save, sheet, strokes
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.panels.print_figures import scenario_figures, sweep_figures
+from indoor_explorers.evaluation.report.style.palette import Style, crowded, styles
+from indoor_explorers.evaluation.report.style.print_style import LOOK, plain, save, sheet, strokes
+from indoor_explorers.evaluation.report.summary.facts import denominator
+from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST, curve_band
 
 

@@ -13,25 +13,25 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.level import shared
-from indoor_explorers.evaluation.ratios import Ratios
-from indoor_explorers.evaluation.report import facts
-from indoor_explorers.evaluation.report.against import Against
-from indoor_explorers.evaluation.report.comparability import judged, on_common_tasks
+from indoor_explorers.evaluation.report.changes.against import Against
+from indoor_explorers.evaluation.report.charts.dot_strips import swatch
+from indoor_explorers.evaluation.report.charts.small_multiples import scenario_multiples
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.definitions import definitions
-from indoor_explorers.evaluation.report.multiples import scenario_multiples
-from indoor_explorers.evaluation.report.numbers import counted, percent
-from indoor_explorers.evaluation.report.overview import lead, line
-from indoor_explorers.evaluation.report.palette import COLOURS, styles
 from indoor_explorers.evaluation.report.panels import sweep_sections
-from indoor_explorers.evaluation.report.ratio_table import ratio_tables
-from indoor_explorers.evaluation.report.replay import ending
-from indoor_explorers.evaluation.report.reproduce import experiment_files, row_command
+from indoor_explorers.evaluation.report.replay.selection import ending
 from indoor_explorers.evaluation.report.sections import section_of
-from indoor_explorers.evaluation.report.strips import swatch
-from indoor_explorers.evaluation.report.tables import LISTED
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.style.formatting import counted, percent
+from indoor_explorers.evaluation.report.style.palette import COLOURS, styles
+from indoor_explorers.evaluation.report.summary import facts
+from indoor_explorers.evaluation.report.summary.comparability import judged, on_common_tasks
+from indoor_explorers.evaluation.report.summary.definitions import definitions
+from indoor_explorers.evaluation.report.summary.overview import lead, line
+from indoor_explorers.evaluation.report.summary.reproduce import experiment_files, row_command
+from indoor_explorers.evaluation.report.tables.columns import LISTED
+from indoor_explorers.evaluation.report.tables.ratio_table import ratio_tables
+from indoor_explorers.evaluation.results.coverage_level import shared
+from indoor_explorers.evaluation.results.ratios import Ratios
+from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
 
@@ -48,7 +48,7 @@ def write_report(
 
     ``against`` adds what changed since other results. With ``replays`` it holds that many episodes of each scenario;
     else as many as keep it under 10 MB. ``ratio_to`` names the policies whose steps those of all are divided by, see
-    :func:`~indoor_explorers.evaluation.selection.chosen_baselines`.
+    :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as partial:
@@ -109,7 +109,7 @@ def _row_commands(results: Results) -> list[tuple[str, str, str]]:
 @lru_cache(maxsize=1)
 def _environment() -> Environment:
     environment = Environment(
-        loader=PackageLoader("indoor_explorers.evaluation.report", "."),
+        loader=PackageLoader("indoor_explorers.evaluation.report", "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -122,7 +122,7 @@ def _environment() -> Environment:
 
 def _raw(name: str) -> Markup:
     """Return one of the page's own style sheets or scripts as it is."""
-    return Markup((Path(__file__).parent / name).read_text(encoding="utf-8"))
+    return Markup((Path(__file__).parent / "scripts" / name).read_text(encoding="utf-8"))
 
 
 def embedded(data: Any) -> Markup:

@@ -8,20 +8,20 @@ from typing import Any
 
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.level import Level
-from indoor_explorers.evaluation.record import AXES, Record
-from indoor_explorers.evaluation.report import facts
-from indoor_explorers.evaluation.report.charts import WHO, chart_data, times_data
+from indoor_explorers.evaluation.episodes.record import AXES, Record
+from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, times_data
+from indoor_explorers.evaluation.report.charts.small_multiples import Multiples, map_multiples
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.contrast_table import ContrastRow, contrast_table
-from indoor_explorers.evaluation.report.headline import headline
-from indoor_explorers.evaluation.report.measures_table import MeasureRow, measures_table
-from indoor_explorers.evaluation.report.multiples import Multiples, map_multiples
-from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels import SectionPanels, section_panels
-from indoor_explorers.evaluation.report.replay import replay_data
-from indoor_explorers.evaluation.report.tables import Cell, Column, columns_of, results_table, troubles
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.replay.selection import replay_data
+from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.summary import facts
+from indoor_explorers.evaluation.report.summary.headline import headline
+from indoor_explorers.evaluation.report.tables.columns import Cell, Column, columns_of, results_table, troubles
+from indoor_explorers.evaluation.report.tables.contrast_table import ContrastRow, contrast_table
+from indoor_explorers.evaluation.report.tables.measures_table import MeasureRow, measures_table
+from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
 #: Bytes of the whole page that replays and charts may take, beside the 5 MB of plotly.js.

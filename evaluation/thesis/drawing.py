@@ -15,8 +15,8 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
 from numpy.typing import NDArray
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.palette import COLOURS, DASHES, MARKERS
-from indoor_explorers.evaluation.report.paper import FORMATS, LOOK
+from indoor_explorers.evaluation.report.style.palette import COLOURS, DASHES, MARKERS
+from indoor_explorers.evaluation.report.style.print_style import FORMATS, LOOK
 from indoor_explorers.evaluation.thesis.experiments import GROUPS
 from indoor_explorers.evaluation.thesis.results import Run
 

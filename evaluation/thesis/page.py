@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.numbers import percent
+from indoor_explorers.evaluation.report.style.formatting import percent
 from indoor_explorers.evaluation.thesis.experiments import GROUPS, Experiment
 from indoor_explorers.evaluation.thesis.results import Run
 

@@ -9,8 +9,8 @@ from typing import Any
 from rich.console import Console
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.presets import named_scenario
-from indoor_explorers.env.validation import validated
+from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.thesis.drawing import write_figures
 from indoor_explorers.evaluation.thesis.experiments import Experiment, chosen, versions
 from indoor_explorers.evaluation.thesis.page import write_page

@@ -15,17 +15,17 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.encoders import Encoder, make_encoder
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.registry import missing_module
-from indoor_explorers.env.validation import validated
-from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.env.observations import Encoder, make_encoder
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.registry import missing_module
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.learners.baselines.config import EGOCENTRIC, BaselineConfig
+from indoor_explorers.learners.baselines.evaluation import Scores, best_moves
 from indoor_explorers.learners.baselines.record import RECORD, Record, read_record
-from indoor_explorers.learners.baselines.trial import Scores, best_moves
 from indoor_explorers.learners.guard import WatchedPilot
-from indoor_explorers.learners.session import one_thread
+from indoor_explorers.learners.sessions.session import one_thread
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from typing import Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from indoor_explorers.env.encoders import Egocentric, Flat
-from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.env.observations import Egocentric, Flat
+from indoor_explorers.env.scenarios.scenario import Scenario
 
 #: The observation that is the same on maps of any size.
 EGOCENTRIC = "egocentric"
@@ -23,7 +23,8 @@ class BaselineConfig(BaseModel):
     environments: int = Field(32, ge=1, le=4096)
     """Episodes flown side by side."""
     observation: str = Field(EGOCENTRIC, min_length=1)
-    """``egocentric``, or a name of :mod:`indoor_explorers.env.encoders` whose vector is as long as the map is large."""
+    """``egocentric``, or a name of :mod:`indoor_explorers.env.observations`
+    whose vector is as long as the map is large."""
     side: int = Field(15, ge=1)
     """Cells along a side of the egocentric crop; odd."""
     zones: int = Field(8, ge=1)

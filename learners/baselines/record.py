@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from indoor_explorers.env.encoders import make_encoder
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.observations import make_encoder
+from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.provenance import source_commit, versions
-from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.env.validation import validated
-from indoor_explorers.env.view import Briefing
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.learners.baselines.config import BaselineConfig
-from indoor_explorers.learners.baselines.trial import Trial
+from indoor_explorers.learners.baselines.evaluation import Trial
 
 RECORD = "training.json"
 #: Packages that the result of any training depends on.

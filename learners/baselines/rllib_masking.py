@@ -12,7 +12,7 @@ from gymnasium.spaces import Dict
 from ray.rllib.algorithms.ppo.torch.default_ppo_torch_rl_module import DefaultPPOTorchRLModule
 from ray.rllib.core.columns import Columns
 
-from indoor_explorers.env.encoders.recipes import MASK
+from indoor_explorers.env.observations.factories import MASK
 
 #: What an observation is called beside its mask.
 UNMASKED = "observations"

@@ -19,8 +19,8 @@ from ray.rllib.core.rl_module.default_model_config import DefaultModelConfig
 from ray.rllib.core.rl_module.rl_module import RLModule, RLModuleSpec
 from ray.rllib.core.rl_module.torch import TorchRLModule
 
-from indoor_explorers.env.encoders import Masked, Observation
-from indoor_explorers.env.encoders.recipes import MASK
+from indoor_explorers.env.observations import Masked, Observation
+from indoor_explorers.env.observations.factories import MASK
 from indoor_explorers.learners.baselines.config import BaselineConfig
 from indoor_explorers.learners.baselines.rllib_masking import UNMASKED
 

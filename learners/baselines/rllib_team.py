@@ -7,10 +7,10 @@ from typing import Any
 
 from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 
-from indoor_explorers.env.encoders import Observation
-from indoor_explorers.env.encoders.base import Arrays
-from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.env.team import TeamEnv
+from indoor_explorers.env.interfaces.pettingzoo_env import TeamEnv
+from indoor_explorers.env.observations import Observation
+from indoor_explorers.env.observations.base import Arrays
+from indoor_explorers.env.scenarios.scenario import Scenario
 
 
 class TrainingTeam(TeamEnv):

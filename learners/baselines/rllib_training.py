@@ -30,14 +30,14 @@ from safetensors.torch import save_file
 
 from indoor_explorers.env.errors import InputError, RunError
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.learners.baselines.books import Books
+from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.baselines.record import new_record
 from indoor_explorers.learners.baselines.rllib import Rllib
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig, quietly
 from indoor_explorers.learners.baselines.rllib_team import TrainingTeam, rllib_team
-from indoor_explorers.learners.seeds import training_seeds
-from indoor_explorers.learners.session import Progress
+from indoor_explorers.learners.baselines.training_monitor import Books
+from indoor_explorers.learners.sessions.seeds import training_seeds
+from indoor_explorers.learners.sessions.session import Progress
 
 CHECKPOINT = "checkpoint"
 PACKAGES = ("ray", "pettingzoo")

@@ -25,14 +25,14 @@ from stable_baselines3.common.policies import BasePolicy
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.env.sb3 import StableBaselinesVecEnv
-from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.learners.baselines.books import Books
+from indoor_explorers.env.interfaces.stable_baselines import StableBaselinesVecEnv
+from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.baselines.config import BaselineConfig
 from indoor_explorers.learners.baselines.record import new_record
 from indoor_explorers.learners.baselines.stable_baselines import StableBaselines
-from indoor_explorers.learners.seeds import training_seeds
-from indoor_explorers.learners.session import Progress
+from indoor_explorers.learners.baselines.training_monitor import Books
+from indoor_explorers.learners.sessions.seeds import training_seeds
+from indoor_explorers.learners.sessions.session import Progress
 
 CHECKPOINT, REPLAY = "checkpoint.zip", "replay.pkl"
 PACKAGES = ("stable-baselines3", "sb3-contrib")

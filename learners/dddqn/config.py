@@ -6,9 +6,9 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from indoor_explorers.env.presets import named_scenario
-from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.learners.dddqn.sensor import REFERENCE_RANGE, sensor
+from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE, sensor
 
 #: Layers that the fine map may have, in the order in which they are written.
 Layer = Literal["unknown", "free", "chance", "visits", "frontier", "distance", "mates", "mates_past"]
@@ -22,7 +22,7 @@ class _Config(BaseModel):
 
 
 class ObservationConfig(_Config):
-    """What the network sees of one UAV's belief; see :mod:`indoor_explorers.learners.dddqn.observation`."""
+    """What the network sees of one UAV's belief; see :mod:`indoor_explorers.learners.dddqn.observation.observe`."""
 
     crop: int = Field(15, ge=3, le=63)
     """Pixels a side of the fine map around the UAV, odd."""
@@ -68,7 +68,7 @@ class ObservationConfig(_Config):
 
 
 class NetworkConfig(_Config):
-    """The network's shape; see :mod:`indoor_explorers.learners.dddqn.network`."""
+    """The network's shape; see :mod:`indoor_explorers.learners.dddqn.network.model`."""
 
     width: int = Field(256, ge=8, le=4096)
     """Units of both hidden layers."""

@@ -12,22 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError, did_you_mean
-from indoor_explorers.env.grid import Action
-from indoor_explorers.env.maps.thesis import ThesisMaps
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.learners.dddqn.bitboards import ROOM
+from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.maps.generators.thesis import ThesisMaps
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.dddqn.config import WIDEST
-from indoor_explorers.learners.dddqn.flock import stacked
-from indoor_explorers.learners.dddqn.inference import q_values
-from indoor_explorers.learners.dddqn.layout import BLOCKED_AT
-from indoor_explorers.learners.dddqn.memory import new_memory
-from indoor_explorers.learners.dddqn.observation import Known, eyes, observe
-from indoor_explorers.learners.dddqn.prior import prior_from
-from indoor_explorers.learners.dddqn.sensor import REFERENCE_RANGE
+from indoor_explorers.learners.dddqn.learning.vector_flight import stacked
+from indoor_explorers.learners.dddqn.network.inference import q_values
+from indoor_explorers.learners.dddqn.observation.bitboards import ROOM
+from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT
+from indoor_explorers.learners.dddqn.observation.map_prior import prior_from
+from indoor_explorers.learners.dddqn.observation.memory import new_memory
+from indoor_explorers.learners.dddqn.observation.observe import Known, eyes, observe
+from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE
 from indoor_explorers.learners.dddqn.weights import Loaded, load_weights, shipped
 from indoor_explorers.learners.guard import Guard
-from indoor_explorers.learners.tensors import WEIGHTS
+from indoor_explorers.learners.sessions.tensors import WEIGHTS
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Train a DDDQN: the loop around :class:`indoor_explorers.learners.dddqn.training.Training`."""
+"""Train a DDDQN: the loop around :class:`indoor_explorers.learners.dddqn.learning.training.Training`."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ import numpy as np
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
-from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.learners import session
+from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.dddqn.ablations import ABLATION_SETTINGS, ABLATIONS, TEAM_ABLATIONS, flown
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.dddqn.network import arrays
+from indoor_explorers.learners.dddqn.learning.tensorboard import Scalars
+from indoor_explorers.learners.dddqn.learning.training import Training
+from indoor_explorers.learners.dddqn.network.model import arrays
+from indoor_explorers.learners.dddqn.observation.map_prior import prior_arrays
 from indoor_explorers.learners.dddqn.presets import PRESETS
-from indoor_explorers.learners.dddqn.prior import prior_arrays
-from indoor_explorers.learners.dddqn.scalars import Scalars
-from indoor_explorers.learners.dddqn.training import Training
 from indoor_explorers.learners.dddqn.weights import write_weights
-from indoor_explorers.learners.session import noted, one_thread, opened, passed, patience
-from indoor_explorers.learners.tensors import WEIGHTS
+from indoor_explorers.learners.sessions import session
+from indoor_explorers.learners.sessions.session import noted, one_thread, opened, passed, patience
+from indoor_explorers.learners.sessions.tensors import WEIGHTS
 
 __all__ = [
     "ABLATIONS",

@@ -18,10 +18,10 @@ from pydantic import ValidationError
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
-from indoor_explorers.learners.dddqn.inference import Weights, shapes, weights_from
-from indoor_explorers.learners.dddqn.layout import Layout, layout
-from indoor_explorers.learners.dddqn.prior import INPUTS
-from indoor_explorers.learners.tensors import read_tensors, write_tensors
+from indoor_explorers.learners.dddqn.network.inference import Weights, shapes, weights_from
+from indoor_explorers.learners.dddqn.observation.layout import Layout, layout
+from indoor_explorers.learners.dddqn.observation.map_prior import INPUTS
+from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
 
 #: Grows whenever files of before can no longer be read.
 FORMAT = 2

@@ -6,8 +6,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from indoor_explorers.env.presets import REWARDS
-from indoor_explorers.env.scenario import Scenario
+from indoor_explorers.env.scenarios.presets import REWARDS
+from indoor_explorers.env.scenarios.scenario import Scenario
 
 #: What every switch says once its mistake is mended.
 MENDED: dict[str, Any] = {

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.env.state import End
+from indoor_explorers.env.simulation.state import End
 
 #: Columns of the table of episodes.
 COLUMNS = ("episode", "score", "steps", "coverage", "end")

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.compiled import kernel
+from indoor_explorers.env.grid.compiled import kernel
 
 Array = NDArray[np.float32]
 

@@ -10,13 +10,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from indoor_explorers.learners.checkpoint import learner_tensors, restore_learner
-from indoor_explorers.learners.dddqn.targets import q_target
+from indoor_explorers.learners.dddqn.learning.targets import q_target
+from indoor_explorers.learners.sessions.checkpoint import learner_tensors, restore_learner
 from indoor_explorers.learners.thesis.config import TrainingConfig
-from indoor_explorers.learners.thesis.eye import Eye
 from indoor_explorers.learners.thesis.network import ThesisNetwork, new_network
 from indoor_explorers.learners.thesis.observation import LEVELS
 from indoor_explorers.learners.thesis.replay import Batch
+from indoor_explorers.learners.thesis.sizes import Eye
 
 #: Of Adam, as the thesis's library has it; torch's own is 1e-8.
 ADAM_EPSILON = 1e-7

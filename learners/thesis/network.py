@@ -10,7 +10,7 @@ from typing import Literal
 import torch
 from torch import Tensor, nn
 
-from indoor_explorers.learners.thesis.eye import CONVOLUTIONS, DENSE, MOVES, Eye
+from indoor_explorers.learners.thesis.sizes import CONVOLUTIONS, DENSE, MOVES, Eye
 
 
 class ThesisNetwork(nn.Module):

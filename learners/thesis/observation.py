@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Belief, Cell
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import OCCUPIED
-from indoor_explorers.env.view import View
+from indoor_explorers.env.grid.arrays import Belief, Cell
+from indoor_explorers.env.grid.cells import OCCUPIED
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.policies.view import View
 
 #: The first UAV's code; a number above 252 is painted as 252.
 FIRST = 3

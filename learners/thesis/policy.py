@@ -12,12 +12,12 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.guard import WatchedPilot
-from indoor_explorers.learners.thesis.eye import MOVES, Eye
 from indoor_explorers.learners.thesis.inference import q_values
 from indoor_explorers.learners.thesis.observation import LEVELS, painted, window
+from indoor_explorers.learners.thesis.sizes import MOVES, Eye
 from indoor_explorers.learners.thesis.weights import SHIPPED, trained
 
 

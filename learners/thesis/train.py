@@ -14,10 +14,10 @@ import numpy as np
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
-from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.learners import session
-from indoor_explorers.learners.session import noted, one_thread, opened, passed, patience
-from indoor_explorers.learners.tensors import WEIGHTS
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.learners.sessions import session
+from indoor_explorers.learners.sessions.session import noted, one_thread, opened, passed, patience
+from indoor_explorers.learners.sessions.tensors import WEIGHTS
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.training import Training
 from indoor_explorers.learners.thesis.weights import write_weights

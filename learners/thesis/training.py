@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.scenario import Scenario
-from indoor_explorers.env.state import End
-from indoor_explorers.learners.seeds import training_seeds, trial_seeds
-from indoor_explorers.learners.tensors import read_tensors, write_tensors
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.state import End
+from indoor_explorers.learners.sessions.seeds import training_seeds, trial_seeds
+from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
 from indoor_explorers.learners.thesis.config import TrainingConfig
-from indoor_explorers.learners.thesis.eye import MOVES, Eye
-from indoor_explorers.learners.thesis.fleet import Fleet
+from indoor_explorers.learners.thesis.evaluation import Flown, Trial, evaluate
 from indoor_explorers.learners.thesis.history import History
 from indoor_explorers.learners.thesis.learner import Learner, greedy
 from indoor_explorers.learners.thesis.replay import Places, Replay
-from indoor_explorers.learners.thesis.trial import Flown, Trial, evaluate
+from indoor_explorers.learners.thesis.sizes import MOVES, Eye
+from indoor_explorers.learners.thesis.vector_flight import Fleet
 from indoor_explorers.learners.thesis.weights import load_weights
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.learners.tensors import read_tensors, write_tensors
-from indoor_explorers.learners.thesis.eye import Eye
+from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
 from indoor_explorers.learners.thesis.inference import Weights, weights_from
+from indoor_explorers.learners.thesis.sizes import Eye
 
 #: The weights that ship: of 4,000 episodes of the thesis's best setting, reward scenario 1 with its stuck rule 2.
 SHIPPED = Path(__file__).parent / "weights" / "rewards-1-stuck-2.safetensors"

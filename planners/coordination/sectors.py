@@ -13,8 +13,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.view import Briefing
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.policies.view import Briefing
 
 
 class Sectors:

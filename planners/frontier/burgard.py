@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Belief
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.env.lidar import Optics, new_scan, optics, visible_cells
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.frontier.group import Choices, GroupPilot
+from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.sensing.lidar import Optics, new_scan, optics, visible_cells
+from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
 from indoor_explorers.planners.parameters import at_least
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.frontier.group import Choices, GroupPilot
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
 from indoor_explorers.planners.parameters import at_least
 
 

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell, Distances, Mask
-from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.env.lidar import optics
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.coordination.unlinked import Unlinked
-from indoor_explorers.planners.frontier.group import Member, member_of
-from indoor_explorers.planners.frontier.sequences import Task, Worth, best_sequences, cost_of_rest
-from indoor_explorers.planners.lookouts import LookoutPilot
+from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.sensing.lidar import optics
+from indoor_explorers.planners.coordination.out_of_contact import Unlinked
+from indoor_explorers.planners.coordination.teammates import linked, message_of
+from indoor_explorers.planners.frontier.group_pilot import Member, member_of
+from indoor_explorers.planners.information.candidates import Interest, frontiers, hops, surroundings, views
+from indoor_explorers.planners.navigation.lookout_pilot import LookoutPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.prospects import Interest, frontiers, hops, surroundings, views
-from indoor_explorers.planners.teammates import linked, message_of
+from indoor_explorers.planners.routing.sequences import Task, Worth, best_sequences, cost_of_rest
 
 #: Paths between places are measured up to so many lidar ranges; farther ones lead past a UAV.
 HOP_RANGES = 4.0

@@ -8,18 +8,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell, Distances
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.env.grid.arrays import Cell, Distances
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.coordination.teammates import remembered
 from indoor_explorers.planners.frontier.minpos import ranks
-from indoor_explorers.planners.frontier.orders import costs_of_first
-from indoor_explorers.planners.gains import WeightedGains
-from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.planners.information.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.planners.information.view_gain import WeightedGains
+from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.teammates import remembered
+from indoor_explorers.planners.routing.min_latency import costs_of_first
 
 #: Every so many lidar ranges along a cluster a cell of it is looked at.
 STRIDE = 0.3

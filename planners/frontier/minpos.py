@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.clusters import frontier_clusters, nearest_cells
-from indoor_explorers.planners.goals import GoalPilot
-from indoor_explorers.planners.teammates import remembered
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.coordination.teammates import remembered
+from indoor_explorers.planners.information.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
 
 @dataclass(frozen=True, kw_only=True)

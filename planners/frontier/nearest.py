@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Belief
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.clusters import middles
-from indoor_explorers.planners.frontier.group import Choices, GroupPilot
+from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
+from indoor_explorers.planners.information.clusters import middles
+from indoor_explorers.planners.navigation.paths import Paths
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.paths import Paths
-from indoor_explorers.planners.tours import open_tour, shared_out
+from indoor_explorers.planners.routing.open_tours import open_tour, shared_out
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ A state ranks by what is left to see,
 
 with w the weight of a cell and n(u) the unseen cells among the eight around it; less is better. The isolation
 term makes scattered leftovers expensive, so that pockets are finished while they are near. Both step counts come
-from :mod:`indoor_explorers.planners.horizon.sights`; the second is a lower bound on what the state still needs.
+from :mod:`indoor_explorers.env.search.optimistic_views`; the second is a lower bound on what the state still needs.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from indoor_explorers.env.compiled import inner, kernel
-from indoor_explorers.env.hashing import is_new
-from indoor_explorers.env.sights import bit_count
-from indoor_explorers.planners.horizon.cellsets import holds, meet, within
+from indoor_explorers.env.grid.compiled import inner, kernel
+from indoor_explorers.env.search.bitsets import holds, meet, within
+from indoor_explorers.env.search.hash_table import is_new
+from indoor_explorers.env.search.visibility import bit_count
 
 _ONE = np.uint64(1)
 

@@ -9,21 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid import Action
-from indoor_explorers.env.maps.thesis import ThesisMaps
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.maps.generators.thesis import ThesisMaps
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.coordination.teammates import remembered
 from indoor_explorers.planners.frontier.joint import FrontierJoint
-from indoor_explorers.planners.goals import action_between
 from indoor_explorers.planners.horizon.beam import Style
-from indoor_explorers.planners.horizon.prior import LearnedPrior, OpenPrior, Prior
-from indoor_explorers.planners.horizon.rehearsal import Rehearsal
-from indoor_explorers.planners.horizon.rooms import RoomPrior
-from indoor_explorers.planners.horizon.tours import Tours
+from indoor_explorers.planners.horizon.learned_prior import LearnedPrior, OpenPrior, Prior
+from indoor_explorers.planners.horizon.rollout_choice import Rehearsal
+from indoor_explorers.planners.horizon.room_prior import RoomPrior
+from indoor_explorers.planners.horizon.tour_planner import Tours
+from indoor_explorers.planners.navigation.deadlock import Yielding
+from indoor_explorers.planners.navigation.goal_pilot import action_between
+from indoor_explorers.planners.navigation.paths import Paths, count_known
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.paths import Paths, count_known
-from indoor_explorers.planners.teammates import remembered
-from indoor_explorers.planners.yielding import Yielding
 
 #: How fast isolation matters less when the goal leaves cells out: it halves with every so much of the coverage.
 GOAL_SCALE = 0.05

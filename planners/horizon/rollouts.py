@@ -14,11 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Belief
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.lidar import Optics, Scan, new_scan, visible_cells
-from indoor_explorers.env.sights import bit_count
+from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.search.visibility import bit_count
+from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, visible_cells
 
 #: Steps of a tour that are flown at most before the quick policy takes over.
 FOLLOWED = 12

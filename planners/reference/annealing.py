@@ -11,9 +11,9 @@ import math
 
 import numpy as np
 
-from indoor_explorers.env.compiled import kernel, leaf
-from indoor_explorers.env.randomness import draw
-from indoor_explorers.env.sights import Sights, unseen_from
+from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.search.visibility import Sights, unseen_from
 from indoor_explorers.planners.reference.routes import (
     Aims,
     Crew,

@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.lidar import optics
-from indoor_explorers.env.sights import Sights, look, sights_of, size_of, unseen_from
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.search.visibility import Sights, look, sights_of, size_of, unseen_from
+from indoor_explorers.env.sensing.lidar import optics
 from indoor_explorers.planners.reference.annealing import anneal
 from indoor_explorers.planners.reference.routes import Aims, Crew, Legs, tracks
 

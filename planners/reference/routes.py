@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.compiled import kernel, leaf
-from indoor_explorers.env.sights import Sights, look
+from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.search.visibility import Sights, look
 
 #: Steps to a cell that cannot be reached.
 FAR = np.int32(2**20)

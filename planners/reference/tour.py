@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from indoor_explorers.env.arrays import Cell
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.nearest import NearestPilot
-from indoor_explorers.planners.goals import DETOUR_CELLS, DETOUR_FACTOR, action_between
+from indoor_explorers.planners.navigation.goal_pilot import DETOUR_CELLS, DETOUR_FACTOR, action_between
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.reference.plan import Effort, Task, Track, plan
 

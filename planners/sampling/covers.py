@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.sights import bit_count
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.search.visibility import bit_count
 
 
 @kernel()

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.grid import FREE, frontier_mask
-from indoor_explorers.env.policy import Pilot
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.gains import sights
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.cells import FREE, frontier_mask
+from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.information.view_gain import sights
 from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.routing.open_tours import nearest_neighbour
 from indoor_explorers.planners.sampling.covers import greedy_cover, merit, settled
 from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
-from indoor_explorers.planners.tours import nearest_neighbour
 
 #: The order is improved of so many of the tours that promise most as nearest neighbours join them.
 IMPROVED = 3

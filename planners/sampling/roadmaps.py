@@ -17,7 +17,7 @@ from ompl import base, geometric
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.planners.sampling.setting import Points, plane_of, quiet, read_graph
 
 

@@ -8,10 +8,11 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell, Distances, Mask
-from indoor_explorers.env.grid import FREE
-from indoor_explorers.env.policy import Pilot
-from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
+from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.coordination.teammates import message_of
 from indoor_explorers.planners.frontier.joint import FrontierJoint, JointPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.sampling.memory import Memory, tree_cells
@@ -19,7 +20,6 @@ from indoor_explorers.planners.sampling.rrt_nbv import RrtNbv, RrtNbvPilot
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints, few
-from indoor_explorers.planners.teammates import message_of
 
 #: Half the side of the square right around the UAV, in cells.
 NEAR_HALF = 6.0

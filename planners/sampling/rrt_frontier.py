@@ -7,19 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.env.policy import Pilot
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.gains import unclaimed_gains
-from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.coordination.teammates import claims
+from indoor_explorers.planners.information.view_gain import unclaimed_gains
+from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.navigation.paths import frontier_cells
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.paths import frontier_cells
 from indoor_explorers.planners.sampling.samples import box_around, merged, tree_samples
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy
-from indoor_explorers.planners.teammates import claims
 
 #: How often the samples are doubled when a tree has met no frontier, before the nearest one is searched for.
 DOUBLINGS = 2

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.policy import Pilot
-from indoor_explorers.env.view import Briefing, View
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.sampling.samples import box_around, known_cells, tree_samples
 from indoor_explorers.planners.sampling.setting import Points

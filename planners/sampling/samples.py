@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Belief, Cell
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import FREE, UNKNOWN
+from indoor_explorers.env.grid.arrays import Belief, Cell
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN
+from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.planners.sampling.setting import Points
 
 

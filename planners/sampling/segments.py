@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_explorers.env.compiled import kernel
-from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.compiled import kernel
 
 #: What :func:`fly` answers beside a cell: nothing unknown on the way, or an obstacle.
 ALL_KNOWN, BLOCKED = -1, -2

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from ompl import base, util
 
-from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, fly
 
 #: (K, 2) rows and columns in continuous cell coordinates: cell (r, c) covers [r, r + 1) x [c, c + 1).

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from ompl import base, geometric
 
-from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.planners.sampling.setting import Points, after, plane_of, quiet, read_graph
 
 

@@ -9,19 +9,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Belief, Cell, Distances, Mask
-from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.env.policy import Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.coordination.unlinked import Unlinked
-from indoor_explorers.planners.frontier.orders import costs_of_first
-from indoor_explorers.planners.gains import WeightedGains, sights
-from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.coordination.out_of_contact import Unlinked
+from indoor_explorers.planners.coordination.teammates import linked, message_of, told_goal
+from indoor_explorers.planners.information.candidates import hops
+from indoor_explorers.planners.information.view_gain import WeightedGains, sights
+from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.prospects import hops
+from indoor_explorers.planners.routing.min_latency import costs_of_first
 from indoor_explorers.planners.sampling.covers import distinct
 from indoor_explorers.planners.sampling.samples import merged
-from indoor_explorers.planners.teammates import linked, message_of, told_goal
 
 #: Viewpoints within this share of the lidar range of the goal are taken to be the same goal.
 SAME_PLACE = 0.2

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.compiled import kernel, leaf
-from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.planners.frontier.hungarian import matched
 
 Assignment = NDArray[np.int64]

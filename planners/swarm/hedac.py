@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.compiled import inner, leaf
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid import MOVES, OCCUPIED, UNKNOWN
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.coordination.teammates import claims, message_of, remembered
+from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.teammates import claims, message_of, remembered
 
 #: Temperatures below this are too near to the smallest floats to be climbed.
 COLD = 1e-280

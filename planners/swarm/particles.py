@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.compiled import kernel, leaf
+from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import Assignment, Plan, Task, choices, followers, value
 

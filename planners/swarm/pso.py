@@ -6,15 +6,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from indoor_explorers.env.arrays import Cell, Distances
-from indoor_explorers.env.grid import UNREACHABLE
-from indoor_explorers.env.lidar import optics
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.coordination.unlinked import Unlinked
-from indoor_explorers.planners.lookouts import LookoutPilot
+from indoor_explorers.env.grid.arrays import Cell, Distances
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.sensing.lidar import optics
+from indoor_explorers.planners.coordination.linked_group import NOWHERE, Member, absentees, group, told
+from indoor_explorers.planners.coordination.out_of_contact import Unlinked
+from indoor_explorers.planners.information.candidates import (
+    Cells,
+    Interest,
+    Table,
+    frontiers,
+    hops,
+    surroundings,
+    views,
+)
+from indoor_explorers.planners.navigation.lookout_pilot import LookoutPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.prospects import Cells, Interest, Table, frontiers, hops, surroundings, views
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
     Task,
@@ -23,7 +32,6 @@ from indoor_explorers.planners.swarm.assignment import (
     by_minpos,
     reachable_or_nearest,
 )
-from indoor_explorers.planners.swarm.group import NOWHERE, Member, absentees, group, told
 from indoor_explorers.planners.swarm.particles import Swarm, optimise
 
 #: Paths between candidates are measured up to so many lidar ranges.

@@ -8,15 +8,15 @@ from math import exp, hypot
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.grid import MOVES, OCCUPIED, UNREACHABLE, Action
-from indoor_explorers.env.lidar import view_gain
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.clusters import frontier_clusters, nearest_cells
-from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNREACHABLE, Action
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.sensing.lidar import view_gain
+from indoor_explorers.planners.coordination.teammates import linked
+from indoor_explorers.planners.information.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.teammates import linked
 
 #: (2,) rows and columns.
 Vector = NDArray[np.float64]

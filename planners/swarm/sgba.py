@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import atan2, cos, hypot, inf, isfinite, pi, sin
 
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.grid import Action
-from indoor_explorers.env.policy import Pilot, Policy
-from indoor_explorers.env.view import Briefing, View
-from indoor_explorers.planners.goals import GoalPilot
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.coordination.teammates import linked
+from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.teammates import linked
 
 #: Headings 0 to 3.
 CLOCKWISE = (Action.UP, Action.RIGHT, Action.DOWN, Action.LEFT)

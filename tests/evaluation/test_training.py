@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.cli import main
+from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.training import nested, preset_of
 
 

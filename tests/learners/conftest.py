@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 import torch
 
-from tests.learners.rooms import untrained
+from tests.learners.dddqn.rooms import untrained
 
 __all__ = ["one_thread", "untrained"]
 

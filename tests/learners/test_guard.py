@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import PRESETS, Action, Briefing, Pilot, Policy, Scenario, View
 from indoor_explorers.env.maps import Floorplan
-from indoor_explorers.env.world import World
+from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.dddqn.policy import Dddqn
 from indoor_explorers.learners.guard import Guard, nearest_frontier
 from indoor_explorers.learners.thesis.policy import DddqnThesis
-from tests.learners.rooms import fly, maze
+from tests.learners.dddqn.rooms import fly, maze
 from tests.learners.thesis.rooms import MENDED_EYE, write_network
 
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env.arrays import Belief, Cell, Mask
-from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 
 from .flights import maze, rooms
 

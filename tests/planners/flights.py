@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env import Policy, World, scenario
-from indoor_explorers.env.arrays import Cell, Mask
+from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.view import MESSAGE_LIMIT
+from indoor_explorers.env.policies.view import MESSAGE_LIMIT
 
 
 @dataclass

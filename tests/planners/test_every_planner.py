@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, Policy, make_policy
-from indoor_explorers.env.arrays import Mask
+from indoor_explorers.env.grid.arrays import Mask
 from tests.policies import PLANNERS
 
 from .flights import fly, maze, rooms

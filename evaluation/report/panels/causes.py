@@ -6,10 +6,10 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from indoor_explorers.evaluation.record import Outcome, Record
-from indoor_explorers.evaluation.report.numbers import EN_DASH, percent
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.report.panels.links import replay_link
-from indoor_explorers.evaluation.report.replay import ending
+from indoor_explorers.evaluation.report.replay.selection import ending
+from indoor_explorers.evaluation.report.style.formatting import EN_DASH, percent
 
 #: The most seeds that a row lists.
 SEEDS = 8

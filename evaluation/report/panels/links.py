@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.experiment.experiment import Task
 
 
 def replay_link(policy: str, task: Task) -> str:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.level import Level
+from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.results.coverage_level import Level
 
 
 @dataclass(frozen=True, eq=False)

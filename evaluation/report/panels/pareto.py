@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.numbers import fixed, with_interval
-from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels.plots import Axis, Guide, Plot, Series
+from indoor_explorers.evaluation.report.style.formatting import fixed, with_interval
+from indoor_explorers.evaluation.report.style.palette import Style
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from indoor_explorers.evaluation.report.palette import Style
+from indoor_explorers.evaluation.report.style.palette import Style
 from indoor_explorers.evaluation.statistics import Estimate
 
 

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.report.numbers import percent
-from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
 from indoor_explorers.evaluation.report.panels.plots import Axis, Plot, Series
+from indoor_explorers.evaluation.report.style.formatting import percent
+from indoor_explorers.evaluation.report.style.palette import Style
 from indoor_explorers.evaluation.statistics import performance_profile, performance_ratios
 
 #: The most stairs of a policy; more tasks are drawn as that many quantiles.

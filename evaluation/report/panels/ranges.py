@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from indoor_explorers.evaluation.level import Level
-from indoor_explorers.evaluation.report.numbers import fixed, with_interval
-from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels.plots import Axis, Plot, Series, bounds
 from indoor_explorers.evaluation.report.panels.sweeps import RadioSweep
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.style.formatting import fixed, with_interval
+from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate, bootstrap_mean
 
 #: Policies are drawn this share of the axis apart, so that their intervals do not hide each other.

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.numbers import counted, fixed, interval
 from indoor_explorers.evaluation.report.panels.links import replay_link
 from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
+from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 
 #: The most maps, and the most seeds, that are shown.

@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.level import Level
-from indoor_explorers.evaluation.report.numbers import percent, with_interval
-from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels.plots import Axis, Guide, Plot, Series, bounds
 from indoor_explorers.evaluation.report.panels.ranges import APART
 from indoor_explorers.evaluation.report.panels.sweeps import TeamScaling
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.style.formatting import percent, with_interval
+from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate, ratio_of_means
 
 

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels.causes import Cause, causes
-from indoor_explorers.evaluation.report.panels.ladder import Chance, Rung, ladder
 from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
 from indoor_explorers.evaluation.report.panels.pareto import pareto_plot
 from indoor_explorers.evaluation.report.panels.plots import Plot
 from indoor_explorers.evaluation.report.panels.profiles import profile_plot
+from indoor_explorers.evaluation.report.panels.rank_plot import Chance, Rung, ladder
 from indoor_explorers.evaluation.report.panels.ranks import Ranks, ranks
 from indoor_explorers.evaluation.report.panels.wins import Duel, win_matrix
-from indoor_explorers.evaluation.report.tables import troubles
+from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.tables.columns import troubles
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from indoor_explorers.evaluation.level import Level
-from indoor_explorers.evaluation.report.numbers import counted
-from indoor_explorers.evaluation.report.palette import Style
 from indoor_explorers.evaluation.report.panels.plots import Plot
 from indoor_explorers.evaluation.report.panels.ranges import range_plots
 from indoor_explorers.evaluation.report.panels.scaling import scaling_plots
 from indoor_explorers.evaluation.report.panels.sweeps import RadioSweep, TeamScaling, radio_sweeps, team_scalings
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.style.formatting import counted
+from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.results import Results
 
 
 @dataclass(frozen=True)

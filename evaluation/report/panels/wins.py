@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.report.numbers import EN_DASH, counted, fixed
+from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.panels.links import replay_link
 from indoor_explorers.evaluation.report.panels.outcomes import Outcomes, Pair
+from indoor_explorers.evaluation.report.style.formatting import EN_DASH, counted, fixed
 from indoor_explorers.evaluation.statistics import WinTieLoss, win_tie_loss
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.sparse.csgraph import connected_components
 
-from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.lidar import scan
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
 from indoor_explorers.env.rendering.layout import CAPTION, MARGIN, PANELS, layout_of
 from indoor_explorers.env.rendering.painter import nearest_links
 from indoor_explorers.env.rendering.palette import HIDDEN, INK, KNOWN, PAGE, paler, uav_colours
-from indoor_explorers.env.state import End
+from indoor_explorers.env.sensing.lidar import scan
+from indoor_explorers.env.simulation.state import End
 from tests.env.rendering.scenes import copied, flown, main_map, panel, pixel, plan, random_plan, scene
 
 OPEN = plan(np.ones((16, 16), bool))

@@ -113,7 +113,7 @@ def test_a_missing_pygame_names_the_extra(monkeypatch):
 
 def test_pygame_and_the_encoder_are_loaded_only_when_they_are_used():
     code = (
-        "import sys, indoor_explorers.evaluation.cli, indoor_explorers.env.gym;"
+        "import sys, indoor_explorers.evaluation.cli.parser, indoor_explorers.env.interfaces.gymnasium_env;"
         "print({'pygame', 'av'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

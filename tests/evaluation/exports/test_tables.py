@@ -14,8 +14,8 @@ from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import escaped as md
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.table import headings
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.tables.headline_table import headings
+from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.hostile import NAMES, SCENARIO, results
 
 

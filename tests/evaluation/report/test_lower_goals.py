@@ -14,27 +14,27 @@ import pytest
 from rich.console import Console
 
 from indoor_explorers.env import Scenario
-from indoor_explorers.evaluation.experiment import Task
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.exports.cells import caption, shown_best
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.exports.tidy import write_episodes
-from indoor_explorers.evaluation.ratios import Ratios
-from indoor_explorers.evaluation.record import Outcome, Record
-from indoor_explorers.evaluation.report.charts import times_data
-from indoor_explorers.evaluation.report.comparability import judged
+from indoor_explorers.evaluation.report.charts.interactive import times_data
 from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.headline import headline
-from indoor_explorers.evaluation.report.overview import lead, line
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.palette import styles
 from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
 from indoor_explorers.evaluation.report.panels.ranges import range_plots
 from indoor_explorers.evaluation.report.panels.scaling import scaling_plots
 from indoor_explorers.evaluation.report.panels.sweeps import radio_sweeps, team_scalings
-from indoor_explorers.evaluation.report.replay import notable_tasks
-from indoor_explorers.evaluation.report.table import headline_table
-from indoor_explorers.evaluation.report.tables import columns_of, results_table
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.report.replay.selection import notable_tasks
+from indoor_explorers.evaluation.report.style.palette import styles
+from indoor_explorers.evaluation.report.summary.comparability import judged
+from indoor_explorers.evaluation.report.summary.headline import headline
+from indoor_explorers.evaluation.report.summary.overview import lead, line
+from indoor_explorers.evaluation.report.tables.columns import columns_of, results_table
+from indoor_explorers.evaluation.report.tables.headline_table import headline_table
+from indoor_explorers.evaluation.results.ratios import Ratios
+from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import contrasts
 from tests.evaluation.report.records import BUDGET, made_up, results_of, room
 

@@ -7,10 +7,10 @@ from rich.console import Console
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.maps.sources import ThesisMaps
-from indoor_explorers.env.scenario import Lidar, Radio
+from indoor_explorers.env.scenarios.scenario import Lidar, Radio
 from indoor_explorers.evaluation.report import headline_table, write_figures, write_report
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.results import Results
+from indoor_explorers.evaluation.results.results import Results
 
 from .reports import HOSTILE, Page, Wander, results_of
 

@@ -20,9 +20,9 @@ from indoor_explorers.env import InputError, World, check_policy, make_policy
 from indoor_explorers.learners.baselines.rllib import Rllib
 from indoor_explorers.learners.baselines.rllib_ppo import TrainingConfig
 from indoor_explorers.learners.baselines.rllib_team import rllib_team
-from indoor_explorers.learners.seeds import SEED_BLOCK
+from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from tests.learners.baselines.tiny import flown, record_of, train
-from tests.learners.rooms import small_room
+from tests.learners.dddqn.rooms import small_room
 
 PPO = ("total_steps=300", "environments=2", "rollout=80", "batch=40", "epochs=1")
 SAC = ("total_steps=300", "environments=2", "warmup_steps=40", "batch=8", "replay_steps=400", "intensity=1.0")
@@ -112,7 +112,7 @@ def test_an_interrupted_training_goes_on(tmp_path: Path, monkeypatch: pytest.Mon
             os.kill(os.getpid(), signal.SIGINT)
 
     with monkeypatch.context() as patched:
-        patched.setattr("indoor_explorers.learners.baselines.books.Books.report", interrupt)
+        patched.setattr("indoor_explorers.learners.baselines.training_monitor.Books.report", interrupt)
         assert train("rllib-ppo", tmp_path / "out", *PPO) == 130
     cut = record_of(tmp_path / "out")["steps"]
     assert 50 <= cut < 300

@@ -20,14 +20,14 @@ import pytest
 import torch
 
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
-from indoor_explorers.env.sb3 import StableBaselinesVecEnv
-from indoor_explorers.evaluation.experiment import PolicyChoice, Task
-from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.env.interfaces.stable_baselines import StableBaselinesVecEnv
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import PolicyChoice, Task
 from indoor_explorers.learners.baselines import sb3_ppo
 from indoor_explorers.learners.baselines.stable_baselines import LEARNERS, StableBaselines
-from indoor_explorers.learners.seeds import SEED_BLOCK
+from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from tests.learners.baselines.tiny import TINY, flown, record_of, train
-from tests.learners.rooms import small_room
+from tests.learners.dddqn.rooms import small_room
 
 PACKAGE = "indoor_explorers.learners.baselines"
 ON_POLICY = ("total_steps=300", "environments=4", "rollout=16")
@@ -162,7 +162,7 @@ def test_an_interrupted_training_goes_on(learner: str, tmp_path: Path, monkeypat
             os.kill(os.getpid(), signal.SIGINT)
 
     with monkeypatch.context() as patched:
-        patched.setattr("indoor_explorers.learners.baselines.books.Books.report", interrupt)
+        patched.setattr("indoor_explorers.learners.baselines.training_monitor.Books.report", interrupt)
         assert train(learner, tmp_path / "out", *SETTINGS[learner]) == 130
     cut = record_of(tmp_path / "out")
     assert 100 <= cut["steps"] < 300

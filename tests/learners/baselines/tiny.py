@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Policy, World
-from indoor_explorers.evaluation.cli import main
-from tests.learners.rooms import small_room
+from indoor_explorers.evaluation.cli.parser import main
+from tests.learners.dddqn.rooms import small_room
 
 #: Settings that every learner has, for a training of a moment.
 TINY = ("side=5", "zones=2", "hidden=[16]", "evaluation_episodes=2", "evaluation_every=150", "checkpoint_every=150")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from indoor_explorers.env import PRESETS, Scenario
 from indoor_explorers.learners.thesis.config import TrainingConfig
-from indoor_explorers.learners.thesis.eye import Eye
 from indoor_explorers.learners.thesis.network import new_network
+from indoor_explorers.learners.thesis.sizes import Eye
 from indoor_explorers.learners.thesis.weights import write_weights
 
 #: What the thesis's network sees, and what the mended one does.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, World
-from indoor_explorers.env.encoders.planes import ThesisImage
+from indoor_explorers.env.observations.planes import ThesisImage
 from indoor_explorers.learners.thesis.observation import LEVELS, paint_all, painted, window
 
 

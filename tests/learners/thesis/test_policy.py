@@ -7,8 +7,8 @@ import pytest
 from safetensors.numpy import load_file, save_file
 
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
-from indoor_explorers.learners.thesis.fleet import Fleet
 from indoor_explorers.learners.thesis.policy import DddqnThesis
+from indoor_explorers.learners.thesis.vector_flight import Fleet
 
 from .rooms import MENDED_EYE, THESIS, write_network
 

@@ -9,8 +9,8 @@ import torch
 from safetensors.numpy import load_file
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.state import End
-from indoor_explorers.learners.seeds import SEED_BLOCK
+from indoor_explorers.env.simulation.state import End
+from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.train import CHECKPOINT, EPISODES, RECORD, train
 from indoor_explorers.learners.thesis.training import Training

@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env import Mate, Policy, World, scenario
-from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.view import View
+from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.frontier.minpos import FrontierMinPos, ranks
 
 

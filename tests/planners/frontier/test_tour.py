@@ -2,12 +2,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_explorers.env.arrays import Belief
-from indoor_explorers.env.grid import FREE
+from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.planners.frontier.tour import Between, FrontierTour
-from indoor_explorers.planners.paths import Paths
+from indoor_explorers.planners.navigation.paths import Paths
 
-from .test_group import corridor, pilot_of, view_of
+from .test_group_pilot import corridor, pilot_of, view_of
 
 
 def test_it_takes_the_lone_frontier_first_when_that_saves_the_way_back() -> None:

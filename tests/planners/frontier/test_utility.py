@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, make_policy
-from indoor_explorers.env.lidar import view_gain
+from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.frontier.utility import Form, FrontierUtility, UtilityPilot
 
-from .test_group import pilot_of, view_of
+from .test_group_pilot import pilot_of, view_of
 
 BELIEF = np.array(
     [

@@ -3,11 +3,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env.grid import OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
+from indoor_explorers.env.search.bitsets import around, hash_keys, packed, unpacked
+from indoor_explorers.env.search.optimistic_views import Sights
 from indoor_explorers.planners.horizon import beam
 from indoor_explorers.planners.horizon.beam import Style, Terrain, shortest_tour
-from indoor_explorers.planners.horizon.cellsets import around, hash_keys, packed, unpacked
-from indoor_explorers.planners.horizon.sights import Sights
 
 
 def terrain_of(belief: np.ndarray, lidar: float, weights: np.ndarray) -> Terrain:

@@ -5,15 +5,15 @@ import pytest
 from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Policy, make_policy, scenario
-from indoor_explorers.env.arrays import Belief
-from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.runner import fly
+from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.search.bitsets import unpacked
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.planners.frontier.joint import JointPilot
 from indoor_explorers.planners.horizon.beam import Style
-from indoor_explorers.planners.horizon.cellsets import unpacked
 from indoor_explorers.planners.horizon.horizon import Horizon, HorizonPilot
-from indoor_explorers.planners.horizon.prior import OpenPrior
-from indoor_explorers.planners.horizon.tours import Tours
+from indoor_explorers.planners.horizon.learned_prior import OpenPrior
+from indoor_explorers.planners.horizon.tour_planner import Tours
 from tests.planners import flights
 
 

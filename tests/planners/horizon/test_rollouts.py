@@ -3,16 +3,16 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env import make_policy, scenario
-from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.lidar import optics, scan
-from indoor_explorers.env.maps.thesis import ThesisMaps
-from indoor_explorers.evaluation.experiment import Task
-from indoor_explorers.evaluation.runner import fly
-from indoor_explorers.planners.horizon.cellsets import around
-from indoor_explorers.planners.horizon.rehearsal import Rehearsal
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.maps.generators.thesis import ThesisMaps
+from indoor_explorers.env.search.bitsets import around
+from indoor_explorers.env.search.optimistic_views import Sights
+from indoor_explorers.env.sensing.lidar import optics, scan
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.planners.horizon.rollout_choice import Rehearsal
 from indoor_explorers.planners.horizon.rollouts import FOLLOWED, LONGEST, Stage, steps_to_shares
-from indoor_explorers.planners.horizon.rooms import RoomPrior
-from indoor_explorers.planners.horizon.sights import Sights
+from indoor_explorers.planners.horizon.room_prior import RoomPrior
 
 ALL = np.array([1.0])
 

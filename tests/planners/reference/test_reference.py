@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, World, make_policy, scenario
-from indoor_explorers.env.arrays import Cell
-from indoor_explorers.env.lidar import scan
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.planners.reference import plan as planning
 from indoor_explorers.planners.reference.plan import Effort, Task, plan, untangled
 from tests.planners.flights import fly, maze, rooms

@@ -7,7 +7,7 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
 from indoor_explorers.planners.sampling.segments import ALL_KNOWN, fly
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env.grid import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, entries, fly
 
 

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from indoor_explorers.env.arrays import Belief
+from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.planners.sampling.segments import BLOCKED, fly
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
 

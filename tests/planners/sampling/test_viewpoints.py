@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, World, make_policy, scenario
-from indoor_explorers.env.grid import FREE
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.view import Mate, View
+from indoor_explorers.env.policies.view import Mate, View
 from tests.planners.flights import fly, maze, rooms
 
 PLANNERS = ["rrt-frontier", "rrt-nbv", "rrt-aep", "prm-tour"]

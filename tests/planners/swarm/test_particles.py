@@ -6,7 +6,7 @@ from math import exp
 import numpy as np
 import pytest
 
-from indoor_explorers.env.grid import UNREACHABLE
+from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
     Plan,

@@ -7,8 +7,8 @@ import pytest
 
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.view import Mate
-from indoor_explorers.planners.swarm.group import NOWHERE, Member, absentees, group
+from indoor_explorers.env.policies.view import Mate
+from indoor_explorers.planners.coordination.linked_group import NOWHERE, Member, absentees, group
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
 from tests.planners.flights import fly, rooms
 

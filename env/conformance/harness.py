@@ -1,0 +1,75 @@
+"""A policy under test, and the flights that several checks look at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+
+from indoor_explorers.env.conformance.findings import Breach
+from indoor_explorers.env.conformance.flying import Asked, Changed, Flight, together
+from indoor_explorers.env.conformance.traces import Setup, Trace
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.scenarios.presets import PRESETS
+from indoor_explorers.env.scenarios.scenario import Scenario
+
+#: Steps flown in each check.
+STEPS = 60
+#: One UAV and four in the thesis's 16x16 room, and four on a 64x64 map.
+SOLO = PRESETS["thesis-obstacles"].for_evaluation()
+TEAM = PRESETS["thesis-team-4"].for_evaluation()
+LARGE = PRESETS["rooms"].for_evaluation().with_settings({"team": 4})
+#: The starts of the episodes that most checks fly, one to look at and one to fly beside it.
+FIRST, OTHER = Setup(11), Setup(12)
+
+
+class Subject:
+    """Fly a policy for the checks, and keep what more than one of them needs."""
+
+    def __init__(self, policy: Policy) -> None:
+        self.policy = policy
+        self.pilot: type = Pilot
+        """The class of its pilots, as soon as it has flown."""
+
+    @property
+    def batched(self) -> bool:
+        """Whether the policy brings an ``act`` of its own for many UAVs."""
+        return type(self.policy).act is not Policy.act
+
+    @cached_property
+    def alone(self) -> tuple[Trace, Trace]:
+        """The episodes of one UAV and of four, each flown for itself; their breaches are left to the checks."""
+        solo, team = (Flight(self.policy, scenario, [FIRST]) for scenario in (SOLO, TEAM))
+        self.pilot = solo.pilot_kind
+        return solo.fly(STEPS)[0], team.fly(STEPS)[0]
+
+    @cached_property
+    def beside(self) -> list[Trace]:
+        """Two episodes of four UAVs, flown side by side."""
+        return self.fly(TEAM, [FIRST, OTHER])
+
+    def fly(
+        self,
+        scenario: Scenario,
+        setups: Sequence[Setup],
+        steps: int = STEPS,
+        *,
+        policy: Policy | None = None,
+        ask: Callable[[list[Asked]], list[list[Asked]]] = together,
+        changed: Changed | None = None,
+    ) -> list[Trace]:
+        """Fly episodes side by side, with the policy or a copy of it.
+
+        Raises:
+            Breach: an answer breaks the contract, and none of the same kind did so in :attr:`alone`.
+
+        """
+        known = {kind for trace in self.alone for kind in trace.breaches}
+        traces = Flight(policy or self.policy, scenario, setups, ask=ask, changed=changed).fly(steps)
+        for trace in traces:
+            for kind in trace.breaches.keys() - known:
+                raise trace.breaches[kind]
+        return traces
+
+    def breach(self, kind: str) -> Breach | None:
+        """Return the first breach of a kind in :attr:`alone`."""
+        return next((trace.breaches[kind] for trace in self.alone if kind in trace.breaches), None)

@@ -1,0 +1,81 @@
+"""Checks that nothing a UAV cannot know changes what it does: unseen cells, and teammates out of contact.
+
+Both follow one law. A pilot is a function of its briefing and of the views that it has been given; so whatever is
+changed, a UAV whose views have been the same up to a step must choose the same at that step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from indoor_explorers.env.conformance.causes import shared_things
+from indoor_explorers.env.conformance.findings import Differs
+from indoor_explorers.env.conformance.flying import Changed, is_privileged
+from indoor_explorers.env.conformance.harness import FIRST, SOLO, TEAM, Subject
+from indoor_explorers.env.conformance.traces import Setup, Trace, compare
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.world import World
+
+#: Steps up to which unseen cells are changed.
+MOMENTS = (1, 5, 15, 30)
+#: The team without any radio.
+SILENT = TEAM.with_settings({"radio.model": "none"})
+#: Whose doings are replaced.
+REPLACED = (Changed(0, wanders=False), Changed(3, wanders=True))
+
+
+def check_unseen(subject: Subject) -> str:
+    """Change cells that nobody has seen: as long as a UAV sees the same it must do the same."""
+    if is_privileged(subject.policy):
+        return "not checked: the policy is privileged and knows the true map"
+    changes = decisions = 0
+    for scenario, trace in zip((SOLO, TEAM), subject.alone, strict=True):
+        for step in MOMENTS:
+            setup = changed_where_unseen(scenario, trace, step) if step < len(trace.steps) else None
+            if setup is None:
+                continue
+            (again,) = subject.fly(scenario, [setup], step + 1)
+            found = compare(again, trace, range(scenario.team))
+            changes, decisions = changes + 1, decisions + found.compared
+            if found.differs is not None:
+                agent, when = found.differs
+                raise Differs(
+                    f"UAV {agent} chose otherwise at step {when} when only cells that no UAV had seen were changed",
+                    "use the view and the briefing only, never the world or the scenario's map source",
+                )
+    return f"{changes} changes of unseen cells, {decisions} decisions: changed nothing"
+
+
+def changed_where_unseen(scenario: Scenario, trace: Trace, step: int) -> Setup | None:
+    """Return the trace's start with half of the cells changed that are unseen at ``step``; None when there is none."""
+    world = World(scenario)
+    world.begin(0, trace.setup.seed, floorplan=trace.setup.floorplan, spawns=trace.setup.spawns)
+    plan = world.floorplan(0)
+    spawns = tuple((int(row), int(col)) for row, col in world.state.cell[0])
+    unseen = np.frombuffer(trace.unseen[step], np.bool_).reshape(plan.shape)
+    flip = unseen & (np.random.default_rng(step).random(plan.shape) < 0.5)
+    truth = np.where(flip, np.where(plan.truth == FREE, OCCUPIED, FREE), plan.truth).astype(np.uint8)
+    return Setup(trace.setup.seed, Floorplan(truth, "changed where unseen"), spawns) if flip.any() else None
+
+
+def check_unlinked(subject: Subject) -> str:
+    """Replace what one UAV does: as long as another hears and notices nothing of it, it must do the same."""
+    decisions = 0
+    (silent,) = subject.fly(SILENT, [FIRST])
+    for scenario, recorded in ((SILENT, silent), (TEAM, subject.alone[1])):
+        for changed in REPLACED:
+            (again,) = subject.fly(scenario, [FIRST], changed=changed)
+            found = compare(again, recorded, [n for n in range(scenario.team) if n != changed.agent])
+            decisions += found.compared
+            if found.differs is not None:
+                agent, step = found.differs
+                mend = "let pilots share nothing but messages, no list, dict or counter of the class, module or policy"
+                mend += ", and in a batched act let no row look at another" if subject.batched else ""
+                raise Differs(
+                    f"UAV {agent} chose otherwise at step {step} when only UAV {changed.agent} acted differently, of "
+                    f"which it had seen and heard nothing (radio {scenario.radio.model})",
+                    mend + shared_things(subject.policy, subject.pilot),
+                )
+    return f"{2 * len(REPLACED)} teammates replaced, {decisions} decisions: changed nothing"

@@ -1,0 +1,1 @@
+"""The grid: cell values, moves, arrays and their types, random streams, and how compiled code is made."""

@@ -1,0 +1,1 @@
+"""The world as a Gymnasium, PettingZoo or Stable-Baselines3 environment."""

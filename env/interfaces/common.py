@@ -1,0 +1,91 @@
+"""What the Gymnasium and PettingZoo faces of the world share."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+
+from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.state import End
+from indoor_explorers.env.simulation.world import World
+
+#: How faces render: in a window, or as an (h, w, 3) uint8 image.
+RENDER_MODES = ("human", "rgb_array")
+#: How a face with many episodes does: one image for each.
+VECTOR_RENDER_MODES = ("rgb_array",)
+#: Frames a second that a window shows, and that a recording is meant to be shown at.
+RENDER_FPS = 8
+#: The first seed that a reset without one never draws.
+SEED_LIMIT = 2**31
+
+
+def find_scenario(scenario: Scenario | str, settings: Mapping[str, Any] | None = None) -> Scenario:
+    """Return a scenario, the preset of that name or that of a .toml file, with dotted ``settings`` replaced.
+
+    Raises:
+        InputError: there is no such scenario or setting, or a value cannot be used.
+
+    """
+    if isinstance(scenario, str):
+        scenario = named_scenario(scenario)
+    return scenario.with_settings(settings) if settings else scenario
+
+
+def find_render_mode(render_mode: str | None, modes: Collection[str] = RENDER_MODES) -> str | None:
+    """Return the render mode, refusing unknown ones."""
+    if render_mode is not None and render_mode not in modes:
+        raise InputError(f"unknown render mode {render_mode!r}{did_you_mean(render_mode, modes)}")
+    return render_mode
+
+
+def new_world(scenario: Scenario, batch: int, index: int, threads: int = 1) -> World:
+    """Return a world in which episode 0 has begun on map ``index``, so that shapes and briefings are known."""
+    if not 0 <= index < scenario.map.count:
+        raise InputError(f"expected index to be one of the scenario's {scenario.map.count} maps, got {index}")
+    world = World(scenario, batch, threads=threads)
+    world.begin(0, 0, index=index)
+    return world
+
+
+def new_lone_world(scenario: Scenario, batch: int, index: int, threads: int = 1) -> World:
+    """Return a world like :func:`new_world` for a scenario with one UAV.
+
+    Raises:
+        InputError: the scenario has a larger team.
+
+    """
+    if scenario.team > 1:
+        raise InputError(
+            f"expected a scenario with one UAV, got {scenario.name!r} with a team of {scenario.team}; "
+            "use indoor_explorers.env.parallel_env, or settings={'team': 1}"
+        )
+    return new_world(scenario, batch, index, threads)
+
+
+def draw_seed(rng: np.random.Generator) -> int:
+    """Draw the seed of the next episode."""
+    return int(rng.integers(SEED_LIMIT))
+
+
+def is_terminated(end: int) -> bool:
+    """Tell whether an :class:`End` is the task's own (goal, collision, out of bounds, stuck)."""
+    return End.FLYING < end < End.BUDGET
+
+
+def info_of(world: World, episode: int, agent: int) -> dict[str, Any]:
+    """Return what goes beside an observation.
+
+    ``action_mask`` (5,) int8: 1 for actions that end neither in a wall nor off the map; ``coverage``: the
+    share of the denominator that the UAV knows; ``step``: steps flown; ``end``: an :class:`End`.
+    """
+    state = world.state
+    return {
+        "action_mask": state.legal[episode, agent].astype(np.int8),
+        "coverage": float(state.covered[episode, agent] / state.total[episode]),
+        "step": int(state.step[episode]),
+        "end": int(state.end[episode, agent]),
+    }

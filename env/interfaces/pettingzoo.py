@@ -1,0 +1,65 @@
+"""PettingZoo's two functions, ``parallel_env`` and ``env``; PettingZoo is imported when they are called."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.observations import Observation
+from indoor_explorers.env.scenarios.scenario import Scenario
+
+if TYPE_CHECKING:
+    from indoor_explorers.env.interfaces.pettingzoo_env import TeamEnv
+
+
+def parallel_env(
+    scenario: Scenario | str = "thesis-team-4",
+    render_mode: str | None = None,
+    observation: Observation = "channels",
+    settings: Mapping[str, Any] | None = None,
+    index: int = 0,
+) -> TeamEnv:
+    """Return a PettingZoo ``ParallelEnv`` of a scenario's team, agents ``uav_0``, ``uav_1`` and so on.
+
+    Five actions (down, left, up, right, stay). Each agent's observation comes from its own view alone. An
+    agent that ends early leaves ``agents``: goal, collision, out of bounds and stuck terminate, the step
+    budget truncates. Infos hold ``action_mask`` (5,) int8, 1 for the actions that end neither in a wall nor
+    off the map, and ``coverage``, ``step`` and ``end``, see :func:`indoor_explorers.env.interfaces.common.info_of`.
+
+    Args:
+        scenario: A scenario, the name of a preset or a .toml file.
+        render_mode: ``rgb_array``, ``human`` (a window that shows every step; extra ``render``) or None.
+        observation: Name of an encoder, or what makes one, see :mod:`indoor_explorers.env.observations`.
+        settings: Dotted settings to replace in the scenario, such as ``{"team": 3}``.
+        index: Which map of a scenario with several map files.
+
+    Raises:
+        InputError: PettingZoo is not installed, or something of these cannot be used.
+
+    """
+    _need_pettingzoo()
+    from indoor_explorers.env.interfaces.pettingzoo_env import TeamEnv
+
+    return TeamEnv(scenario, observation, render_mode, settings, index)
+
+
+def env(
+    scenario: Scenario | str = "thesis-team-4",
+    render_mode: str | None = None,
+    observation: Observation = "channels",
+    settings: Mapping[str, Any] | None = None,
+    index: int = 0,
+) -> Any:
+    """Return the same environment as a PettingZoo ``AECEnv``: agents choose in turn, then all move at once."""
+    raw = parallel_env(scenario, render_mode, observation, settings, index)
+    from pettingzoo.utils import parallel_to_aec, wrappers
+
+    return wrappers.OrderEnforcingWrapper(wrappers.AssertOutOfBoundsWrapper(parallel_to_aec(raw)))
+
+
+def _need_pettingzoo() -> None:
+    try:
+        import pettingzoo  # noqa: F401
+    except ModuleNotFoundError as error:
+        raise InputError("PettingZoo is not installed; pip install 'indoor-explorers[marl]'") from error

@@ -1,0 +1,124 @@
+"""The PettingZoo face: a team of UAVs that choose at the same time. Needs the extra ``marl``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Discrete, Space
+from gymnasium.utils.seeding import np_random
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.interfaces.common import (
+    RENDER_FPS,
+    RENDER_MODES,
+    draw_seed,
+    find_render_mode,
+    find_scenario,
+    info_of,
+    is_terminated,
+    new_world,
+)
+from indoor_explorers.env.observations import Observation, make_encoder
+from indoor_explorers.env.observations.base import Arrays
+from indoor_explorers.env.rendering.renderer import Camera
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.state import End
+
+
+class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
+    """Explore with a team; made by :func:`indoor_explorers.env.parallel_env`, which says what it takes."""
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 (declared so by the base class)
+        "name": "indoor_explorers_v0",
+        "render_modes": list(RENDER_MODES),
+        "render_fps": RENDER_FPS,
+        "is_parallelizable": True,
+    }
+
+    def __init__(
+        self,
+        scenario: Scenario | str,
+        observation: Observation,
+        render_mode: str | None,
+        settings: Mapping[str, Any] | None,
+        index: int,
+    ) -> None:
+        self.render_mode = find_render_mode(render_mode)
+        self.world = new_world(find_scenario(scenario, settings), 1, index)
+        self._camera = Camera(self.world, self.render_mode, RENDER_FPS)
+        self._index = index
+        self._rng: np.random.Generator | None = None
+        self._begun = False
+        self.possible_agents = [f"uav_{n}" for n in range(self.world.scenario.team)]
+        self.agents: list[str] = []
+        self._numbers = {agent: n for n, agent in enumerate(self.possible_agents)}
+        self._encoders = [make_encoder(observation, self.world.briefing(0, n)) for n in self._numbers.values()]
+        self._action_spaces: list[Discrete[np.int64]] = [Discrete(5) for _ in self.possible_agents]
+
+    def observation_space(self, agent: str) -> Space[Any]:
+        """Return the space of one agent's observations, the same object each time."""
+        return self._encoders[self._numbers[agent]].space
+
+    def action_space(self, agent: str) -> Discrete[np.int64]:
+        """Return the space of one agent's actions, the same object each time."""
+        return self._action_spaces[self._numbers[agent]]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Arrays], dict[str, dict[str, Any]]]:
+        """Start an episode, seed ``seed`` as ``World.reset([seed])`` does; no options are read."""
+        if self._rng is None or seed is not None:
+            self._rng = np_random(seed)[0]
+        self.world.begin(0, draw_seed(self._rng) if seed is None else seed, index=self._index)
+        self._begun = True
+        self._camera.begun(0)
+        for encoder in self._encoders:
+            encoder.reset()
+        self.agents = list(self.possible_agents)
+        return self._observations(), self._infos()
+
+    def step(
+        self, actions: Mapping[str, int]
+    ) -> tuple[dict[str, Arrays], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
+        """Fly one step; ``actions`` has one action for each of ``agents``. Those that end leave ``agents``."""
+        if not self._begun:
+            raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
+        if actions.keys() != set(self.agents):
+            raise InputError(f"expected one action for each of {self.agents}, got them for {list(actions)}")
+        chosen = np.full((1, len(self.possible_agents)), int(Action.STAY))
+        for agent, action in actions.items():
+            chosen[0, self._numbers[agent]] = action
+        self.world.step(chosen)
+        self._camera.stepped()
+        pay = self.world.state.reward[0].tolist()
+        ends = {agent: int(self.world.state.end[0, self._numbers[agent]]) for agent in self.agents}
+        result = (
+            self._observations(),
+            {agent: pay[self._numbers[agent]] for agent in self.agents},
+            {agent: is_terminated(end) for agent, end in ends.items()},
+            {agent: end == End.BUDGET for agent, end in ends.items()},
+            self._infos(),
+        )
+        self.agents = [agent for agent, end in ends.items() if end == End.FLYING]
+        return result
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return an (h, w, 3) uint8 picture of the episode, of the same size for every step, or show it."""
+        return self._camera.render()
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._camera.close()
+
+    def _observations(self) -> dict[str, Arrays]:
+        numbers = ((agent, self._numbers[agent]) for agent in self.agents)
+        return {agent: self._encoders[n].observation(self.world.view(0, n)) for agent, n in numbers}
+
+    def _infos(self) -> dict[str, dict[str, Any]]:
+        return {agent: info_of(self.world, 0, self._numbers[agent]) for agent in self.agents}

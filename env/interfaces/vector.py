@@ -1,0 +1,228 @@
+"""The vectorised Gymnasium face: many lone UAVs, each in its own episode, in one batched world."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Discrete
+from gymnasium.utils.seeding import np_random
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space, create_empty_array
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.interfaces.common import (
+    RENDER_FPS,
+    VECTOR_RENDER_MODES,
+    draw_seed,
+    find_render_mode,
+    find_scenario,
+    new_lone_world,
+)
+from indoor_explorers.env.observations import Observation, Views
+from indoor_explorers.env.observations.base import Arrays, copy_of, row_of
+from indoor_explorers.env.observations.batched import Lanes
+from indoor_explorers.env.observations.incremental import LivePlanes
+from indoor_explorers.env.observations.planes import ChannelsEncoder
+from indoor_explorers.env.rendering.renderer import Camera
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.state import End
+
+Seeds = int | Sequence[int | None] | None
+
+
+class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArray[Any]]):
+    """Explore in ``num_envs`` episodes at once.
+
+    Each is flown just as by :class:`~indoor_explorers.env.interfaces.gymnasium_env.IndoorExplorersEnv`.
+
+    Autoreset is one of Gymnasium's modes. ``NEXT_STEP``: the step after an episode's last one ignores its action,
+    pays nothing and returns the first observation of its next episode. ``SAME_STEP``: the last step returns it,
+    and infos hold the last observation and info as ``final_obs`` and ``final_info``. ``DISABLED``: whoever steps
+    resets what ended, with ``options["reset_mask"]``.
+
+    An integer seed ``s`` seeds the episodes with ``s``, ``s + 1`` and so on; a sequence seeds each; every
+    environment then draws its later episodes from a generator of its own, as the single environment does. Infos
+    hold arrays (B, ...) of what the single environment's hold, each with the mask ``_key`` that Gymnasium asks for.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 (declared so by the base class)
+        "render_modes": list(VECTOR_RENDER_MODES),
+        "render_fps": RENDER_FPS,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        scenario: Scenario | str = "thesis-obstacles",
+        observation: Observation = "channels",
+        render_mode: str | None = None,
+        settings: Mapping[str, Any] | None = None,
+        index: int = 0,
+        copy: bool = True,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        threads: int = 1,
+        first_seed: int = 0,
+    ) -> None:
+        """Prepare ``num_envs`` episodes, shared out among ``threads``; the rest as for the single environment.
+
+        Episodes that draw their seeds draw them from ``first_seed`` on, to keep a training's apart from others.
+        """
+        if num_envs < 1:
+            raise InputError(f"expected num_envs to be at least 1, got {num_envs}")
+        self.num_envs = num_envs
+        self.render_mode = find_render_mode(render_mode, VECTOR_RENDER_MODES)
+        self.world = new_lone_world(find_scenario(scenario, settings), num_envs, index, threads)
+        self._camera = Camera(self.world, self.render_mode, RENDER_FPS)
+        self.metadata = self.metadata | {"autoreset_mode": _find_mode(autoreset_mode)}
+        self._lanes = Lanes(observation, self.world.briefing(0, 0), num_envs)
+        self._index = index
+        self._first_seed = first_seed
+        self._copy = copy
+        self._generators: list[np.random.Generator | None] = [None] * num_envs
+        self._begun = np.zeros(num_envs, np.bool_)
+        self._over = np.zeros(num_envs, np.bool_)
+        self.single_observation_space = self._lanes.space
+        self.single_action_space = Discrete(5)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        shared = self._lanes.shared
+        self._live = LivePlanes(self.world, shared.planes) if isinstance(shared, ChannelsEncoder) else None
+        self._observed: Any = create_empty_array(self.single_observation_space, num_envs)
+        if self._live is not None:
+            self._observed = self._live.planes[:, 0]
+
+    def reset(self, *, seed: Seeds = None, options: dict[str, Any] | None = None) -> tuple[Arrays, dict[str, Any]]:
+        """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``."""
+        seeds = self._spread(seed)
+        chosen = self._chosen(options)
+        self._begin(np.flatnonzero(chosen).tolist(), seeds)
+        self._begun |= chosen
+        self._over &= ~chosen
+        self._observe(chosen)
+        return self._given(), self._infos(chosen)
+
+    def step(self, actions: NDArray[np.integer[Any]]) -> tuple[Arrays, NDArray[np.float64], Mask, Mask, dict[str, Any]]:
+        """Fly one step in every episode, or start the next one, as the autoreset mode has it."""
+        if not self._begun.all():
+            raise ResetNeeded("expected episodes to step in, got a new environment; call reset first")
+        mode = self.metadata["autoreset_mode"]
+        if mode is AutoresetMode.DISABLED and self._over.any():
+            raise ResetNeeded("expected episodes that go on, got some that have ended; reset them with reset_mask")
+        self.world.step(np.asarray(actions)[..., None])  # nothing happens in an episode that is over
+        self._camera.stepped()
+        self._begin(np.flatnonzero(self._over).tolist(), [None] * self.num_envs)
+        end = self.world.state.end[:, 0].copy()
+        reward = self.world.state.reward[:, 0].copy()
+        self._over = over = end != End.FLYING
+        everywhere = np.ones(self.num_envs, np.bool_)
+        self._observe(everywhere)
+        last = self._start_anew(over) if mode is AutoresetMode.SAME_STEP and over.any() else {}
+        truncated = end == End.BUDGET
+        return self._given(), reward, over & ~truncated, truncated, last | self._infos(everywhere)
+
+    def action_masks(self) -> Mask:
+        """Return the (B, 5) bool mask of legal moves."""
+        return self.world.state.legal[:, 0].copy()
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:  # type: ignore[override]  # base: a free type variable
+        """Return one picture for each episode, as the single environment renders it."""
+        if self.render_mode is None:
+            return None
+        if not self._begun.all():
+            raise ResetNeeded("expected episodes to render, got a new environment; call reset first")
+        return tuple(self._camera.picture(b) for b in range(self.num_envs))
+
+    def _spread(self, seed: Seeds) -> Sequence[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, int | np.integer):
+            return [int(seed) + b for b in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise InputError(f"expected one seed for each of {self.num_envs} environments, got {len(seed)}")
+        return [None if one is None else int(one) for one in seed]
+
+    def _chosen(self, options: dict[str, Any] | None) -> Mask:
+        mask = np.asarray((options or {}).get("reset_mask", np.ones(self.num_envs, np.bool_)))
+        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_:
+            raise InputError(f"expected a bool reset_mask of shape {(self.num_envs,)}, got {mask.dtype} {mask.shape}")
+        return mask
+
+    def _begin(self, episodes: Sequence[int], seeds: Sequence[int | None]) -> None:
+        """Start episodes, seeding their environments first where a seed is given."""
+        self.world.restart(episodes, [self._next_seed(b, seeds[b]) for b in episodes], index=self._index)
+        for b in episodes:
+            self._camera.begun(b)
+            self._lanes.begin(b)
+
+    def _next_seed(self, b: int, seed: int | None) -> int:
+        rng = self._generators[b]
+        if rng is None or seed is not None:
+            rng = self._generators[b] = np_random(draw_seed(self.np_random) if seed is None else seed)[0]
+        return self._first_seed + draw_seed(rng) if seed is None else seed
+
+    def _start_anew(self, over: Mask) -> dict[str, Any]:
+        """Start the next episode where one is over; return the infos that tell how the last one ended."""
+        final_obs, final_info = np.full(self.num_envs, None, object), self._infos(over)
+        episodes = np.flatnonzero(over).tolist()
+        for b in episodes:
+            final_obs[b] = copy_of(row_of(self._observed, b))
+        self._begin(episodes, [None] * self.num_envs)
+        self._observe(over)
+        self._over = np.zeros(self.num_envs, np.bool_)
+        return {"final_obs": final_obs, "_final_obs": over, "final_info": final_info, "_final_info": over.copy()}
+
+    def _observe(self, chosen: Mask) -> None:
+        """Encode what the chosen episodes' UAVs know."""
+        if self._live is not None:
+            self._live.update()
+        elif chosen.all():
+            self._lanes.encode(self._views(), self._observed)
+        else:
+            views = self._views()
+            for b in np.flatnonzero(chosen).tolist():
+                self._lanes.encode_lane(b, views, self._observed)
+
+    def _views(self) -> Views:
+        state = self.world.state
+        arrays = state.belief, state.cell, state.legal, state.visited
+        belief, cell, legal, visited = (_read_only(array[:, 0]) for array in arrays)
+        return Views(belief, cell, legal, state.step, state.budget, visited)
+
+    def _given(self) -> Arrays:
+        observed: Arrays = copy_of(self._observed) if self._copy else self._observed
+        return observed
+
+    def _infos(self, present: Mask) -> dict[str, Any]:
+        """Return the infos of the episodes that ``present`` marks, zeros for the others."""
+        state = self.world.state
+        infos: dict[str, Any] = {
+            "action_mask": state.legal[:, 0].astype(np.int8),
+            "coverage": state.covered[:, 0] / np.maximum(state.total, 1),
+            "step": state.step.copy(),
+            "end": state.end[:, 0].astype(np.int64),
+        }
+        if not present.all():
+            for array in infos.values():
+                array[~present] = 0
+        return infos | {f"_{key}": present.copy() for key in infos}
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    array.setflags(write=False)  # a slice of its own; the state's array stays as it is
+    return array
+
+
+def _find_mode(mode: AutoresetMode | str) -> AutoresetMode:
+    """Return an autoreset mode, found by its name or value."""
+    if isinstance(mode, AutoresetMode):
+        return mode
+    names = AutoresetMode.__members__ | {member.value: member for member in AutoresetMode}
+    if mode not in names:
+        raise InputError(f"unknown autoreset mode {mode!r}{did_you_mean(str(mode), AutoresetMode.__members__)}")
+    return names[mode]

@@ -1,0 +1,118 @@
+"""Pictures of maps: grey levels and colours from PNG, PGM and BMP files, however broken or hostile the file is."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, UnidentifiedImageError
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.maps.readers.opening import Fits, check_file, one_line
+
+#: The most pixels a picture may have (6,000 x 6,000), so that it is never decoded into trouble with memory.
+MAX_PIXELS = 36_000_000
+
+#: The most bytes of a PNM picture in text (P1 to P3), and the most comments in it.
+MAX_TEXT, MAX_COMMENTS = 10_000_000, 1_000
+#: The most bytes of the header of a PNM picture; real ones have about 100.
+MAX_HEADER = 10_000
+
+_FORMATS = ("PNG", "PPM", "BMP")
+_DEEP = ("I", "I;16", "I;16B", "I;16L", "I;16N")
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Hold a decoded picture."""
+
+    channels: NDArray[np.uint8]
+    """(H, W, 1) grey or (H, W, 3) red, green and blue; 16-bit files are cut to their upper 8 bits."""
+    opaque: Mask | None
+    """(H, W) bool: pixels without transparency; None when the file has no alpha channel."""
+
+    def luminance(self) -> NDArray[np.float32]:
+        """Return the (H, W) luminance (ITU-R 601), 0 to 255; alpha is ignored."""
+        if self.channels.shape[2] == 1:
+            return self.channels[..., 0].astype(np.float32)
+        out = self.channels[..., 0] * np.float32(299)
+        out += self.channels[..., 1] * np.float32(587)  # whole numbers below 2**24: exact in any order
+        out += self.channels[..., 2] * np.float32(114)
+        out /= np.float32(1000)
+        return out
+
+
+def read_picture(path: Path, fits: Fits | None = None, metres: float = 1.0) -> Picture:
+    """Decode a PNG, PGM (PNM) or BMP file of at most :data:`MAX_PIXELS` pixels.
+
+    ``fits`` is asked about its size, at ``metres`` a pixel, before any pixel is decoded.
+
+    Raises :class:`InputError` with one line for a file that is missing, truncated, too large or no picture.
+    """
+    check_file(path)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            _check_pnm(path)
+            return _decode(path, fits, metres)
+    except InputError:
+        raise
+    except UnidentifiedImageError as error:
+        received = "an empty file" if path.stat().st_size == 0 else "a file of another kind, or a broken header"
+        raise InputError(f"{path}: expected a PNG, PGM or BMP picture, got {received}; save it again") from error
+    except Image.DecompressionBombError as error:
+        raise InputError(f"{path}: expected at most {MAX_PIXELS:,} pixels, got far more; scale it down") from error
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be read: {error.strerror or one_line(error)}; check or save it again"
+        ) from error
+    except Exception as error:  # on broken files Pillow's decoders raise whatever their parsing trips over
+        raise InputError(f"{path}: expected a whole picture, got a broken one: {one_line(error)}; save it") from error
+
+
+def _check_pnm(path: Path) -> None:
+    """Raise for a PNM picture whose header or text Pillow, which reads them byte by byte, would take minutes over."""
+    with path.open("rb") as file:
+        head = file.read(MAX_HEADER)
+        words = re.sub(rb"#[^\r\n]*", b"", head).split(maxsplit=4)
+        kind = words[0] if head.startswith(b"P") and words else b""
+        if len(words) < (3 if kind in (b"P1", b"P4") else 4) and kind and len(head) == MAX_HEADER:
+            raise InputError(
+                f"{path}: expected a header of at most {MAX_HEADER:,} bytes, got a longer one; save it again"
+            )
+        if kind not in (b"P1", b"P2", b"P3"):
+            return
+        text = head + file.read(MAX_TEXT)
+    if len(text) > MAX_TEXT:
+        raise InputError(f"{path}: expected at most {MAX_TEXT:,} bytes of text, got more; save it as a binary picture")
+    if text.count(b"#") > MAX_COMMENTS:
+        raise InputError(f"{path}: expected at most {MAX_COMMENTS:,} comments, got more; save it without them")
+
+
+def _decode(path: Path, fits: Fits | None, metres: float) -> Picture:
+    with Image.open(path, formats=_FORMATS) as image:
+        width, height = image.size
+        if width * height > MAX_PIXELS:
+            raise InputError(
+                f"{path}: expected at most {MAX_PIXELS:,} pixels, got {height:,} x {width:,}; scale it down"
+            )
+        if fits is not None:
+            fits((height, width), metres)
+        if image.mode in _DEEP:
+            return Picture((np.asarray(image) >> 8).clip(0, 255).astype(np.uint8)[..., None], None)
+        if image.mode in ("1", "L"):
+            return Picture(np.asarray(image.convert("L"))[..., None], None)
+        if image.mode == "LA":
+            return _split(np.asarray(image))
+        if image.has_transparency_data:
+            return _split(np.asarray(image.convert("RGBA")))
+        return Picture(np.asarray(image.convert("RGB")), None)
+
+
+def _split(pixels: NDArray[np.uint8]) -> Picture:
+    return Picture(pixels[..., :-1], np.asarray(pixels[..., -1] == 255))

@@ -1,0 +1,118 @@
+"""Maps saved with ``numpy.save``: masks, occupancy grids and occupancy probabilities.
+
+Format: https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html.
+"""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.maps.readers.image import MAX_PIXELS
+from indoor_explorers.env.maps.readers.opening import Fits, check_file, one_line
+
+#: Occupancies between these are unknown, as map_server's are by default.
+FREE_BELOW, OCCUPIED_ABOVE = 0.196, 0.65
+
+#: The most bytes of a header; numpy reads no longer ones either, but makes room for what they promise first.
+MAX_HEADER = 10_000
+
+_HEADERS = {(1, 0): (npy.read_array_header_1_0, 2), (2, 0): (npy.read_array_header_2_0, 4)}
+"""How to read the header of each version, and the bytes that hold its length."""
+
+
+def read_npy(path: Path, fits: Fits | None = None) -> Belief:
+    """Read a ``.npy`` array as (H, W) uint8 cells (0 unknown, 1 free, 2 occupied).
+
+    - bool and unsigned integers: 0 is free, all else occupied;
+    - signed integers: 0 is free, -1 unknown, all else occupied; but where the largest value is from 66 to 100, the
+      values are occupancies in percent, as in ROS's ``nav_msgs/OccupancyGrid``;
+    - floats: occupancies from 0 to 1, or -1 for unknown.
+
+    An occupancy is free below :data:`FREE_BELOW`, occupied above :data:`OCCUPIED_ABOVE` and unknown between.
+    ``fits`` is asked about the size, an element counting as a metre, before the data is read.
+
+    Raises :class:`InputError` with one line for whatever is wrong with the file. Nothing is ever unpickled.
+    """
+    check_file(path)
+    try:
+        with warnings.catch_warnings(), path.open("rb") as file:
+            warnings.simplefilter("ignore")
+            shape, dtype = _parse_header(path, file)
+            _check(path, shape, dtype)
+            if fits is not None:
+                fits((shape[0], shape[1]), 1.0)
+            file.seek(0)
+            array = np.load(file, allow_pickle=False)
+    except InputError:
+        raise
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror or one_line(error)}; check it") from error
+    except Exception as error:  # numpy's header parser raises whatever broken input trips it over
+        raise InputError(f"{path}: expected a file of numpy.save, got {one_line(error)}; save it again") from error
+    return occupancy(path, array)
+
+
+def _parse_header(path: Path, file: BinaryIO) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Return shape and type of the array, whose data the file really holds."""
+    version = npy.read_magic(file)
+    if version not in _HEADERS:
+        raise InputError(f"{path}: expected numpy's format 1.0 or 2.0, got {version[0]}.{version[1]}; save it again")
+    read, length = _HEADERS[version]
+    start = file.tell()
+    if (size := int.from_bytes(file.read(length), "little")) > MAX_HEADER:
+        raise InputError(f"{path}: expected a header of at most {MAX_HEADER:,} bytes, got {size:,}; save it again")
+    file.seek(start)
+    shape, _, dtype = read(file)
+    promised, held = dtype.itemsize, path.stat().st_size - file.tell()
+    for side in shape:
+        promised *= side
+    if not dtype.hasobject and promised > held:
+        text = f"{promised:,} bytes" if promised < 10**15 else "far more"
+        raise InputError(f"{path}: expected {text} of data, got {held:,}; the file is truncated")
+    return shape, dtype
+
+
+def _check(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> None:
+    """Raise unless the array is a grid of numbers of a bearable size."""
+    if dtype.kind not in "biuf":
+        raise InputError(f"{path}: expected bools, integers or floats, got {str(dtype)[:40]}; save one of these")
+    if len(shape) != 2 or min(shape) < 1:
+        raise InputError(f"{path}: expected rows and columns, got an array of shape {str(shape)[:60]}; save one map")
+    if shape[0] * shape[1] > MAX_PIXELS:
+        raise InputError(f"{path}: expected at most {MAX_PIXELS:,} cells, got {shape[0]:,} x {shape[1]:,}; scale it")
+
+
+def occupancy(path: Path, values: NDArray[Any]) -> Belief:
+    """Classify an (H, W) array of numbers as :func:`read_npy` says; ``path`` names it in errors."""
+    kind = values.dtype.kind
+    if kind in "bu":
+        return np.where(values == 0, FREE, OCCUPIED).astype(np.uint8)
+    unknown = values == -1
+    if kind == "i":
+        if (wrong := values < -1).any():
+            raise InputError(f"{path}: expected -1 for unknown and no lower value, got {_first(values, wrong)}")
+        if not OCCUPIED_ABOVE * 100 < values.max() <= 100:
+            return np.where(unknown, UNKNOWN, np.where(values == 0, FREE, OCCUPIED)).astype(np.uint8)
+        share = values / 100.0
+    else:
+        share = values
+        if (wrong := ~unknown & ~((values >= 0) & (values <= 1))).any():
+            raise InputError(
+                f"{path}: expected occupancies from 0 to 1, or -1 for unknown, got {_first(values, wrong)}; replace it"
+            )
+    known = np.where(share < FREE_BELOW, FREE, np.where(share > OCCUPIED_ABOVE, OCCUPIED, UNKNOWN))
+    return np.where(unknown, UNKNOWN, known).astype(np.uint8)
+
+
+def _first(values: NDArray[Any], wrong: NDArray[np.bool_]) -> str:
+    row, col = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
+    return f"{values[row, col]} in row {row}, column {col}"

@@ -1,0 +1,52 @@
+"""Observation encoders: what ONE UAV knows, as arrays for a learner.
+
+An encoder reads a :class:`~indoor_explorers.env.policies.view.View`, and the briefing that it was made with, and
+nothing else. An observation is chosen by name:
+
+- ``channels``: all the planes of :data:`PLANES`, (7, H, W) uint8;
+- some of them joined by ``+``, such as ``free+obstacle+self``, in that order;
+- ``thesis``: the image of the thesis, (H, W) float32;
+- ``egocentric``: a dict of a crop around the UAV, a coarse map of the whole and a few numbers, whose shapes are
+  the same on maps of any size; ``egocentric-flat``: the same as one vector;
+
+or by an object with parameters: :class:`Channels`, :class:`Crop`, :class:`Coarse`, :class:`Status`,
+:class:`Egocentric`, and, made of others or of their names, :class:`Parts`, :class:`Masked`, :class:`Flat` and
+:class:`Stacked`, such as ``Flat(Stacked(Egocentric(side=21), 4))``. Those are plain data: they can be pickled
+and compared. Anything else that takes a briefing and returns an :class:`Encoder` serves as well.
+"""
+
+from indoor_explorers.env.observations.base import Encoder, Observation, Views
+from indoor_explorers.env.observations.coarse import Coarse
+from indoor_explorers.env.observations.crop import Crop
+from indoor_explorers.env.observations.factories import (
+    OBSERVATIONS,
+    Egocentric,
+    Flat,
+    Masked,
+    Parts,
+    Stacked,
+    make_encoder,
+)
+from indoor_explorers.env.observations.planes import PLANES, Channels, ThesisImage
+from indoor_explorers.env.observations.status import STATUS, Legal, Status
+
+__all__ = [
+    "OBSERVATIONS",
+    "PLANES",
+    "STATUS",
+    "Channels",
+    "Coarse",
+    "Crop",
+    "Egocentric",
+    "Encoder",
+    "Flat",
+    "Legal",
+    "Masked",
+    "Observation",
+    "Parts",
+    "Stacked",
+    "Status",
+    "ThesisImage",
+    "Views",
+    "make_encoder",
+]

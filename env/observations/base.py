@@ -1,0 +1,98 @@
+"""What an encoder is: one UAV's view in, arrays of a Gymnasium space out."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, TypeAlias, cast
+
+import numpy as np
+from gymnasium.spaces import Box, Dict, Space
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.policies.view import Briefing, View
+
+#: An observation: an array, or named arrays.
+Arrays: TypeAlias = NDArray[Any] | dict[str, NDArray[Any]]
+
+
+class Views(NamedTuple):
+    """What UAVs that fly alone know, one in each of B episodes: the fields of a view with a leading axis."""
+
+    belief: NDArray[np.uint8]
+    """(B, H, W)."""
+    cell: NDArray[np.int64]
+    """(B, 2)."""
+    legal: Mask
+    """(B, 5)."""
+    step: NDArray[np.int64]
+    """(B,)."""
+    budget: NDArray[np.int64]
+    """(B,)."""
+    visited: Mask
+    """(B, H, W)."""
+
+    def view(self, b: int) -> View:
+        """Return one of them."""
+        row, col = self.cell[b].tolist()
+        step, budget = int(self.step[b]), int(self.budget[b])
+        return View(self.belief[b], (row, col), self.legal[b], step, budget, (), self.visited[b])
+
+
+class Encoder(ABC):
+    """Turn one UAV's view into an observation. Made for one UAV; reads its view and its briefing, nothing else.
+
+    An encoder is asked once a step, and :meth:`reset` before each episode's first view; between those it may
+    remember what it was shown. One that remembers nothing says so with ``stateless = True``, and then one
+    encoder serves all episodes of a batch; otherwise each episode has an encoder of its own.
+    """
+
+    #: What :meth:`encode` fills, a Box or a Dict of them; the same object for the encoder's whole life.
+    space: Space[Any]
+    #: Whether nothing that was shown before matters.
+    stateless: bool = False
+
+    @abstractmethod
+    def encode(self, view: View, out: Any) -> None:
+        """Overwrite all of ``out``: an array of the space's shape and dtype, or a dict of such arrays."""
+
+    def encode_batch(self, views: Views, out: Any) -> None:
+        """Overwrite ``out``, arrays (B, ...), from B views. Only for encoders without memory."""
+        for b in range(len(views.cell)):
+            self.encode(views.view(b), row_of(out, b))
+
+    def reset(self) -> None:  # noqa: B027 (most have nothing to forget)
+        """Forget the episode before."""
+
+    def observation(self, view: View) -> Any:
+        """Return the encoded view in new arrays."""
+        out = empty(self.space)
+        self.encode(view, out)
+        return out
+
+
+#: How an observation is chosen: by name, or by what makes an encoder for a briefing.
+Observation: TypeAlias = str | Callable[[Briefing], Encoder]
+
+
+def boxes_of(space: Space[Any]) -> dict[str, Box]:
+    """Return the Boxes of a Dict by name, in the space's order, or a Box under the name ``""``."""
+    return cast(dict[str, Box], space.spaces if isinstance(space, Dict) else {"": space})
+
+
+def empty(space: Space[Any], *lead: int) -> Any:
+    """Return new arrays of shape ``lead`` and then the space's, a Box or a Dict of Boxes, not filled."""
+    if isinstance(space, Dict):
+        return {name: np.empty((*lead, *(box.shape or ())), box.dtype) for name, box in space.spaces.items()}
+    return np.empty((*lead, *(space.shape or ())), space.dtype)
+
+
+def row_of(arrays: Any, b: int) -> Any:
+    """Return entry ``b`` of arrays (B, ...), sharing their memory."""
+    return {name: array[b] for name, array in arrays.items()} if isinstance(arrays, Mapping) else arrays[b]
+
+
+def copy_of(arrays: Any) -> Any:
+    """Return a copy of an array or of a dict of arrays."""
+    return {name: array.copy() for name, array in arrays.items()} if isinstance(arrays, Mapping) else arrays.copy()

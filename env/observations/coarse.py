@@ -1,0 +1,139 @@
+"""The whole map, coarsely: a grid of zones of the same shape on any map, around the UAV or over the map.
+
+Zones are those of adaptive average pooling: zone i of n along an axis of L cells reaches from floor(i L / n) to
+ceil((i + 1) L / n), so that neighbours share a row of cells where n does not divide L, and zones of a map smaller
+than the grid are single cells. Around the UAV, L is 2 H - 1 (2 W - 1), the least that holds the map wherever in it
+the UAV is (Theile et al. 2020, arXiv:2010.06917, centre their global map the same way).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.cells import OCCUPIED
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.observations.base import Encoder, Views
+from indoor_explorers.env.observations.planes import FULL, MATES, SELF, codes_of, freshness, paint
+from indoor_explorers.env.policies.view import Briefing, View
+
+#: Planes of a coarse map unless others are asked for.
+SHARES = ("unknown", "free", "frontier")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coarse:
+    """The share of each zone that is of each plane, (C, zones, zones) float32, 0 to 1.
+
+    What is off the map is an obstacle. ``self`` and ``mates`` mark the zones that they are in with no share but
+    their full value, teammates with less as the news of them grows old.
+    """
+
+    zones: int = 12
+    """Zones along a side."""
+    planes: Sequence[str] = SHARES
+    """Which of :data:`indoor_explorers.env.observations.PLANES`, in which order."""
+    centred: bool = True
+    """Whether the zones lie around the UAV; else they lie over the map."""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.zones, int) or self.zones < 1:
+            raise InputError(f"expected zones to be a number from 1 such as 12, got {self.zones!r}")
+        codes_of(self.planes)
+
+    def __call__(self, briefing: Briefing) -> CoarseEncoder:
+        """Make the encoder of one UAV."""
+        return CoarseEncoder(self)
+
+
+class CoarseEncoder(Encoder):
+    """Encode a :class:`Coarse` map."""
+
+    stateless = True
+
+    def __init__(self, recipe: Coarse) -> None:
+        self.space = Box(0.0, 1.0, (len(recipe.planes), recipe.zones, recipe.zones), np.float32)
+        self._centred = recipe.centred
+        self._codes = codes_of(recipe.planes)
+        self._mates = np.flatnonzero(self._codes == MATES).tolist()
+
+    def encode(self, view: View, out: NDArray[np.float32]) -> None:
+        """Pool one view."""
+        row, col = view.cell
+        _pool(view.belief, view.visited, row, col, self._centred, self._codes, out)
+        if self._mates and view.mates:
+            height, width = view.belief.shape
+            rows, cols = (_edges(out.shape[1], *axis, self._centred) for axis in ((height, row), (width, col)))
+            for k in self._mates:
+                for mate in view.mates:
+                    _mark(rows, cols, *mate.cell, freshness(mate) / FULL, out[k])
+
+    def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
+        """Pool the views of UAVs that fly alone."""
+        _pool_all(views.belief, views.visited, views.cell, self._centred, self._codes, out)
+
+
+@kernel()
+def _edges(zones: int, cells: int, at: int, centred: bool) -> np.ndarray:
+    """Return (zones, 2): the first cell of each zone of an axis of ``cells`` cells, and the one behind its last."""
+    span, first = (2 * cells - 1, at - cells + 1) if centred else (cells, 0)
+    edges = np.empty((zones, 2), np.int64)
+    for i in range(zones):
+        edges[i, 0] = first + i * span // zones
+        edges[i, 1] = first + ((i + 1) * span + zones - 1) // zones
+    return edges
+
+
+@kernel(error_model="numpy")
+def _pool(
+    belief: np.ndarray, visited: np.ndarray, row: int, col: int, centred: bool, codes: np.ndarray, out: np.ndarray
+) -> None:
+    """Fill planes ``out`` (C, Z, Z) float32 with shares of the kinds ``codes`` (C,), that of teammates with zeros."""
+    height, width = belief.shape
+    rows, cols = _edges(out.shape[1], height, row, centred), _edges(out.shape[2], width, col, centred)
+    painted = np.empty((codes.shape[0], height, width), np.uint8)
+    paint(belief, visited, row, col, codes, painted)
+    column = np.empty(width, np.int32)
+    for k in range(codes.shape[0]):
+        outside = FULL if codes[k] == OCCUPIED else 0
+        for i in range(out.shape[1]):
+            top, bottom = max(rows[i, 0], 0), min(rows[i, 1], height)
+            if top >= bottom:
+                out[k, i] = outside / FULL
+                continue
+            column[:] = 0
+            for r in range(top, bottom):
+                cells = painted[k, r]
+                for c in range(width):
+                    column[c] += cells[c]
+            for j in range(out.shape[2]):
+                left, right = max(cols[j, 0], 0), min(cols[j, 1], width)
+                area = (rows[i, 1] - rows[i, 0]) * (cols[j, 1] - cols[j, 0])
+                total = outside * (area - (bottom - top) * max(right - left, 0))
+                for c in range(left, right):
+                    total += column[c]
+                out[k, i, j] = total / (FULL * area)
+        if codes[k] == SELF:
+            out[k] = np.ceil(out[k])
+
+
+@kernel()
+def _mark(rows: np.ndarray, cols: np.ndarray, row: int, col: int, level: float, plane: np.ndarray) -> None:
+    """Raise to ``level`` the zones of ``plane`` (Z, Z) that hold the cell (row, col)."""
+    for i in range(plane.shape[0]):
+        for j in range(plane.shape[1]):
+            if rows[i, 0] <= row < rows[i, 1] and cols[j, 0] <= col < cols[j, 1]:
+                plane[i, j] = max(plane[i, j], level)
+
+
+@kernel()
+def _pool_all(
+    belief: np.ndarray, visited: np.ndarray, cell: np.ndarray, centred: bool, codes: np.ndarray, out: np.ndarray
+) -> None:
+    for b in range(belief.shape[0]):
+        _pool(belief[b], visited[b], cell[b, 0], cell[b, 1], centred, codes, out[b])

@@ -1,0 +1,148 @@
+"""Observations by name, and those that are made of others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.observations.base import Encoder, Observation
+from indoor_explorers.env.observations.coarse import Coarse
+from indoor_explorers.env.observations.crop import NEARBY, Crop
+from indoor_explorers.env.observations.planes import PLANES, Channels, ThesisImage
+from indoor_explorers.env.observations.status import Legal, Status
+from indoor_explorers.env.observations.wrappers import FlatEncoder, PartsEncoder, StackedEncoder
+from indoor_explorers.env.policies.view import Briefing
+
+#: Name of the action mask among the parts of an observation.
+MASK = "action_mask"
+
+
+@dataclass(frozen=True)
+class Parts:
+    """A dict observation of named observations; those that are dicts themselves add their own names."""
+
+    of: Mapping[str, Observation]
+    """Name and observation of each part."""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.of, Mapping) or not self.of:
+            raise InputError(f"expected a mapping of names to observations, got {self.of!r}")
+
+    def __call__(self, briefing: Briefing) -> PartsEncoder:
+        """Make the encoder of one UAV."""
+        return PartsEncoder({name: make_encoder(part, briefing) for name, part in self.of.items()})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Egocentric:
+    """A dict observation whose shapes are the same on maps of any size, for teams of any size.
+
+    Its parts are ``crop``, ``coarse`` and ``status``: see :class:`Crop`, :class:`Coarse` and :class:`Status`.
+    """
+
+    side: int = 15
+    """Cells along a side of the crop; odd."""
+    planes: tuple[str, ...] = NEARBY
+    """Planes of the crop."""
+    zones: int = 12
+    """Zones along a side of the coarse map."""
+    centred: bool = True
+    """Whether the coarse map lies around the UAV; else it lies over the map."""
+
+    def __post_init__(self) -> None:
+        self._parts()
+
+    def __call__(self, briefing: Briefing) -> PartsEncoder:
+        """Make the encoder of one UAV."""
+        return self._parts()(briefing)
+
+    def _parts(self) -> Parts:
+        crop = Crop(side=self.side, planes=self.planes)
+        return Parts({"coarse": Coarse(zones=self.zones, centred=self.centred), "crop": crop, "status": Status()})
+
+
+@dataclass(frozen=True)
+class Masked:
+    """A dict observation with the action mask in it, beside the observation or beside its parts."""
+
+    of: Observation
+    """The observation without a mask."""
+    name: str = "observation"
+    """What to call it when it is no dict: PettingZoo says ``observation``, RLlib's masking ``observations``."""
+
+    def __call__(self, briefing: Briefing) -> PartsEncoder:
+        """Make the encoder of one UAV."""
+        return Parts({self.name: self.of, MASK: Legal()})(briefing)
+
+
+@dataclass(frozen=True)
+class Flat:
+    """One float32 vector of all the numbers of an observation, bytes scaled to 0 to 1."""
+
+    of: Observation
+    """The observation to flatten."""
+
+    def __call__(self, briefing: Briefing) -> FlatEncoder:
+        """Make the encoder of one UAV."""
+        return FlatEncoder(make_encoder(self.of, briefing))
+
+
+@dataclass(frozen=True)
+class Stacked:
+    """The last few observations of an episode, oldest first, see :class:`StackedEncoder`."""
+
+    of: Observation
+    """The observation to remember."""
+    depth: int = 4
+    """How many of them."""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.depth, int) or self.depth < 1:
+            raise InputError(f"expected depth to be a number of observations from 1, got {self.depth!r}")
+
+    def __call__(self, briefing: Briefing) -> StackedEncoder:
+        """Make the encoder of one UAV."""
+        inner = make_encoder(self.of, briefing)
+        if MASK in getattr(inner.space, "spaces", ()):
+            raise InputError(
+                "expected an observation without a mask to stack, got a masked one; use Masked(Stacked(...))"
+            )
+        return StackedEncoder(inner, self.depth)
+
+
+#: Observations by name.
+OBSERVATIONS: Mapping[str, Callable[[Briefing], Encoder]] = {
+    "channels": Channels(),
+    "thesis": ThesisImage(),
+    "egocentric": Egocentric(),
+    "egocentric-flat": Flat(Egocentric()),
+}
+
+
+def make_encoder(observation: Observation, briefing: Briefing) -> Encoder:
+    """Return the encoder of that name, or what a given function makes, for one UAV.
+
+    Raises:
+        InputError: no observation or plane has that name, or it is neither a name nor makes an encoder.
+
+    """
+    if not isinstance(observation, str):
+        return _made(observation, briefing)
+    if observation in OBSERVATIONS:
+        return OBSERVATIONS[observation](briefing)
+    planes = observation.split("+")
+    for plane in planes:
+        if plane not in PLANES:
+            known = PLANES if len(planes) > 1 else (*OBSERVATIONS, *PLANES)
+            raise InputError(f"unknown observation {plane!r}{did_you_mean(plane, known)}")
+    return Channels(planes=planes)(briefing)
+
+
+def _made(recipe: Callable[[Briefing], Encoder], briefing: Briefing) -> Encoder:
+    encoder = recipe(briefing) if callable(recipe) else None
+    if not isinstance(encoder, Encoder):
+        raise InputError(
+            f"expected a name, or what makes an Encoder from a briefing such as Egocentric(side=21), got {recipe!r}"
+        )
+    return encoder

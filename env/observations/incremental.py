@@ -1,0 +1,159 @@
+"""The planes of ``channels`` for a whole batch, kept up to date in place: a step paints what it changed.
+
+A world's journals say which cells became known, so that an observation costs what is new and not the map.
+The planes are those of :mod:`indoor_explorers.env.observations.planes`, cell for cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, touches_unknown
+from indoor_explorers.env.grid.compiled import inner, kernel
+from indoor_explorers.env.observations.planes import FRONTIER, FULL, MATES, PLANES, SELF, VISITED, codes_of
+from indoor_explorers.env.simulation.engine import Engine
+from indoor_explorers.env.simulation.state import State
+from indoor_explorers.env.simulation.world import World
+
+
+class Painted(NamedTuple):
+    """What the planes show so far."""
+
+    planes: NDArray[np.uint8]
+    """(B, N, C, H, W)."""
+    place: NDArray[np.int64]
+    """(7,) where each of :data:`PLANES` is among the C, -1 for nowhere."""
+    opening: NDArray[np.int64]
+    """(B,) which of the world's openings, see :attr:`World.openings`."""
+    step: NDArray[np.int64]
+    """(B,) of that episode."""
+    known: NDArray[np.int64]
+    """(B, N) entries of the agent's journal."""
+    cell: NDArray[np.int64]
+    """(B, N, 2) where the agent itself is marked."""
+    mates: NDArray[np.int64]
+    """(B, N, N) flat index at which each teammate is marked, -1 for nowhere."""
+
+
+class LivePlanes:
+    """Observations of all agents of a world, (B, N, C, H, W) uint8, brought up to date by :meth:`update`."""
+
+    def __init__(self, world: World, planes: Sequence[str] = PLANES) -> None:
+        """Prepare for a world with episodes in it; ``planes`` are as for ``channels``."""
+        self._world = world
+        batch, team, height, width = world.state.belief.shape
+        place = np.full(len(PLANES), -1)
+        place[codes_of(planes)] = np.arange(len(planes))
+        self._painted = Painted(
+            planes=np.zeros((batch, team, len(planes), height, width), np.uint8),
+            place=place,
+            opening=np.full(batch, -1),
+            step=np.zeros(batch, np.int64),
+            known=np.zeros((batch, team), np.int64),
+            cell=np.zeros((batch, team, 2), np.int64),
+            mates=np.full((batch, team, team), -1),
+        )
+
+    @property
+    def planes(self) -> NDArray[np.uint8]:
+        """(B, N, C, H, W) what the agents know; the same array at each call, so copy it to keep it."""
+        return self._painted.planes
+
+    def update(self) -> NDArray[np.uint8]:
+        """Paint what has changed since the last call and return :attr:`planes`."""
+        self._world.in_slices(self._refresh)
+        return self.planes
+
+    def step(self, actions: NDArray[np.integer[Any]]) -> NDArray[np.uint8]:
+        """Step the world and update in one go, which threads do faster than one after the other."""
+        self._world.step(actions, self._refresh)
+        return self.planes
+
+    def _refresh(self, engine: Engine, first: int, last: int) -> None:
+        _refresh(engine, self._world.openings, self._painted, first, last)
+
+
+@kernel()
+def _refresh(engine: Engine, openings: np.ndarray, painted: Painted, first: int, last: int) -> None:
+    state = engine.state
+    for b in range(first, last):
+        skipped = state.step[b] - painted.step[b] > 1 or state.step[b] < painted.step[b]
+        anew = skipped or painted.opening[b] != openings[b]
+        for n in range(state.end.shape[1]):
+            if anew:
+                _blank(state, painted, b, n)
+            _show_known(state, painted, b, n)
+            _show_itself(state, painted, b, n)
+            _show_mates(state, painted, b, n)
+        painted.opening[b] = openings[b]
+        painted.step[b] = state.step[b]
+
+
+@inner()
+def _blank(state: State, painted: Painted, b: int, n: int) -> None:
+    """Paint what an agent knows that knows nothing, and the cells that it has been in."""
+    height, width = state.truth.shape[1], state.truth.shape[2]
+    painted.known[b, n] = 0
+    painted.mates[b, n, :] = -1
+    painted.planes[b, n, :, :, :] = 0
+    if painted.place[UNKNOWN] >= 0:
+        painted.planes[b, n, painted.place[UNKNOWN], :, :] = FULL
+    if painted.place[VISITED] >= 0:
+        for row in range(height):
+            for col in range(width):
+                if state.visited[b, n, row, col]:
+                    painted.planes[b, n, painted.place[VISITED], row, col] = FULL
+
+
+@inner()
+def _show_known(state: State, painted: Painted, b: int, n: int) -> None:
+    """Paint the cells that are new in the journal, and the frontier around them."""
+    height, width = state.truth.shape[1], state.truth.shape[2]
+    unknown, frontier = painted.place[UNKNOWN], painted.place[FRONTIER]
+    for k in range(painted.known[b, n], state.known[b, n]):
+        row, col = divmod(state.journal[b, n, k], width)
+        if unknown >= 0:
+            painted.planes[b, n, unknown, row, col] = 0
+        place = painted.place[state.belief[b, n, row, col]]
+        if place >= 0:
+            painted.planes[b, n, place, row, col] = FULL
+        if frontier >= 0:
+            for move in range(5):
+                r, c = row + MOVES[move, 0], col + MOVES[move, 1]
+                if 0 <= r < height and 0 <= c < width and state.belief[b, n, r, c] == FREE:
+                    open_ = touches_unknown(state.belief[b, n], r, c)
+                    painted.planes[b, n, frontier, r, c] = FULL if open_ else 0
+    painted.known[b, n] = state.known[b, n]
+
+
+@inner()
+def _show_itself(state: State, painted: Painted, b: int, n: int) -> None:
+    row, col = state.cell[b, n, 0], state.cell[b, n, 1]
+    if painted.place[SELF] >= 0:
+        painted.planes[b, n, painted.place[SELF], painted.cell[b, n, 0], painted.cell[b, n, 1]] = 0
+        painted.planes[b, n, painted.place[SELF], row, col] = FULL
+    if painted.place[VISITED] >= 0:
+        painted.planes[b, n, painted.place[VISITED], row, col] = FULL
+    painted.cell[b, n, 0], painted.cell[b, n, 1] = row, col
+
+
+@inner()
+def _show_mates(state: State, painted: Painted, b: int, n: int) -> None:
+    """Mark each teammate where it was last heard, with :data:`FULL` less the age of that news, at least 1."""
+    width, place = state.truth.shape[2], painted.place[MATES]
+    if place < 0:
+        return
+    for mate in range(state.end.shape[1]):
+        if painted.mates[b, n, mate] >= 0:
+            row, col = divmod(painted.mates[b, n, mate], width)
+            painted.planes[b, n, place, row, col] = 0
+    for mate in range(state.end.shape[1]):
+        if state.heard_step[b, n, mate] >= 0:
+            row, col = state.heard_cell[b, n, mate, 0], state.heard_cell[b, n, mate, 1]
+            fresh = max(FULL - (state.step[b] - state.heard_step[b, n, mate]), 1)
+            painted.planes[b, n, place, row, col] = max(fresh, painted.planes[b, n, place, row, col])
+            painted.mates[b, n, mate] = row * width + col

@@ -1,0 +1,105 @@
+"""What a UAV knows besides maps: a few numbers, and which moves are legal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.observations.base import Encoder, Views
+from indoor_explorers.env.policies.view import Briefing, View
+
+#: The numbers of a status, in order: share of the map's cells that are known; share of the budget flown; own number
+#: + 1 as a share of the team; share of the teammates linked now; own row and column as shares of the map's height and
+#: width; and 1 for each of the five moves that is legal.
+STATUS = ("known", "elapsed", "number", "linked", "row", "column", "down", "left", "up", "right", "stay")
+
+
+@dataclass(frozen=True)
+class Status:
+    """The numbers of :data:`STATUS`, (11,) float32, 0 to 1."""
+
+    def __call__(self, briefing: Briefing) -> StatusEncoder:
+        """Make the encoder of one UAV."""
+        return StatusEncoder(briefing)
+
+
+class StatusEncoder(Encoder):
+    """Encode a :class:`Status`."""
+
+    stateless = True
+
+    def __init__(self, briefing: Briefing) -> None:
+        self.space = Box(0.0, 1.0, (len(STATUS),), np.float32)
+        self._number = (briefing.agent + 1) / briefing.team
+        self._mates = max(briefing.team - 1, 1)
+
+    def encode(self, view: View, out: NDArray[np.float32]) -> None:
+        """Write one view's numbers."""
+        linked = sum(mate.age == 0 for mate in view.mates) / self._mates if view.mates else 0.0
+        elapsed = view.step / view.budget
+        _fill(view.belief, view.cell[0], view.cell[1], view.legal, elapsed, self._number, linked, out)
+
+    def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
+        """Write the numbers of UAVs that fly alone."""
+        _fill_all(views.belief, views.cell, views.legal, views.step / views.budget, self._number, out)
+
+
+@dataclass(frozen=True)
+class Legal:
+    """The action mask, (5,) int8: 1 for the moves that end neither in a wall nor off the map."""
+
+    def __call__(self, briefing: Briefing) -> LegalEncoder:
+        """Make the encoder of one UAV."""
+        return LegalEncoder()
+
+
+class LegalEncoder(Encoder):
+    """Encode :class:`Legal`."""
+
+    stateless = True
+
+    def __init__(self) -> None:
+        self.space = Box(0, 1, (5,), np.int8)
+
+    def encode(self, view: View, out: NDArray[np.int8]) -> None:
+        """Write one view's legal moves."""
+        out[:] = view.legal
+
+    def encode_batch(self, views: Views, out: NDArray[np.int8]) -> None:
+        """Write the legal moves of UAVs that fly alone."""
+        out[:] = views.legal
+
+
+@kernel()
+def _fill(
+    belief: np.ndarray,
+    row: int,
+    col: int,
+    legal: np.ndarray,
+    elapsed: float,
+    number: float,
+    linked: float,
+    out: np.ndarray,
+) -> None:
+    height, width = belief.shape
+    known = 0
+    for r in range(height):
+        for c in range(width):
+            known += belief[r, c] != UNKNOWN
+    out[0], out[1], out[2], out[3] = known / belief.size, elapsed, number, linked
+    out[4], out[5] = (row + 0.5) / height, (col + 0.5) / width
+    for action in range(5):
+        out[6 + action] = legal[action]
+
+
+@kernel()
+def _fill_all(
+    belief: np.ndarray, cell: np.ndarray, legal: np.ndarray, elapsed: np.ndarray, number: float, out: np.ndarray
+) -> None:
+    for b in range(belief.shape[0]):
+        _fill(belief[b], cell[b, 0], cell[b, 1], legal[b], elapsed[b], number, 0.0, out[b])

@@ -1,0 +1,57 @@
+"""The policy interface: shared knowledge (``Policy``), one UAV's mind for one episode (``Pilot``)."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar, TypeGuard
+
+import numpy as np
+
+from indoor_explorers.env.policies.view import Briefing, Message, View
+
+
+def is_action(action: object) -> TypeGuard[int]:
+    """Tell whether something a pilot returned is one of the five actions: a whole number, and no bool."""
+    return isinstance(action, (int, np.integer)) and not isinstance(action, bool) and bool(0 <= action <= 4)
+
+
+class Pilot(ABC):
+    """Be one UAV's mind for one episode."""
+
+    #: Told to the teammates in radio range after the move: None or at most 16 numbers.
+    message: Message = None
+
+    @abstractmethod
+    def act(self, view: View) -> int:
+        """Choose one of the five actions from what this UAV knows."""
+
+    def tally(self) -> dict[str, float]:
+        """Return named figures about this episode for the results, such as a share of guarded decisions."""
+        return {}
+
+
+class Policy(ABC):
+    """Hold what all UAVs share: parameters and weights. Immutable and picklable.
+
+    Make subclasses frozen keyword-only dataclasses: their fields then are the provenance that results
+    carry.
+    """
+
+    #: True for a yardstick that is given the true map; it is marked so wherever it appears.
+    privileged: ClassVar[bool] = False
+
+    @abstractmethod
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the mind of one UAV for one episode."""
+
+    def provenance(self) -> dict[str, str]:
+        """Return what results should say about where this policy comes from beside its parameters: its weights."""
+        return {}
+
+    def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> Sequence[int]:
+        """Choose for many UAVs at once; a learned policy overrides this with one forward pass.
+
+        Pilots may belong to different episodes; nothing may pass between them.
+        """
+        return [pilot.act(view) for pilot, view in zip(pilots, views, strict=True)]

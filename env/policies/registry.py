@@ -1,0 +1,142 @@
+"""Names to policies: declared names, ``NAME:PATH`` for what was trained, or ``module:Class``.
+
+Policies are declared in the entry-point group ``indoor_explorers.policies``, the project's own like anybody
+else's. Openers of paths are declared in ``indoor_explorers.openers``: what makes a policy from a parameter
+``path``, such as ``sb3``, so that ``sb3:results/ppo`` is what that makes of this path. Before a colon, an opener's
+name is never a module's: a module of the same name is reached through a package of its own. Nothing is
+imported before it is asked for, so torch and ompl load only when they are used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections import defaultdict
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from indoor_explorers.env.errors import InputError, PolicyError, did_you_mean
+from indoor_explorers.env.policies.policy import Policy
+
+GROUP = "indoor_explorers.policies"
+OPENERS = "indoor_explorers.openers"
+#: Which extra of the distribution brings an optional module.
+EXTRAS = {
+    "torch": "rl",
+    "safetensors": "rl",
+    "pettingzoo": "marl",
+    "stable_baselines3": "sb3",
+    "sb3_contrib": "sb3",
+    "ray": "ray",
+}
+
+
+def policy_entry_points() -> dict[str, EntryPoint]:
+    """Return the declared policies by name; a name declared twice is refused.
+
+    Raises:
+        InputError: two installed distributions declare the same name for different objects.
+
+    """
+    return _declared(GROUP, "policy name")
+
+
+def opener_entry_points() -> dict[str, EntryPoint]:
+    """Return the declared openers of paths by name.
+
+    Raises:
+        InputError: a name is declared twice for different objects, or could be part of a module's.
+
+    """
+    found = _declared(OPENERS, "opener")
+    for name in found:
+        if "." in name or ":" in name:
+            raise InputError(f"opener {name!r}: expected a name without a dot or colon; ask its owner to rename it")
+    return found
+
+
+def policy_names() -> list[str]:
+    """Return the names of all installed policies."""
+    return list(policy_entry_points())
+
+
+def make_policy(name: str, **parameters: Any) -> Policy:
+    """Make a policy by registry name, ``NAME:PATH`` or ``module:Class``, with parameters for its constructor.
+
+    Raises:
+        InputError: no such name, a missing optional dependency, or parameters it does not take.
+        PolicyError: its module or its constructor raises something else.
+
+    """
+    kind, given = _load(name)
+    try:
+        policy = kind(**given, **parameters)
+    except TypeError as error:
+        raise InputError(f"policy {name!r} cannot be made: {error}") from error
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise PolicyError(f"policy {name!r} cannot be made: {type(error).__name__}: {error}") from error
+    if not isinstance(policy, Policy):
+        raise InputError(
+            f"policy {name!r}: expected a subclass of indoor_explorers.env.Policy, got {type(policy).__name__}"
+        )
+    return policy
+
+
+def missing_module(error: ModuleNotFoundError) -> str:
+    """Say which module is not installed, and how to install it where an extra brings it."""
+    extra = EXTRAS.get((error.name or "").partition(".")[0])
+    return f"no module named {error.name!r}" + (f"; install indoor-explorers[{extra}]" if extra else "")
+
+
+def _declared(group: str, what: str) -> dict[str, EntryPoint]:
+    """Return the entry points of a group by name, in order."""
+    found: dict[str, list[EntryPoint]] = defaultdict(list)
+    for entry in entry_points(group=group):
+        if all(entry.value != other.value for other in found[entry.name]):
+            found[entry.name].append(entry)
+    for name, entries in found.items():
+        if len(entries) > 1:
+            owners = " and ".join(f"{entry.value} of {entry.dist.name if entry.dist else '?'}" for entry in entries)
+            raise InputError(f"{what} {name!r} is declared twice, by {owners}; rename or uninstall one")
+    return {name: found[name][0] for name in sorted(found)}
+
+
+def _load(name: str) -> tuple[Any, dict[str, str]]:
+    """Return what makes the policy, and the parameters that its name gives."""
+    known, openers = policy_entry_points(), opener_entry_points()
+    before, colon, path = name.partition(":")
+    if not colon and name in known:
+        return _found(name, known[name].value), {}
+    if before not in openers:
+        if not colon:
+            raise InputError(f"unknown policy {name!r}{did_you_mean(name, {*known, *openers})}")
+        return _found(name, name), {}
+    if not path:
+        raise InputError(f"policy {name!r}: expected {before}:PATH, got no path")
+    return _found(name, openers[before].value), {"path": path}
+
+
+def _found(name: str, target: str) -> Any:
+    """Return the object that ``module:attribute`` means."""
+    module_name, _, attribute = target.partition(":")
+    found = _imported(name, module_name)
+    try:
+        for part in attribute.split("."):
+            found = getattr(found, part)
+    except AttributeError as error:
+        raise InputError(f"policy {name!r}: module {module_name} has no {attribute!r}") from error
+    return found
+
+
+def _imported(name: str, module_name: str) -> Any:
+    if not module_name or module_name.startswith("."):
+        raise InputError(f"policy {name!r}: expected module:Class, got no full module name before the colon")
+    try:
+        return importlib.import_module(module_name)
+    except ModuleNotFoundError as error:
+        raise InputError(f"policy {name!r}: {missing_module(error)}") from error
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise PolicyError(f"policy {name!r}: importing {module_name} raised {type(error).__name__}: {error}") from error

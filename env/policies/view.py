@@ -1,0 +1,72 @@
+"""What one UAV may know: the briefing before an episode and the view at each step. Nothing else, ever."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
+
+if TYPE_CHECKING:
+    from indoor_explorers.env.scenarios.scenario import Scenario
+
+#: What a pilot tells the teammates in radio range: nothing, or a few numbers.
+Message = tuple[float, ...] | None
+#: The most numbers one message may hold.
+MESSAGE_LIMIT = 16
+
+
+class Mate(NamedTuple):
+    """What was last heard from one teammate."""
+
+    agent: int
+    """Number of the teammate, 0 to team - 1."""
+    cell: Cell
+    """Where it was when it was last heard."""
+    age: int
+    """Steps since then; 0 while linked."""
+    message: Message
+    """What its pilot said then."""
+
+
+class View(NamedTuple):
+    """What one UAV knows at a step."""
+
+    belief: Belief
+    """(H, W) uint8, 0 unknown, 1 free, 2 occupied. Read-only and live: copy it to keep it."""
+    cell: Cell
+    """The UAV's own (row, column)."""
+    legal: Mask
+    """(5,) bool: actions that end neither in a wall nor off the map. A teammate may still be in the way."""
+    step: int
+    """Steps flown so far."""
+    budget: int
+    """Steps of the whole episode."""
+    mates: tuple[Mate, ...]
+    """Every teammate ever heard, by number."""
+    visited: Mask
+    """(H, W) bool: cells the UAV itself has been in, its own included. Read-only and live."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Briefing:
+    """What one UAV's pilot is told before the episode."""
+
+    agent: int
+    """The UAV's own number, 0 to team - 1."""
+    team: int
+    """UAVs in the team."""
+    shape: tuple[int, int]
+    """(H, W) of the map in cells."""
+    lidar_range: float
+    """Lidar range in cells."""
+    scenario: Scenario
+    """The whole task, the goal coverage to aim at included."""
+    rng: np.random.Generator = field(repr=False)
+    """The pilot's own generator; nobody else draws from it."""
+    truth: Belief | None = field(default=None, repr=False)
+    """The true map (H, W) uint8, for privileged policies; None for everyone else."""
+    starts: tuple[Cell, ...] | None = field(default=None, repr=False)
+    """Where all UAVs start, by number, for privileged policies; None for everyone else."""

@@ -1,0 +1,133 @@
+"""Anti-aliased ink on an image: strokes, rings and letters, blended by the share of a pixel that they cover.
+
+Images are (h, w, 3) uint8, changed in place, and may be a window on a larger one; what lies outside is cut off.
+Places are (x, y) in pixels from the upper left corner, so that the centre of the first pixel is (0.5, 0.5).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from indoor_explorers.env.grid.compiled import kernel
+
+Canvas: TypeAlias = NDArray[np.uint8]
+Colour: TypeAlias = NDArray[np.uint8] | tuple[int, int, int]
+
+
+def stroke(canvas: Canvas, points: ArrayLike, colour: Colour, width: ArrayLike, alpha: ArrayLike = 1.0) -> None:
+    """Draw a line with round ends through ``points`` (K, 2); width and alpha are one number or (K - 1,)."""
+    places = np.ascontiguousarray(points, np.float64)
+    per_piece = np.empty((2, max(len(places) - 1, 0)))
+    per_piece[0], per_piece[1] = width, alpha
+    _stroke(canvas, places, per_piece, np.asarray(colour, np.float64))
+
+
+def ring(
+    canvas: Canvas, place: tuple[float, float], radius: float, colour: Colour, width: float, alpha: float = 1.0
+) -> None:
+    """Draw a circle of ``radius`` to the middle of its line."""
+    inner, outer = radius - width / 2, radius + width / 2
+    _ring(canvas, place[0], place[1], inner, outer, np.asarray(colour, np.float64), alpha)
+
+
+def disc(canvas: Canvas, place: tuple[float, float], radius: float, colour: Colour, alpha: float = 1.0) -> None:
+    """Draw a filled circle."""
+    _ring(canvas, place[0], place[1], -2.0, radius, np.asarray(colour, np.float64), alpha)
+
+
+def write(
+    canvas: Canvas, place: tuple[float, float], text: str, size: float, colour: Colour, anchor: float = 0.5
+) -> None:
+    """Write one line; ``place`` is the middle of its height and, for anchor 0, 0.5 or 1, its start, middle or end."""
+    mask = letters(text, round(size))
+    left, top = place[0] - anchor * mask.shape[1], place[1] - mask.shape[0] / 2
+    _stamp(canvas, mask, round(left), round(top), np.asarray(colour, np.float64))
+
+
+def fitting(text: str, size: float, width: float) -> str:
+    """Return the text, shortened to at most ``width`` pixels."""
+    if text_width(text, size) <= width:
+        return text
+    while text and text_width(text + "...", size) > width:
+        text = text[:-1].rstrip()
+    return text + "..." if text else ""
+
+
+def text_width(text: str, size: float) -> int:
+    """Return the width of a line in pixels."""
+    return int(letters(text, round(size)).shape[1])
+
+
+@lru_cache(maxsize=2048)
+def letters(text: str, size: int) -> NDArray[np.uint8]:
+    """Return how much a line of text covers of each pixel, (h, w) uint8; h is that of the font's capitals."""
+    font = ImageFont.load_default(size)
+    left, _, right, _ = font.getbbox(text) if text else (0, 0, 0, 0)
+    _, top, _, bottom = font.getbbox("H0")
+    margin = size // 3  # room for what hangs below the line
+    picture = Image.new("L", (max(round(right - left), 1), round(bottom - top) + 2 * margin))
+    ImageDraw.Draw(picture).text((-left, margin - top), text, fill=255, font=font)
+    mask = np.array(picture)
+    mask.setflags(write=False)
+    return mask
+
+
+@kernel(inline="always")
+def _blend(canvas: np.ndarray, y: int, x: int, colour: np.ndarray, alpha: float) -> None:
+    for k in range(3):
+        canvas[y, x, k] = np.uint8(canvas[y, x, k] * (1.0 - alpha) + colour[k] * alpha + 0.5)
+
+
+@kernel()
+def _stroke(canvas: np.ndarray, points: np.ndarray, pieces: np.ndarray, colour: np.ndarray) -> None:
+    """Blend the strongest piece at each pixel, so that joints are no darker than the line."""
+    if len(points) < 2:
+        return
+    reach = pieces[0].max() / 2 + 1.0
+    left, top = max(int(points[:, 0].min() - reach), 0), max(int(points[:, 1].min() - reach), 0)
+    right = min(int(points[:, 0].max() + reach) + 1, canvas.shape[1])
+    bottom = min(int(points[:, 1].max() + reach) + 1, canvas.shape[0])
+    if right <= left or bottom <= top:
+        return
+    cover = np.zeros((bottom - top, right - left), np.float32)
+    for i in range(len(points) - 1):
+        radius, alpha = pieces[0, i] / 2, pieces[1, i]
+        x0, y0, x1, y1 = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
+        dx, dy = x1 - x0, y1 - y0
+        square = max(dx * dx + dy * dy, 1e-9)
+        for y in range(max(int(min(y0, y1) - radius - 1), top), min(int(max(y0, y1) + radius + 2), bottom)):
+            for x in range(max(int(min(x0, x1) - radius - 1), left), min(int(max(x0, x1) + radius + 2), right)):
+                along = min(max(((x + 0.5 - x0) * dx + (y + 0.5 - y0) * dy) / square, 0.0), 1.0)
+                away = np.sqrt((x + 0.5 - x0 - along * dx) ** 2 + (y + 0.5 - y0 - along * dy) ** 2)
+                share = alpha * min(max(radius + 0.5 - away, 0.0), min(2 * radius, 1.0))
+                cover[y - top, x - left] = max(cover[y - top, x - left], share)
+    for y in range(cover.shape[0]):
+        for x in range(cover.shape[1]):
+            if cover[y, x] > 0:
+                _blend(canvas, top + y, left + x, colour, cover[y, x])
+
+
+@kernel()
+def _ring(canvas: np.ndarray, cx: float, cy: float, inner: float, outer: float, colour: np.ndarray, a: float) -> None:
+    for y in range(max(int(cy - outer - 1), 0), min(int(cy + outer + 2), canvas.shape[0])):
+        for x in range(max(int(cx - outer - 1), 0), min(int(cx + outer + 2), canvas.shape[1])):
+            square = (x + 0.5 - cx) ** 2 + (y + 0.5 - cy) ** 2
+            if square > (outer + 1) ** 2 or (inner > 1 and square < (inner - 1) ** 2):
+                continue
+            away = np.sqrt(square)
+            share = min(max(outer + 0.5 - away, 0.0), 1.0) * min(max(away - inner + 0.5, 0.0), 1.0)
+            if share > 0:
+                _blend(canvas, y, x, colour, a * share)
+
+
+@kernel()
+def _stamp(canvas: np.ndarray, mask: np.ndarray, left: int, top: int, colour: np.ndarray) -> None:
+    for y in range(max(-top, 0), min(mask.shape[0], canvas.shape[0] - top)):
+        for x in range(max(-left, 0), min(mask.shape[1], canvas.shape[1] - left)):
+            if mask[y, x]:
+                _blend(canvas, top + y, left + x, colour, mask[y, x] / 255.0)

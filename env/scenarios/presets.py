@@ -1,0 +1,163 @@
+"""Scenarios with a name: the thesis's experiments, buildings, and what files of maps are explored with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.maps.generators.thesis import ThesisMaps
+from indoor_explorers.env.maps.sources import CaveMaps, FileMaps, MapSource, MazeMaps, OfficeMap, OfficesMaps, RoomsMaps
+from indoor_explorers.env.scenarios.scenario import Lidar, Radio, Rewards, Scenario, Stuck
+
+
+def _old_rewards(step: float, cell: float, crash: float, stuck: float, goal: float) -> Rewards:
+    """Rewards as the thesis paid them: received cells like discovered ones."""
+    return Rewards(
+        step=step, discovered=cell, received=cell, collision=crash, out_of_bounds=crash, stuck=stuck, goal=goal
+    )
+
+
+#: The thesis's three reward sets (Table 4.2, its scenarios 1 to 3).
+REWARDS = {
+    1: _old_rewards(-0.5, 1.0, -400.0, -400.0, 400.0),
+    2: _old_rewards(-1.0, 10.0, -100_000.0, -10_000.0, 10_000.0),
+    3: _old_rewards(-10.0, 10.0, -1000.0, -1000.0, 1000.0),
+}
+#: Its stuck rules: "no stuck", "stuck 1" and "stuck 2" (section 4.2).
+STUCK: tuple[Literal["off", "no-discovery", "oscillation"], ...] = ("off", "no-discovery", "oscillation")
+
+
+def scenario(name: str) -> Scenario:
+    """Return the preset scenario of that name."""
+    if name not in PRESETS:
+        raise InputError(f"unknown scenario {name!r}{did_you_mean(name, PRESETS)}")
+    return PRESETS[name]
+
+
+def named_scenario(name: str, folder: Path | None = None) -> Scenario:
+    """Return a preset by name, or the scenario of a ``.toml`` file, whose path may be relative to ``folder``."""
+    if name.endswith(".toml"):
+        return Scenario.load((folder or Path()) / name)
+    if name not in PRESETS:
+        raise InputError(f"unknown scenario {name!r} (expected a preset or a .toml file){did_you_mean(name, PRESETS)}")
+    return PRESETS[name]
+
+
+def _thesis(
+    name: str,
+    *,
+    obstacles: int,
+    team: int = 1,
+    radio: float = 0.0,
+    rewards: Rewards | None = None,
+    stuck: Stuck | None = None,
+) -> Scenario:
+    """A room of the thesis: 16x16, lidar 3, 400 steps, 90 % of the whole map, ended for oscillating."""
+    return Scenario(
+        name=name,
+        map=ThesisMaps(obstacles=obstacles),
+        team=team,
+        radio=Radio(model="square", range=radio) if radio > 0 else Radio(),
+        rewards=rewards or Rewards(),
+        stuck=stuck or Stuck(rule="oscillation"),
+        denominator="map",
+        budget=400,
+    )
+
+
+def _building(name: str, maps: MapSource, budget: int) -> Scenario:
+    """A building for two: lidar 10, radio 15, 99 % of what can be reached, known together; obstacles block."""
+    return Scenario(
+        name=name,
+        map=maps,
+        team=2,
+        spawn="clustered",
+        lidar=Lidar(range=10.0),
+        radio=Radio(model="disc", range=15.0),
+        on_collision="block",
+        goal=0.99,
+        goal_of="team",
+        budget=budget,
+    )
+
+
+def _small(preset: Scenario, maps: MapSource) -> Scenario:
+    """A building at two fifths of the size, as many lidar ranges across: quick to fly and to learn from."""
+    return preset.model_copy(
+        update={
+            "name": f"small-{preset.name}",
+            "map": maps,
+            "lidar": Lidar(range=4.0),
+            "radio": Radio(model="disc", range=6.0),
+            "budget": 1000,
+        }
+    )
+
+
+def _buildings() -> Iterator[Scenario]:
+    """Yield the bundled office and generated buildings, each kind also small."""
+    yield _building("office", OfficeMap(), 1500)
+    offices = OfficesMaps(height=40, width=40, corridor=2, room_depth=(3, 5), room_width=(3, 6), crossing=24)
+    for name, maps, budget, small in (
+        ("rooms", RoomsMaps(), 1000, RoomsMaps(height=40, width=40, room_size=(3, 6), corridor=1)),
+        ("offices", OfficesMaps(), 1000, offices),
+        ("cave", CaveMaps(), 1000, CaveMaps(height=40, width=40, chamber=4)),
+        ("maze", MazeMaps(), 1500, MazeMaps(height=26, width=26, corridor=1)),
+    ):
+        building = _building(name, maps, budget)
+        yield from (building, _small(building, small))
+
+
+def _first_phase() -> Iterator[Scenario]:
+    """Yield the thesis's first experiments (section 4.2): three reward sets times three stuck rules, no obstacles."""
+    for number, rewards in REWARDS.items():
+        for stuck, rule in enumerate(STUCK):
+            yield _thesis(
+                f"thesis-rewards-{number}-stuck-{stuck}", obstacles=0, rewards=rewards, stuck=Stuck(rule=rule)
+            )
+
+
+def _second_phase() -> Iterator[Scenario]:
+    """Yield its later ones: two and four UAVs among five obstacles, with radio ranges 0, 1 and 3."""
+    for team in (2, 4):
+        for reach in (0, 1, 3):
+            yield _thesis(
+                f"thesis-team-{team}-radio-{reach}", obstacles=5, team=team, radio=float(reach), rewards=REWARDS[1]
+            )
+
+
+def _always_linked() -> Iterator[Scenario]:
+    """Yield its teams with a radio that reaches everywhere, as a bound of what communication is worth."""
+    for team in (2, 4):
+        room = _thesis(f"thesis-team-{team}-radio-unlimited", obstacles=5, team=team)
+        yield room.model_copy(update={"radio": Radio(model="unlimited")})
+
+
+#: Scenarios with a name.
+PRESETS: dict[str, Scenario] = {
+    preset.name: preset
+    for preset in (
+        _thesis("thesis-open", obstacles=0),
+        _thesis("thesis-obstacles", obstacles=5),
+        _thesis("thesis-team-2", obstacles=5, team=2, radio=3.0),
+        _thesis("thesis-team-4", obstacles=5, team=4, radio=3.0),
+        *_first_phase(),
+        *_second_phase(),
+        *_always_linked(),
+        *_buildings(),
+    )
+}
+
+
+def on_files(paths: tuple[str, ...], resolution: float | None) -> Scenario:
+    """Return the scenario for maps from files when none is named: office-like sensing, a budget by map size."""
+    return PRESETS["office"].model_copy(
+        update={
+            "name": Path(paths[0]).stem if len(paths) == 1 else f"{len(paths)} maps",
+            "map": FileMaps(paths=paths, resolution=resolution),
+            "team": 1,
+            "budget": None,
+        }
+    )

@@ -1,0 +1,246 @@
+"""A scenario: one frozen, validated description of a task."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+    model_validator,
+)
+
+from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.maps.sources import (
+    SOURCES,
+    MapSource,
+    ThesisMaps,
+)
+from indoor_explorers.env.scenarios.validation import read_toml, validated
+
+#: Steps that an episode without a budget has at least.
+LEAST_BUDGET = 200
+#: What comparisons set: on to full team coverage or the budget, nobody ended as stuck.
+COMPARED: Mapping[str, Any] = {"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"}
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+
+
+class Lidar(_Part):
+    """The range sensor."""
+
+    model: Literal["exact", "marsexplorer"] = "exact"
+    """``exact``: line of sight (:mod:`indoor_explorers.env.sensing.shadowcasting`); ``marsexplorer``: the ancestor's
+    rays (:mod:`indoor_explorers.env.sensing.marsexplorer`)."""
+    range: float = Field(3.0, ge=1.0, le=200.0)
+    """Range in cells, Euclidean to a cell's centre."""
+
+
+class Radio(_Part):
+    """Who can talk to whom; linked UAVs merge their maps and exchange positions and messages."""
+
+    model: Literal["none", "square", "disc", "line-of-sight", "path-loss", "unlimited"] = "none"
+    """``square``: Chebyshev distance at most ``range`` (the thesis); ``disc``: Euclidean; ``line-of-sight``: the same
+    with no obstacle between; ``path-loss``: log-distance path loss with a loss for each wall between."""
+    range: float = Field(0.0, ge=0.0)
+    """Range in cells, in the open; not read by ``none`` and ``unlimited``."""
+    exponent: float = Field(3.0, ge=1.0, le=10.0)
+    """``path-loss``: the path loss exponent n, 2 in free space, about 3 indoors (Rappaport 2002, section 4.9)."""
+    wall_loss: float = Field(6.0, ge=0.0, le=200.0)
+    """``path-loss``: dB lost at each wall, a run of obstacle cells on the straight line between two UAVs. With w walls
+    between, the range shrinks to ``range`` 10^(-w wall_loss / (10 n))."""
+    loss: float = Field(0.0, ge=0.0, lt=1.0)
+    """Probability that a contact fails in a step, drawn for each pair of UAVs and each step."""
+
+
+class Rewards(_Part):
+    """What an agent is paid; a step's reward is the sum of what applies (thesis, Table 4.2, scenario 1)."""
+
+    step: float = -0.5
+    """Each step flown."""
+    discovered: float = 1.0
+    """Each cell that the agent's own lidar was the first to tell it about."""
+    received: float = 0.0
+    """Each cell first heard of by radio; the thesis paid these like discoveries."""
+    collision: float = -400.0
+    """A move into an obstacle."""
+    out_of_bounds: float = -400.0
+    """A move off the map."""
+    stuck: float = -400.0
+    """Being ended by the stuck rule."""
+    goal: float = 400.0
+    """Reaching the goal coverage."""
+
+
+class Stuck(_Part):
+    """When an agent is ended for going nowhere."""
+
+    rule: Literal["off", "no-discovery", "oscillation"] = "off"
+    """``no-discovery``: no new cell for H*W steps; ``oscillation``: one cell too often among the last ones."""
+    window: int = Field(50, ge=2, le=10_000)
+    """Positions that ``oscillation`` looks back on."""
+    repeats: int = Field(20, ge=2)
+    """How often the most frequent of them must appear (the thesis's text: 20, its settings file: 10)."""
+
+
+class Scenario(_Part):
+    """Describe one task completely; equal scenarios have equal fingerprints."""
+
+    name: str = Field("custom", min_length=1, max_length=80)
+    """Shown in tables and figures."""
+    map: Annotated[MapSource, Field(discriminator="source")] = ThesisMaps()
+    """Where maps come from."""
+    team: int = Field(1, ge=1, le=256)
+    """UAVs."""
+    spawn: Literal["random", "clustered"] | tuple[tuple[int, int], ...] = "random"
+    """Where UAVs start: anywhere, next to each other (at the map's start mark when it has one), or at listed (row,
+    column) cells."""
+    lidar: Lidar = Lidar()
+    radio: Radio = Radio()
+    rewards: Rewards = Rewards()
+    stuck: Stuck = Stuck()
+    on_collision: Literal["end", "block"] = "end"
+    """What a move into an obstacle or off the map does to the agent: ends it (the thesis) or costs the step."""
+    goal: float = Field(0.9, gt=0.0, le=1.0)
+    """Coverage that ends the episode, as a share of the denominator."""
+    goal_of: Literal["agent", "team"] = "agent"
+    """Whose coverage: each agent's own map (the thesis), or the union of the team's; a team goal pays everyone."""
+    denominator: Literal["reachable", "map"] = "reachable"
+    """Coverage counts free cells reachable from the spawns, or all cells of the map (the thesis)."""
+    budget: int | None = Field(None, ge=1, le=10_000_000)
+    """Steps before the episode is cut; None: as many as the map has reachable cells, at least 200."""
+
+    @field_validator("spawn", mode="wrap")
+    @classmethod
+    def _places(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        try:
+            return handler(value)
+        except ValidationError as error:
+            raise ValueError("expected random, clustered, or a list of a [row, column] cell for each UAV") from error
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scenario:
+        if isinstance(self.spawn, tuple) and len(self.spawn) != self.team:
+            raise ValueError(f"spawn lists {len(self.spawn)} cells for a team of {self.team}; list one for each UAV")
+        if self.stuck.repeats > self.stuck.window:
+            raise ValueError(
+                f"stuck.repeats is {self.stuck.repeats}, more than stuck.window {self.stuck.window}; lower it"
+            )
+        return self
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A short canonical hash of the task; the name and where map files lie do not matter, their cells do."""
+        facts = self.model_dump(mode="json", exclude={"name", "map"}) | {"map": self.map.identity()}
+        return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
+
+    def budget_for(self, reachable: int) -> int:
+        """Return the step budget on a map with that many reachable free cells."""
+        return self.budget if self.budget is not None else max(LEAST_BUDGET, reachable)
+
+    def for_evaluation(self) -> Scenario:
+        """Return the task as comparisons run it: on to full team coverage or the budget, nobody ended as stuck."""
+        return self.with_settings(COMPARED)
+
+    def with_settings(self, settings: Mapping[str, Any]) -> Scenario:
+        """Return a copy with dotted keys replaced, such as ``{"lidar.range": 5, "team": 2}``.
+
+        Another ``map.source`` brings its own settings, at their defaults where they are not replaced too.
+        """
+        data = self.model_dump()
+        if settings.get("map.source", self.map.source) != self.map.source:  # another kind of map has other settings
+            data["map"] = _defaults_of(settings["map.source"]) or data["map"]
+        for key, value in settings.items():
+            *parents, leaf = key.split(".")
+            place: Any = data
+            for depth, parent in enumerate(parents):
+                if parent in place and not isinstance(place[parent], dict):
+                    whole = ".".join(parents[: depth + 1])
+                    raise InputError(f"no setting {key!r}, since {whole!r} is a single one; set that")
+                if parent not in place:
+                    known = [name for name, entry in place.items() if isinstance(entry, dict)]
+                    raise InputError(f"no setting {'.'.join(parents[: depth + 1])!r}{did_you_mean(parent, known)}")
+                place = place[parent]
+            if leaf not in place:
+                raise InputError(f"no setting {key!r}{did_you_mean(leaf, place)}")
+            place[leaf] = value
+        return validated(Scenario, data, "scenario")
+
+    @classmethod
+    def load(cls, path: str | Path) -> Scenario:
+        """Read a scenario from a TOML file; it may name a ``preset`` to start from.
+
+        Paths of map files in it are relative to the file.
+        """
+        path = Path(path)
+        return cls.from_table({"name": path.stem} | read_toml(path), str(path), path.parent)
+
+    @classmethod
+    def for_comparison(cls, table: Mapping[str, Any], where: str, folder: Path) -> Scenario:
+        """Return a scenario as a table of an experiment says it is flown.
+
+        What the table states holds; of :data:`COMPARED`, what it leaves out is set as comparisons do.
+        """
+        stated = _flattened(table)
+        task = cls.from_table(table, where, folder).for_evaluation()
+        return task.with_settings({key: stated[key] for key in COMPARED if key in stated})
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any], where: str, folder: Path) -> Scenario:
+        """Build a scenario from a TOML table, which may name a ``preset`` to start from.
+
+        Args:
+            table: the settings; what is left out is the preset's, or the default.
+            where: what errors call the table.
+            folder: what paths of map files are relative to.
+
+        """
+        data = dict(table)
+        maps = data.get("map")
+        if isinstance(maps, dict) and isinstance(maps.get("paths"), list):
+            data["map"] = maps | {"paths": [str(folder / str(one)) for one in maps["paths"]]}
+        from indoor_explorers.env.scenarios.presets import scenario
+
+        base = data.pop("preset", None)
+        if base is None:
+            return validated(cls, data, where)
+        if not isinstance(base, str):
+            raise InputError(f"{where}: expected preset to be the name of a scenario, got {base!r}")
+        try:
+            return scenario(base).with_settings(_flattened(data))
+        except InputError as error:
+            raise InputError(f"{where}: {error}") from error
+
+    def to_toml(self) -> str:
+        """Print the scenario as TOML that :meth:`load` reads back."""
+        import tomli_w
+
+        return tomli_w.dumps(self.model_dump(mode="json", exclude_none=True))
+
+
+def _flattened(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for key, value in data.items():
+        if isinstance(value, dict) and "source" not in value:  # a map table that names its source is whole
+            flat |= _flattened(value, f"{prefix}{key}.")
+        else:
+            flat[prefix + key] = value
+    return flat
+
+
+def _defaults_of(source: str) -> dict[str, Any]:
+    """Return the settings of a kind of map, None where there is no default; none for a kind that is none."""
+    kind = SOURCES.get(source) if isinstance(source, str) else None
+    fields = {} if kind is None else kind.model_fields
+    return {name: None if field.is_required() else field.get_default() for name, field in fields.items()}

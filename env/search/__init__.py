@@ -1,0 +1,1 @@
+"""What planners and learners both compute from a map: searches, visibility, sets of cells."""

@@ -1,0 +1,114 @@
+"""The lidar: which cells a scan shows, by one of two models.
+
+``exact`` is line of sight, see :mod:`indoor_explorers.env.sensing.shadowcasting`; ``marsexplorer`` is the ancestor's
+rule, see :mod:`indoor_explorers.env.sensing.marsexplorer`. Ranges are in cells, Euclidean to a cell's centre, and only
+``OCCUPIED`` blocks: on a belief map, unknown cells are transparent.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.sensing.marsexplorer import SAMPLES, directions, trace
+from indoor_explorers.env.sensing.shadowcasting import Quadrant, sweep
+
+LIDAR_MODELS = ("exact", "marsexplorer")
+
+
+class Optics(NamedTuple):
+    """Constants of one lidar model and range for compiled code."""
+
+    range: float
+    """Cells."""
+    half_widths: NDArray[np.int64]
+    """(R + 1,) cells to each side that are in range, R = 0, 1, ... rows away from the sensor."""
+    rays: NDArray[np.float64]
+    """(K, 2) directions (rows, columns) of the rays; none in the exact model."""
+    disc: int
+    """Cells in range, the own left out."""
+
+
+class Scan(NamedTuple):
+    """Working arrays of a scan, not to be shared between threads."""
+
+    cells: NDArray[np.int64]
+    """The flat indices of the cells seen."""
+    arcs: NDArray[np.int64]
+    """(2, K, 6) open directions."""
+
+
+@lru_cache(maxsize=32)
+def optics(lidar_range: float, model: str = "exact") -> Optics:
+    """Return the constants of a lidar range in cells and one of :data:`LIDAR_MODELS`."""
+    away = np.arange(int(lidar_range + 1e-9) + 1)
+    half_widths = np.sqrt(np.maximum(lidar_range**2 - away**2, 0) + 1e-9).astype(np.int64)
+    return Optics(
+        range=float(lidar_range),
+        half_widths=half_widths,
+        rays=directions() if model == "marsexplorer" else np.empty((0, 2)),
+        disc=int(2 * (2 * half_widths + 1).sum() - (2 * half_widths[0] + 1) - 1),
+    )
+
+
+@kernel()
+def new_scan(optics: Optics) -> Scan:
+    """Allocate the working arrays of scans."""
+    room = max(4 * optics.disc, optics.rays.shape[0] * SAMPLES) + 1
+    arcs = 1
+    for away in range(optics.half_widths.shape[0]):
+        arcs += min(away, optics.half_widths[away] + 1) + 1
+    return Scan(np.empty(room, np.int64), np.empty((2 * arcs, 6), np.int64))
+
+
+@leaf()
+def visible_cells(occupancy: np.ndarray, row: int, col: int, optics: Optics, scan: Scan) -> int:
+    """List the cells seen from (row, col): fills ``scan.cells`` with flat indices and returns how many.
+
+    ``occupancy`` is (H, W) uint8, C-contiguous. The own cell comes first. An obstacle may be listed twice, and so
+    may any cell in the model ``marsexplorer``.
+    """
+    height, width = occupancy.shape
+    cells, widths, arcs, out = occupancy.reshape(height * width), optics.half_widths, scan.arcs, scan.cells
+    origin = row * width + col
+    out[0] = origin
+    if optics.rays.shape[0] > 0:
+        return trace(occupancy, row, col, optics.range, optics.rays, out)
+    seen = sweep(cells, Quadrant(origin, width, 1, height - 1 - row, -col, width - 1 - col, True), widths, arcs, out, 1)
+    seen = sweep(cells, Quadrant(origin, -width, 1, row, -col, width - 1 - col, True), widths, arcs, out, seen)
+    seen = sweep(
+        cells, Quadrant(origin, 1, width, width - 1 - col, -row, height - 1 - row, False), widths, arcs, out, seen
+    )
+    return sweep(cells, Quadrant(origin, -1, width, col, -row, height - 1 - row, False), widths, arcs, out, seen)
+
+
+@leaf()
+def unknown_in_view(belief: np.ndarray, row: int, col: int, optics: Optics, scan: Scan) -> int:
+    """Count the unknown cells that a scan at (row, col) could reveal, unknown taken as transparent."""
+    cells = belief.reshape(belief.size)
+    gain = 0
+    for k in range(1, visible_cells(belief, row, col, optics, scan)):  # the own cell reveals nothing
+        gain += cells[scan.cells[k]] == UNKNOWN
+    return gain
+
+
+def view_gain(belief: Belief, cell: tuple[int, int], lidar_range: float) -> int:
+    """Return how many unknown cells are visible from ``cell`` on a (H, W) belief map."""
+    lens = optics(float(lidar_range))
+    return int(unknown_in_view(belief, cell[0], cell[1], lens, new_scan(lens)))
+
+
+def scan(truth: Belief, cell: tuple[int, int], lidar_range: float, model: str = "exact") -> Belief:
+    """Return the (H, W) belief after one scan of ``truth`` at ``cell``, everything else unknown."""
+    lens = optics(float(lidar_range), model)
+    work = new_scan(lens)
+    seen = work.cells[: visible_cells(truth, cell[0], cell[1], lens, work)]
+    belief = np.full(truth.shape, UNKNOWN, np.uint8)
+    belief.flat[seen] = np.where(truth.flat[seen] == OCCUPIED, OCCUPIED, FREE)
+    return belief

@@ -1,0 +1,1 @@
+"""The simulator: state of a batch of episodes, their reset, step and radio."""

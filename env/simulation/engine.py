@@ -1,0 +1,69 @@
+"""A world's arrays and constants bound into one object for compiled code.
+
+Handing some fifty arrays over from Python takes numba longer than a step of the world does. A structref hands over
+one pointer.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+from numba.experimental import structref
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan
+from indoor_explorers.env.simulation.state import Rules, State
+
+#: Parts of numba that carry no types.
+_unliteral: Any = types.unliteral
+_define_proxy: Any = structref.define_proxy
+
+
+class Work(NamedTuple):
+    """Working arrays of a step, not to be shared between threads."""
+
+    scan: Scan
+    order: NDArray[np.int64]
+    """(N,) agents in the order in which they move."""
+    component: NDArray[np.int64]
+    """(N,) see :func:`indoor_explorers.env.simulation.radio.link`."""
+    before: NDArray[np.int64]
+    """(N,) lengths of the journals before an exchange."""
+
+
+@kernel()
+def new_work(optics: Optics, team: int) -> Work:
+    """Allocate the working arrays of steps."""
+    return Work(new_scan(optics), np.empty(team, np.int64), np.empty(team, np.int64), np.empty(team, np.int64))
+
+
+@structref.register
+class _EngineType(types.StructRef):
+    """numba's type of :class:`Engine`."""
+
+    def preprocess_fields(self, fields: Any) -> Any:
+        return tuple((name, _unliteral(kind)) for name, kind in fields)
+
+
+class Engine(structref.StructRefProxy):
+    """What one thread needs to step a world; made by :func:`bind`, and read by compiled code alone."""
+
+    rules: Rules
+    state: State
+    optics: Optics
+    work: Work
+
+
+_define_proxy(Engine, _EngineType, ["rules", "state", "optics", "work"])
+
+_new: Any = Engine
+
+
+@kernel()
+def bind(rules: Rules, state: State, optics: Optics, work: Work) -> Engine:
+    """Bind a world's parts for one thread; the arrays are shared, not copied."""
+    engine: Engine = _new(rules, state, optics, work)
+    return engine

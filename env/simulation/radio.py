@@ -1,0 +1,179 @@
+"""Radio: who is linked, and what linked agents exchange.
+
+Linked agents form connected components. Once per step, after all moves, every component merges its maps
+and exchanges positions and messages. Each agent keeps a journal of its known cells in the order they
+became known, and for every teammate how far it has read that one's journal: a merge touches what
+changed since the last one and never the map.
+
+Bytes are counted at the sender: ``CELL_BYTES`` for each cell that was new to the receiver, and for each
+teammate in the component one position and message of ``POSITION_BYTES`` + 8 for each number.
+"""
+
+from __future__ import annotations
+
+from math import log10
+
+import numpy as np
+
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.simulation.state import Rules, State
+
+CELL_BYTES = 5
+POSITION_BYTES = 8
+
+NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED = range(6)
+
+
+@leaf()
+def walls_between(occupancy: np.ndarray, row: int, col: int, to_row: int, to_col: int) -> int:
+    """Count the walls that the segment between the centres of two cells crosses.
+
+    A wall is a run of obstacles (H, W) uint8 along the way. Touching the corner of one is none, passing between
+    two that touch at a corner is one, as for the lidar; and as there, both ends find the same.
+    """
+    down, right = (1 if to_row > row else -1), (1 if to_col > col else -1)
+    height, width = abs(to_row - row), abs(to_col - col)
+    rows = cols = walls = 0
+    inside = occupancy[row, col] == OCCUPIED
+    while rows < height or cols < width:
+        # The next horizontal cell border is crossed at (2 rows + 1) / (2 height) of the way; compare without dividing.
+        horizontal, vertical = (2 * rows + 1) * width, (2 * cols + 1) * height
+        squeezed = False
+        if horizontal == vertical:
+            squeezed = (
+                occupancy[row + down * (rows + 1), col + right * cols] == OCCUPIED
+                and occupancy[row + down * rows, col + right * (cols + 1)] == OCCUPIED
+            )
+        rows += horizontal <= vertical
+        cols += vertical <= horizontal
+        solid = occupancy[row + down * rows, col + right * cols] == OCCUPIED
+        walls += (solid or squeezed) and not inside
+        inside = solid
+    return walls
+
+
+@inner()
+def in_reach(rules: Rules, occupancy: np.ndarray, row: int, col: int, to_row: int, to_col: int) -> bool:
+    """Tell whether the radios in two cells of a true map (H, W) reach each other, losses left out."""
+    rows, cols = row - to_row, col - to_col
+    model, reach = rules.radio_model, rules.radio_range
+    if model == NONE:
+        return False
+    if model == UNLIMITED:
+        return True
+    if model == SQUARE:
+        return bool(max(abs(rows), abs(cols)) <= reach)
+    squared = rows * rows + cols * cols
+    if squared > reach * reach + 1e-9:
+        return False
+    if model == DISC:
+        return True
+    walls = walls_between(occupancy, row, col, to_row, to_col)
+    if model == LINE_OF_SIGHT:
+        return walls == 0
+    spare = 5.0 * rules.radio_exponent * log10(max(reach * reach, 1e-9) / squared)
+    return bool(walls * rules.radio_wall_loss <= spare + 1e-9)
+
+
+@inner()
+def _is_lost(rules: Rules, state: State, b: int, i: int, j: int) -> bool:
+    """Draw whether the contact of two agents fails in this step."""
+    if rules.radio_loss <= 0.0:
+        return False
+    team = state.end.shape[1]
+    number = np.uint64((state.step[b] * team + i) * team + j)
+    return bool((draw(state.radio_key[b], number) >> np.uint64(11)) * 2.0**-53 < rules.radio_loss)
+
+
+@inner()
+def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
+    """Fill ``linked`` and ``component`` (N,), the smallest agent number of each agent's component.
+
+    Returns whether anybody is linked at all.
+    """
+    team, anybody = state.end.shape[1], False
+    for i in range(team):
+        component[i] = i
+        for j in range(i):
+            together = (
+                state.end[b, i] == 0
+                and state.end[b, j] == 0
+                and in_reach(
+                    rules,
+                    state.truth[b],
+                    state.cell[b, i, 0],
+                    state.cell[b, i, 1],
+                    state.cell[b, j, 0],
+                    state.cell[b, j, 1],
+                )
+                and not _is_lost(rules, state, b, i, j)
+            )
+            state.linked[b, i, j] = state.linked[b, j, i] = together
+            if together:
+                anybody = True
+                _join(component, i, j)
+    return anybody
+
+
+@inner()
+def _join(component: np.ndarray, i: int, j: int) -> None:
+    """Give the components of ``j`` and of ``i``, the highest agent so far, the smaller of their numbers."""
+    if component[i] == component[j]:
+        return
+    kept, gone = min(component[i], component[j]), max(component[i], component[j])
+    for k in range(i + 1):
+        if component[k] == gone:
+            component[k] = kept
+
+
+@inner()
+def learn(state: State, b: int, agent: int, cell: int) -> None:
+    """Enter a flat cell that was unknown to ``agent`` into its belief and journal."""
+    state.belief[b, agent].flat[cell] = state.truth[b].flat[cell]
+    state.journal[b, agent, state.known[b, agent]] = cell
+    state.known[b, agent] += 1
+    state.covered[b, agent] += state.counts[b].flat[cell]
+
+
+@inner()
+def _take_over(state: State, b: int, i: int, j: int, until: int) -> None:
+    """Let agent ``i`` learn what agent ``j`` has learned up to its journal's entry ``until``."""
+    belief = state.belief[b, i].flat
+    for k in range(state.read[b, i, j], until):
+        cell = state.journal[b, j, k]
+        if belief[cell] == UNKNOWN:
+            learn(state, b, i, cell)
+            state.received[b, i] += 1
+            state.sent_bytes[b, j] += CELL_BYTES
+
+
+@inner()
+def _hear(state: State, b: int, i: int, j: int) -> None:
+    """Let agent ``i`` hear the position and message of agent ``j``."""
+    size = state.outbox_size[b, j]
+    state.heard_step[b, i, j] = state.step[b]
+    state.heard_cell[b, i, j, 0] = state.cell[b, j, 0]
+    state.heard_cell[b, i, j, 1] = state.cell[b, j, 1]
+    state.heard_size[b, i, j] = size
+    for k in range(size):
+        state.heard[b, i, j, k] = state.outbox[b, j, k]
+    state.sent_bytes[b, j] += POSITION_BYTES + 8 * max(0, size)
+
+
+@inner()
+def exchange(state: State, b: int, component: np.ndarray, before: np.ndarray) -> None:
+    """Merge maps and exchange positions and messages within each component; ``before`` (N,) is scratch."""
+    team = state.end.shape[1]
+    for j in range(team):
+        before[j] = state.known[b, j]
+    for i in range(team):
+        for j in range(team):
+            if i != j and component[i] == component[j]:
+                _take_over(state, b, i, j, before[j])
+                _hear(state, b, i, j)
+    for i in range(team):
+        for j in range(team):
+            if i != j and component[i] == component[j]:
+                state.read[b, i, j] = state.known[b, j]

@@ -1,0 +1,212 @@
+"""The state of a batch of episodes as plain arrays, and the rules as plain numbers.
+
+Axes: B episodes, N agents, H rows, W columns. Compiled kernels read and write these; everything else
+goes through :class:`indoor_explorers.env.simulation.world.World`.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.policies.view import MESSAGE_LIMIT
+from indoor_explorers.env.scenarios.scenario import LEAST_BUDGET, Scenario
+
+
+class End(IntEnum):
+    """Why an agent's episode ended; the first four are terminations, ``BUDGET`` is a truncation."""
+
+    FLYING = 0
+    GOAL = 1
+    COLLISION = 2
+    OUT_OF_BOUNDS = 3
+    STUCK = 4
+    BUDGET = 5
+
+
+class Rules(NamedTuple):
+    """A scenario's rules as numbers for compiled code."""
+
+    end_on_collision: bool
+    goal: float
+    counts_map: bool
+    """Whether coverage counts all cells of the map, not the reachable ones alone."""
+    budget: int
+    """Steps, 0 for as many as there are reachable cells."""
+    least_budget: int
+    radio_model: int
+    radio_range: float
+    radio_exponent: float
+    radio_wall_loss: float
+    radio_loss: float
+    goal_of_team: bool
+    stuck_rule: int
+    stuck_repeats: int
+    pay_step: float
+    pay_discovered: float
+    pay_received: float
+    pay_collision: float
+    pay_out_of_bounds: float
+    pay_stuck: float
+    pay_goal: float
+
+
+RADIO_MODELS = ("none", "square", "disc", "line-of-sight", "path-loss", "unlimited")
+STUCK_RULES = ("off", "no-discovery", "oscillation")
+
+
+def rules_of(scenario: Scenario) -> Rules:
+    """Translate a scenario."""
+    return Rules(
+        end_on_collision=scenario.on_collision == "end",
+        goal=scenario.goal,
+        counts_map=scenario.denominator == "map",
+        budget=scenario.budget or 0,
+        least_budget=LEAST_BUDGET,
+        radio_model=RADIO_MODELS.index(scenario.radio.model),
+        radio_range=scenario.radio.range,
+        radio_exponent=scenario.radio.exponent,
+        radio_wall_loss=scenario.radio.wall_loss,
+        radio_loss=scenario.radio.loss,
+        goal_of_team=scenario.goal_of == "team",
+        stuck_rule=STUCK_RULES.index(scenario.stuck.rule),
+        stuck_repeats=scenario.stuck.repeats,
+        pay_step=scenario.rewards.step,
+        pay_discovered=scenario.rewards.discovered,
+        pay_received=scenario.rewards.received,
+        pay_collision=scenario.rewards.collision,
+        pay_out_of_bounds=scenario.rewards.out_of_bounds,
+        pay_stuck=scenario.rewards.stuck,
+        pay_goal=scenario.rewards.goal,
+    )
+
+
+class State(NamedTuple):
+    """Everything that changes in a batch of episodes."""
+
+    truth: NDArray[np.uint8]
+    """(B, H, W) 1 free, 2 occupied."""
+    counts: NDArray[np.bool_]
+    """(B, H, W) cells that coverage counts."""
+    total: NDArray[np.int64]
+    """(B,) how many those are: the denominator."""
+    needed: NDArray[np.int64]
+    """(B,) how many of them make the goal."""
+    budget: NDArray[np.int64]
+    """(B,) steps."""
+    order_key: NDArray[np.uint64]
+    """(B,) key of the stream that draws the order of moves."""
+    radio_key: NDArray[np.uint64]
+    """(B,) key of the stream that draws which contacts fail."""
+    step: NDArray[np.int64]
+    """(B,) steps flown."""
+    end: NDArray[np.uint8]
+    """(B, N) :class:`End`."""
+    cell: NDArray[np.int64]
+    """(B, N, 2) row and column."""
+    legal: NDArray[np.bool_]
+    """(B, N, 5) actions that end neither in a wall nor off the map."""
+    belief: NDArray[np.uint8]
+    """(B, N, H, W) 0 unknown, 1 free, 2 occupied."""
+    sensed: NDArray[np.bool_]
+    """(B, N, H, W) cells the agent's own lidar has seen."""
+    visited: NDArray[np.bool_]
+    """(B, N, H, W) cells the agent has been in."""
+    union: NDArray[np.uint8]
+    """(B, H, W) what the team knows together."""
+    covered: NDArray[np.int64]
+    """(B, N) counted cells in the agent's belief."""
+    team_covered: NDArray[np.int64]
+    """(B,) counted cells in the union."""
+    sensed_count: NDArray[np.int64]
+    """(B, N) counted cells the agent's own lidar has seen."""
+    journal: NDArray[np.int32]
+    """(B, N, H*W) flat indices of known cells in the order they became known."""
+    known: NDArray[np.int64]
+    """(B, N) length of the journal."""
+    read: NDArray[np.int64]
+    """(B, N, N) how much of agent j's journal agent i has taken over: ``read[b, i, j]``."""
+    discovered: NDArray[np.int64]
+    """(B, N) cells first seen by own lidar in this step."""
+    received: NDArray[np.int64]
+    """(B, N) cells first heard by radio in this step."""
+    idle: NDArray[np.int64]
+    """(B, N) steps since the last new cell of either kind."""
+    history: NDArray[np.int32]
+    """(B, N, window) ring of flat positions, -1 while empty."""
+    reward: NDArray[np.float64]
+    """(B, N) of this step."""
+    linked: NDArray[np.bool_]
+    """(B, N, N) in direct radio contact after this step."""
+    outbox: NDArray[np.float64]
+    """(B, N, 16) the message an agent sends."""
+    outbox_size: NDArray[np.int64]
+    """(B, N) numbers in it, -1 for no message."""
+    heard_step: NDArray[np.int64]
+    """(B, N, N) step at which i last heard j, -1 for never."""
+    heard_cell: NDArray[np.int64]
+    """(B, N, N, 2) where j was then."""
+    heard: NDArray[np.float64]
+    """(B, N, N, 16) what it said then."""
+    heard_size: NDArray[np.int64]
+    """(B, N, N) numbers in it, -1 for no message."""
+    path_length: NDArray[np.int64]
+    """(B, N) cells moved."""
+    collisions: NDArray[np.int64]
+    """(B, N) moves into obstacles or off the map."""
+    blocked: NDArray[np.int64]
+    """(B, N) moves that a teammate was in the way of."""
+    sent_bytes: NDArray[np.int64]
+    """(B, N) bytes the agent's radio sent: see :mod:`indoor_explorers.env.simulation.radio`."""
+
+
+def empty_state(batch: int, team: int, shape: tuple[int, int], window: int) -> State:
+    """Allocate the state of ``batch`` episodes."""
+    b, n, (h, w) = batch, team, shape
+
+    def zeros(kind: type, *axes: int) -> NDArray:  # type: ignore[type-arg]
+        return np.zeros((b, *axes), kind)
+
+    i8, f8 = np.int64, np.float64
+    return State(
+        truth=zeros(np.uint8, h, w),
+        counts=zeros(np.bool_, h, w),
+        total=zeros(i8),
+        needed=zeros(i8),
+        budget=zeros(i8),
+        order_key=zeros(np.uint64),
+        radio_key=zeros(np.uint64),
+        step=zeros(i8),
+        end=zeros(np.uint8, n),
+        cell=zeros(i8, n, 2),
+        legal=zeros(np.bool_, n, 5),
+        belief=zeros(np.uint8, n, h, w),
+        sensed=zeros(np.bool_, n, h, w),
+        visited=zeros(np.bool_, n, h, w),
+        union=zeros(np.uint8, h, w),
+        covered=zeros(i8, n),
+        team_covered=zeros(i8),
+        sensed_count=zeros(i8, n),
+        journal=zeros(np.int32, n, h * w),
+        known=zeros(i8, n),
+        read=zeros(i8, n, n),
+        discovered=zeros(i8, n),
+        received=zeros(i8, n),
+        idle=zeros(i8, n),
+        history=zeros(np.int32, n, window),
+        reward=zeros(f8, n),
+        linked=zeros(np.bool_, n, n),
+        outbox=zeros(f8, n, MESSAGE_LIMIT),
+        outbox_size=zeros(i8, n),
+        heard_step=zeros(i8, n, n),
+        heard_cell=zeros(i8, n, n, 2),
+        heard=zeros(f8, n, n, MESSAGE_LIMIT),
+        heard_size=zeros(i8, n, n),
+        path_length=zeros(i8, n),
+        collisions=zeros(i8, n),
+        blocked=zeros(i8, n),
+        sent_bytes=zeros(i8, n),
+    )

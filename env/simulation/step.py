@@ -1,0 +1,163 @@
+"""The one step of the world, compiled: moves, scans, radio, rewards and ends."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.compiled import inner, kernel, leaf
+from indoor_explorers.env.grid.randomness import shuffled
+from indoor_explorers.env.sensing.lidar import Optics, Scan, visible_cells
+from indoor_explorers.env.simulation.engine import Engine, Work
+from indoor_explorers.env.simulation.radio import exchange, learn, link
+from indoor_explorers.env.simulation.state import Rules, State
+
+FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET = 0, 1, 2, 3, 4, 5
+
+
+@inner()
+def sense(state: State, optics: Optics, b: int, agent: int, scan: Scan) -> None:
+    """Scan from the agent's cell into its belief and the team's union; a cell it has been in shows nothing new."""
+    row, col = state.cell[b, agent, 0], state.cell[b, agent, 1]
+    if state.visited[b, agent, row, col]:
+        return
+    state.visited[b, agent, row, col] = True
+    sensed, belief, union = state.sensed[b, agent].flat, state.belief[b, agent].flat, state.union[b].flat
+    truth, counts = state.truth[b].flat, state.counts[b].flat
+    for k in range(visible_cells(state.truth[b], row, col, optics, scan)):
+        cell = scan.cells[k]
+        if sensed[cell]:
+            continue
+        sensed[cell] = True
+        state.sensed_count[b, agent] += counts[cell]
+        if belief[cell] == UNKNOWN:
+            learn(state, b, agent, cell)
+            state.discovered[b, agent] += 1
+        if union[cell] == UNKNOWN:
+            union[cell] = truth[cell]
+            state.team_covered[b] += counts[cell]
+
+
+@inner()
+def _crash(rules: Rules, state: State, b: int, agent: int, end: int, pay: float) -> bool:
+    state.collisions[b, agent] += 1
+    state.reward[b, agent] += pay
+    if rules.end_on_collision:
+        state.end[b, agent] = end
+    return False
+
+
+@inner()
+def move(rules: Rules, state: State, b: int, agent: int, action: int) -> bool:
+    """Carry out one agent's action; return whether it now is in another cell."""
+    if action == 4:
+        return False
+    row, col = state.cell[b, agent, 0] + MOVES[action, 0], state.cell[b, agent, 1] + MOVES[action, 1]
+    if row < 0 or row >= state.truth.shape[1] or col < 0 or col >= state.truth.shape[2]:
+        return _crash(rules, state, b, agent, OUT_OF_BOUNDS, rules.pay_out_of_bounds)
+    if state.truth[b, row, col] == OCCUPIED:
+        return _crash(rules, state, b, agent, COLLISION, rules.pay_collision)
+    for mate in range(state.end.shape[1]):
+        in_the_way = state.cell[b, mate, 0] == row and state.cell[b, mate, 1] == col
+        if in_the_way and mate != agent and state.end[b, mate] == FLYING:
+            state.blocked[b, agent] += 1
+            return False
+    state.cell[b, agent, 0], state.cell[b, agent, 1] = row, col
+    state.path_length[b, agent] += 1
+    return True
+
+
+@inner()
+def _is_stuck(rules: Rules, state: State, b: int, agent: int) -> bool:
+    if rules.stuck_rule == 1:
+        return bool(state.idle[b, agent] >= state.truth.shape[1] * state.truth.shape[2])
+    if rules.stuck_rule == 2:
+        window, repeats = state.history.shape[2], 0
+        here = state.history[b, agent, state.step[b] % window]
+        for k in range(window):  # the cell it is in now is the only one whose count can have grown
+            repeats += state.history[b, agent, k] == here
+        return bool(repeats >= rules.stuck_repeats)
+    return False
+
+
+@inner()
+def _settle(rules: Rules, state: State, b: int) -> None:
+    """Pay the flying agents for the step and end those that are done."""
+    team_done = rules.goal_of_team and state.team_covered[b] >= state.needed[b]
+    width, window = state.truth.shape[2], state.history.shape[2]
+    for n in range(state.end.shape[1]):
+        if state.end[b, n] != FLYING:
+            continue
+        state.reward[b, n] += rules.pay_discovered * state.discovered[b, n] + rules.pay_received * state.received[b, n]
+        state.idle[b, n] = 0 if state.discovered[b, n] + state.received[b, n] else state.idle[b, n] + 1
+        state.history[b, n, state.step[b] % window] = state.cell[b, n, 0] * width + state.cell[b, n, 1]
+        if team_done or (not rules.goal_of_team and state.covered[b, n] >= state.needed[b]):
+            state.end[b, n] = GOAL
+            state.reward[b, n] += rules.pay_goal
+        elif _is_stuck(rules, state, b, n):
+            state.end[b, n] = STUCK
+            state.reward[b, n] += rules.pay_stuck
+        elif state.step[b] >= state.budget[b]:
+            state.end[b, n] = BUDGET
+
+
+@inner()
+def _update_legal(state: State, b: int, agent: int) -> None:
+    height, width = state.truth.shape[1], state.truth.shape[2]
+    for action in range(4):
+        row, col = state.cell[b, agent, 0] + MOVES[action, 0], state.cell[b, agent, 1] + MOVES[action, 1]
+        inside = 0 <= row < height and 0 <= col < width
+        state.legal[b, agent, action] = inside and state.truth[b, row, col] == FREE
+    state.legal[b, agent, 4] = True
+
+
+@inner()
+def begin(rules: Rules, state: State, optics: Optics, work: Work, b: int) -> None:
+    """Make the first scans and radio contacts of episode ``b``, whose truth and spawns are in place."""
+    for n in range(state.end.shape[1]):
+        sense(state, optics, b, n, work.scan)
+        _update_legal(state, b, n)
+    if link(rules, state, b, work.component):
+        exchange(state, b, work.component, work.before)
+
+
+@inner()
+def _advance_one(rules: Rules, state: State, optics: Optics, work: Work, b: int, actions: np.ndarray) -> None:
+    team = state.end.shape[1]
+    shuffled(state.order_key[b], state.step[b], work.order)
+    for k in range(team):
+        n = work.order[k]
+        if state.end[b, n] == FLYING:
+            state.reward[b, n] += rules.pay_step
+            if move(rules, state, b, n, actions[b, n]):
+                sense(state, optics, b, n, work.scan)
+                _update_legal(state, b, n)
+    state.step[b] += 1
+    if team > 1 and rules.radio_model > 0 and link(rules, state, b, work.component):
+        exchange(state, b, work.component, work.before)
+    _settle(rules, state, b)
+
+
+@kernel()
+def advance(engine: Engine, actions: np.ndarray, first: int, last: int) -> None:
+    """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
+    rules, state, optics, work = engine.rules, engine.state, engine.optics, engine.work
+    team = state.end.shape[1]
+    for b in range(first, last):
+        flying = False
+        for n in range(team):
+            state.reward[b, n] = 0.0
+            state.discovered[b, n] = 0
+            state.received[b, n] = 0
+            flying |= state.end[b, n] == FLYING
+        if flying:
+            _advance_one(rules, state, optics, work, b, actions)
+
+
+@leaf()
+def are_actions(actions: np.ndarray) -> bool:
+    """Tell whether all of (B, N) numbers are actions."""
+    good = True
+    for action in actions.flat:
+        good &= 0 <= action <= 4
+    return good

@@ -1,0 +1,108 @@
+"""How the trainings do on maps that none of them has seen, the same for all, and what that says about a variant."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.evaluation.ablation.runs import Order, read_note
+from indoor_explorers.evaluation.compare import Execution, fly_missing
+from indoor_explorers.evaluation.experiment.experiment import build_experiment
+from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.statistics import Estimate, difference_of_seeds, mean_of_seeds
+from indoor_explorers.evaluation.training import find_learner
+
+#: Where in the folder of an ablation its flights are.
+FLIGHTS = "judged"
+#: The first seed of the flights: those of trainings begin at 2^40, those of comparisons at 0.
+FIRST_SEED = 2**39
+#: What a training writes down, its evaluations among it.
+RECORD = "training.json"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judged:
+    """The finished trainings of one variant."""
+
+    variant: str
+    settings: dict[str, Any]
+    """What differs from the learner's defaults, by dotted keys."""
+    seeds: list[int]
+    """Those of its S trainings."""
+    times: dict[str, NDArray[np.float64]]
+    """(S, E) steps to 90 and 99 %, ``t90`` and ``t99``, the budget where these were never reached."""
+    never: float
+    """Share of the episodes that never got to 99 %."""
+    minutes: float
+    """Mean of the trainings."""
+    curves: list[NDArray[np.float64]]
+    """For each training (2, K): moves made, and the mean steps to the goal that its evaluation then found."""
+
+    def mean(self, metric: str) -> Estimate:
+        """Return the mean of a time over trainings and episodes."""
+        return mean_of_seeds(self.times[metric])
+
+    def against(self, full: Judged, metric: str) -> Estimate:
+        """Return how much more steps it takes than another variant."""
+        return difference_of_seeds(self.times[metric], full.times[metric])
+
+    def dots(self, full: Judged, metric: str) -> NDArray[np.float64]:
+        """Return (S,) how much more steps each training takes than the other variant's do in the mean."""
+        return np.asarray(self.times[metric].mean(axis=1) - full.times[metric].mean())
+
+
+def judge(
+    orders: Sequence[Order], scenario: Scenario, out: Path, *, episodes: int, workers: int, command: str
+) -> list[Judged]:
+    """Fly what was not flown yet of the finished trainings; return the variants in order, the first leading.
+
+    Nothing is returned while no training of the first variant is finished, as there is nothing to compare with.
+    """
+    finished = [order for order in orders if "weights" in read_note(order)]
+    if not orders or not any(order.variant == orders[0].variant for order in finished):
+        return []
+    module, task = find_learner(orders[0].learner), scenario.for_evaluation()
+    policies = [module.flown(_weights(order)) | {"name": order.title} for order in finished]
+    experiment = build_experiment(policies, [task], episodes=episodes, seed=FIRST_SEED, settings={})
+    fly_missing(experiment, out / FLIGHTS, Execution(workers=workers, command=command))
+    results = Results.load(out / FLIGHTS)
+    names = dict.fromkeys(order.variant for order in orders)
+    groups = [[order for order in finished if order.variant == name] for name in names]
+    return [_judged(group, results, task.name, episodes) for group in groups if group]
+
+
+def _weights(order: Order) -> Path:
+    return Path(order.folder) / str(read_note(order)["weights"])
+
+
+def _judged(orders: Sequence[Order], results: Results, scenario: str, episodes: int) -> Judged:
+    titles = [order.title for order in orders]
+    groups = [results.groups[scenario, title][:episodes] for title in titles]
+    return Judged(
+        variant=orders[0].variant,
+        settings=orders[0].settings,
+        seeds=[order.seed for order in orders],
+        times={
+            metric: np.stack([results.values(scenario, title, metric)[:episodes] for title in titles])
+            for metric in ("t90", "t99")
+        },
+        never=float(np.mean([record.metrics.get("t99") is None for records in groups for record in records])),
+        minutes=float(np.mean([read_note(order)["minutes"] for order in orders])),
+        curves=[_curve(order) for order in orders],
+    )
+
+
+def _curve(order: Order) -> NDArray[np.float64]:
+    path = Path(order.folder) / RECORD
+    try:
+        trials = json.loads(path.read_text(encoding="utf-8"))["evaluations"]
+        return np.array([(trial["steps"], trial["t_goal"]) for trial in trials], np.float64).reshape(-1, 2).T
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: expected the record of a training, got something else ({error!r})") from error

@@ -1,0 +1,52 @@
+"""A training in a process of its own: ``python -m indoor_explorers.evaluation.ablation.worker``, ordered on stdin."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from indoor_explorers.env import InputError
+from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.validation import validated
+from indoor_explorers.evaluation.ablation.runs import NOTE, Order, read_note
+from indoor_explorers.evaluation.training import find_learner, nested
+
+
+def train_one(order: Order) -> None:
+    """Train, or go on with what is there; note the minutes in the folder, and the weights at the end."""
+    module = find_learner(order.learner)
+    config = validated(module.TrainingConfig, nested(order.settings), f"settings of learner {order.learner!r}")
+    before = read_note(order).get("minutes", 0.0)
+    folder, began = Path(order.folder), time.monotonic()
+    weights: Path | None = None
+    try:
+        weights = module.train(config, named_scenario(order.scenario), folder, seed=order.seed, resume=True)
+    finally:
+        if folder.is_dir():
+            note: dict[str, Any] = {"order": order.identity, "minutes": before + (time.monotonic() - began) / 60}
+            _write(folder / NOTE, note if weights is None else note | {"weights": weights.name})
+
+
+def _write(path: Path, note: dict[str, Any]) -> None:
+    with written_whole(path) as partial:
+        partial.write_text(json.dumps(note, indent=1) + "\n", encoding="utf-8")
+
+
+def main() -> int:
+    """Train what stdin orders; returns the exit status."""
+    try:
+        train_one(Order(**json.load(sys.stdin)))
+    except InputError as error:
+        sys.stderr.write(" ".join(str(error).split()) + "\n")
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

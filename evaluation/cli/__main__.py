@@ -1,0 +1,7 @@
+"""``python -m indoor_explorers.evaluation.cli``: the command ``indoor-explorers``."""
+
+import sys
+
+from indoor_explorers.evaluation.cli.parser import main
+
+sys.exit(main())

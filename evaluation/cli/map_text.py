@@ -1,0 +1,89 @@
+"""Maps for the terminal: a picture in characters and a line of facts."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from indoor_explorers.env import InputError
+from indoor_explorers.env.grid.arrays import Cell, Mask
+from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.reduction import Source, reduced, settled
+
+#: What marks the start in a picture.
+START = "S"
+
+#: The dot of a braille pattern (U+2800 on) for each of its 4 x 2 places.
+_DOTS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
+
+
+def facts(floorplan: Floorplan) -> str:
+    """Return one line on a map: size, resolution, free area, what of it is connected, what was kept, start."""
+    free = int((floorplan.truth == FREE).sum())
+    scale, area = "no scale", f"{free} free"
+    if floorplan.resolution:
+        scale = f"{floorplan.resolution:g} m a cell"
+        area += f" ({free * floorplan.resolution**2:,.1f} m2)"
+    start = "" if floorplan.start is None else f"; start at {floorplan.start}"
+    return (
+        f"{floorplan.name}: {floorplan.shape[0]} x {floorplan.shape[1]} cells, {scale}, {area}, "
+        f"{floorplan.main_part.sum() / free:.1%} of them connected; "
+        f"{floorplan.kept:.1%} of the source's free area kept{start}"
+    )
+
+
+def picture(floorplan: Floorplan, width: int) -> str:
+    """Return a map as text of at most ``width`` characters a line, walls drawn and the floor left blank.
+
+    A map that is narrow enough is drawn in half blocks, one cell wide and two high; a wider one in braille dots, two
+    cells wide and four high. One that is wider still is reduced first, so that doors stay open where they can.
+    """
+    free, start = floorplan.truth == FREE, floorplan.start
+    if free.shape[1] <= width:
+        return _text(_half_blocks(~free), start, (2, 1))
+    scale = math.ceil(free.shape[1] / max(2 * width, 2))
+    if scale > 1:
+        free = _coarse(floorplan, scale)
+        start = settled(start, free, scale)
+    return _text(_braille(~free), start, (4, 2))
+
+
+def _coarse(floorplan: Floorplan, scale: int) -> Mask:
+    """Return the free cells of a map reduced ``scale`` times; without any, those that are half free."""
+    source = Source(name=floorplan.name, where=floorplan.name, cells=floorplan.truth, resolution=1.0)
+    try:
+        coarse = reduced(source, float(scale))
+    except InputError:  # corridors narrower than half a character's dot
+        coarse = None
+    if coarse is not None and coarse.kept >= 0.5:
+        return np.asarray(coarse.truth == FREE)
+    rows, cols = (math.ceil(side / scale) for side in floorplan.shape)
+    padded = np.zeros((rows * scale, cols * scale), np.bool_)
+    padded[: floorplan.shape[0], : floorplan.shape[1]] = floorplan.truth == FREE
+    shares = padded.reshape(rows, scale, cols, scale).mean(axis=(1, 3))
+    return np.asarray(shares >= min(0.5, float(np.median(shares))))
+
+
+def _half_blocks(solid: Mask) -> list[list[str]]:
+    """Return characters for (2, 1) cells each."""
+    padded = np.pad(solid, [(0, solid.shape[0] % 2), (0, 0)])
+    codes = 2 * padded[::2].astype(int) + padded[1::2]
+    return [[" ▄▀█"[code] for code in line] for line in codes.tolist()]
+
+
+def _braille(solid: Mask) -> list[list[str]]:
+    """Return characters for (4, 2) cells each."""
+    rows, cols = -(-solid.shape[0] // 4), -(-solid.shape[1] // 2)
+    padded = np.zeros((4 * rows, 2 * cols), np.bool_)
+    padded[: solid.shape[0], : solid.shape[1]] = solid
+    codes = (padded.reshape(rows, 4, cols, 2) * _DOTS[None, :, None, :]).sum(axis=(1, 3))
+    return [[chr(0x2800 + code) for code in line] for line in codes.tolist()]
+
+
+def _text(lines: list[list[str]], start: Cell | None, cells: tuple[int, int]) -> str:
+    """Join characters that stand for ``cells`` each to lines, with the start marked."""
+    if start is not None:
+        lines[start[0] // cells[0]][start[1] // cells[1]] = START
+    return "\n".join("".join(line) for line in lines)

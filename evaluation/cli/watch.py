@@ -1,0 +1,138 @@
+"""Watch a policy fly one episode, in a window or in a file: the same episode that a comparison flies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from indoor_explorers.env import Action, InputError, Pilot, Policy, World
+from indoor_explorers.env.errors import RunError
+from indoor_explorers.env.policies.policy import is_action
+from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
+from indoor_explorers.env.rendering.video_writer import FPS, Film
+from indoor_explorers.env.rendering.window import Window
+from indoor_explorers.env.simulation.spawns import draw_floorplan
+from indoor_explorers.evaluation.experiment.experiment import Experiment
+
+
+def watch(experiment: Experiment, console: Console, *, save: Path | None, steps: int | None, fps: float | None) -> None:
+    """Fly the first episode of an experiment's first policy and show it, or save it to a file.
+
+    ``steps`` cuts it short. Prints where the file is and how the episode ended.
+
+    Raises:
+        InputError: the file cannot be written, or there is no window to be had.
+        RunError: the policy failed; no file is written then.
+
+    """
+    policy, scenario = experiment.policies[0].make(), experiment.scenarios[0]
+    title = f"{scenario.name}  \u00b7  {experiment.policies[0].name}  \u00b7  seed {experiment.seed}"
+    world = World(scenario)
+    world.begin(0, experiment.seed, floorplan=draw_floorplan(scenario, experiment.seed))
+    last = min(int(world.state.budget[0]), steps if steps is not None else int(world.state.budget[0]))
+    show = Show(world, title, last)
+    moments = flight(policy, world, last)
+    if save is None:
+        show.in_window(moments, fps)
+    else:
+        show.in_file(moments, Film(save, fps), console)
+    console.print(
+        f"{experiment.policies[0].name} on {scenario.name}, seed {experiment.seed}: "
+        f"step {world.state.step[0]} of {world.state.budget[0]}, coverage {percent(world.team_coverage[0])}",
+        highlight=False,
+        soft_wrap=True,
+    )
+
+
+def flight(policy: Policy, world: World, last: int) -> Iterator[bool]:
+    """Fly episode 0 of a world that has begun, up to step ``last``; yield at its start and after every step.
+
+    Yields whether the episode goes on. It is flown as :mod:`indoor_explorers.evaluation.episodes.runner` flies a batch
+    of one.
+    """
+    team = range(world.scenario.team)
+    with _told(world):
+        pilots = [policy.pilot(world.briefing(0, agent, privileged=policy.privileged)) for agent in team]
+    going = last > 0
+    yield going
+    while going:
+        with _told(world):
+            actions = _decide(policy, pilots, world)
+        world.step(actions)
+        going = bool(world.flying[0].any()) and int(world.state.step[0]) < last
+        yield going
+
+
+def _decide(policy: Policy, pilots: Sequence[Pilot], world: World) -> NDArray[np.int64]:
+    """Return the (1, N) actions of the UAVs that fly, and post what their pilots say."""
+    actions = np.full((1, len(pilots)), int(Action.STAY))
+    asked = np.flatnonzero(world.flying[0]).tolist()
+    chosen = policy.act([pilots[agent] for agent in asked], [world.view(0, agent) for agent in asked])
+    for agent, action in zip(asked, chosen, strict=True):
+        if not is_action(action):
+            raise InputError(f"expected an action from 0 to 4, got {action!r}")
+        world.post(0, agent, pilots[agent].message)
+        actions[0, agent] = action
+    return actions
+
+
+@contextmanager
+def _told(world: World) -> Iterator[None]:
+    """Turn whatever a policy raises into one line."""
+    try:
+        yield
+    except Exception as error:
+        raise RunError(f"policy failed at step {world.state.step[0]}: {type(error).__name__}: {error}") from error
+
+
+class Show:
+    """Follow a flight and picture it."""
+
+    def __init__(self, world: World, title: str, last: int) -> None:
+        self._world = world
+        self._title = title
+        self._last = last
+        self._trails = Trails(world.state.truth.shape[1:])
+
+    def picture(self) -> NDArray[np.uint8]:
+        """Return the present moment, (h, w, 3) uint8."""
+        return paint(scene_of(self._world, 0, self._trails, self._title))
+
+    def in_window(self, moments: Iterator[bool], fps: float | None) -> None:
+        """Show every step in a window, and its last picture until somebody closes it; closing it ends the flight."""
+        window = Window(self._title, fps if fps is not None else FPS[0])
+        try:
+            for going in moments:
+                self._trails.add(self._world.state.cell[0])
+                if going:
+                    window.show(self.picture())
+                else:
+                    window.linger(self.picture())
+                if window.closed:
+                    return
+        finally:
+            window.close()
+
+    def in_file(self, moments: Iterator[bool], film: Film, console: Console) -> None:
+        """Film the flight and write the file; says which."""
+        if not console.is_terminal:
+            console.print(f"flying {self._title}", highlight=False, soft_wrap=True)
+        columns = [TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()]
+        with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+            flying = bar.add_task("flying", total=self._last)
+            for going in moments:
+                self._trails.add(self._world.state.cell[0])
+                film.shoot(self.picture, last=not going)
+                bar.update(flying, completed=int(self._world.state.step[0]))
+            bar.update(flying, total=int(self._world.state.step[0]))
+            writing = bar.add_task("writing", total=len(film))
+            film.save(lambda written: bar.update(writing, completed=written))
+        width, height = film.size
+        frames = f"{len(film)} frames of " if len(film) > 1 else ""
+        console.print(f"Saved: {film.path} ({frames}{width} x {height} pixels)", highlight=False, soft_wrap=True)

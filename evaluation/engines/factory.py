@@ -1,0 +1,57 @@
+"""Where episodes are flown: in worker processes of this machine, or on a Ray cluster."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+
+from indoor_explorers.env import InputError
+from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT, limits_for
+from indoor_explorers.evaluation.engines.local import fly_jobs
+from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.experiment.experiment import Job
+
+#: The engines by name, the default first.
+ENGINES = ("local", "ray")
+#: Flies jobs and yields the records of each as it finishes, in whatever order.
+Engine = Callable[[Sequence[Job]], Iterator[list[Record]]]
+
+
+def make_engine(
+    name: str,
+    workers: int | None = None,
+    address: str | None = None,
+    decision_timeout: float | None = DECISION_TIMEOUT,
+    memory_limit: float | None = None,
+) -> Engine:
+    """Return an engine by name; every one of them flies the same episodes.
+
+    ``decision_timeout`` in seconds and ``memory_limit`` in GB are what a policy may take, see
+    :mod:`indoor_explorers.evaluation.engines.limits`.
+
+    Raises:
+        InputError: no such engine, arguments that it does not take, no Ray, or no cluster at ``address``.
+    """
+    if name not in ENGINES:
+        raise InputError(f"expected an engine, {' or '.join(ENGINES)}, got {name!r}")
+    if name == "ray":
+        return partial(_ray_flight(workers, address), decision_timeout=decision_timeout, memory_limit=memory_limit)
+    if address is not None:
+        raise InputError(f"expected --engine ray with --address {address}, got --engine local; leave one of them out")
+    crew = (os.cpu_count() or 1) if workers is None else workers
+    return partial(fly_jobs, workers=crew, limits=limits_for(crew, decision_timeout, memory_limit))
+
+
+def _ray_flight(workers: int | None, address: str | None) -> Callable[..., Iterator[list[Record]]]:
+    if workers == 0:
+        raise InputError("expected at least 1 of --workers with --engine ray, got 0; leave it out for all CPUs")
+    try:
+        from indoor_explorers.evaluation.engines.ray_connection import check_address
+        from indoor_explorers.evaluation.engines.ray_engine import fly_jobs_on_ray
+    except ModuleNotFoundError as error:
+        if error.name != "ray":
+            raise
+        raise InputError("--engine ray needs Ray, which is not installed; install indoor-explorers[ray]") from error
+    check_address(address)
+    return partial(fly_jobs_on_ray, workers=workers, address=address)

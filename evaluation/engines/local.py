@@ -1,0 +1,70 @@
+"""The local engine: batches of tasks on worker processes of this machine, each with a supervisor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from queue import SimpleQueue
+
+from indoor_explorers.evaluation.engines.limits import Limits
+from indoor_explorers.evaluation.engines.supervisor import Supervisor
+from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Job
+
+
+def fly_job(job: Job) -> list[Record]:
+    """Fly a job in this process, unprotected: a policy that hangs or ends its process does that to this one."""
+    return list(fly(job.policy.make(), job.policy.name, job.scenario, job.tasks, cold=True))
+
+
+def fly_jobs(jobs: Sequence[Job], workers: int, limits: Limits) -> Iterator[list[Record]]:
+    """Yield the records of each job as it finishes; ``workers`` 0 flies them one by one in this process.
+
+    The workers start as fresh interpreters that never import the caller's main module, so that a script
+    needs no guard around its call.
+
+    Raises:
+        InputError: an episode cannot be flown, whatever the policy does.
+        RunError: the same for reasons of the program's; what was yielded before stays valid.
+
+    """
+    if workers == 0:
+        yield from map(fly_job, jobs)
+        return
+    crew = [Supervisor(limits) for _ in range(min(workers, len(jobs)))]
+    idle: SimpleQueue[Supervisor] = SimpleQueue()
+    for supervisor in crew:
+        idle.put(supervisor)
+    threads = ThreadPoolExecutor(len(crew), "engine")
+    try:
+        yield from _as_completed(threads, jobs, idle, in_flight=2 * len(crew))
+    finally:
+        for supervisor in crew:
+            supervisor.close()
+        threads.shutdown(cancel_futures=True)
+
+
+def _as_completed(
+    threads: Executor, jobs: Sequence[Job], idle: SimpleQueue[Supervisor], in_flight: int
+) -> Iterator[list[Record]]:
+    """Keep a few jobs in flight, so that stopping early leaves little behind."""
+    waiting = iter(jobs)
+    running: set[Future[list[Record]]] = set()
+    while True:
+        while len(running) < in_flight and (job := next(waiting, None)) is not None:
+            running.add(threads.submit(_fly_by_any, idle, job))
+        if not running:
+            return
+        done, running = wait(running, return_when=FIRST_COMPLETED)
+        for future in done:
+            yield future.result()
+
+
+def _fly_by_any(idle: SimpleQueue[Supervisor], job: Job) -> list[Record]:
+    """Fly a job by a supervisor that has nothing to do."""
+    supervisor = idle.get()
+    try:
+        return supervisor.fly(job)
+    finally:
+        idle.put(supervisor)

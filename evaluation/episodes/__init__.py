@@ -1,0 +1,1 @@
+"""One episode: flying, recording, simulating it again, metrics and lower bounds."""

@@ -1,0 +1,161 @@
+"""Lower bounds: steps that no team can do without, however well it flies and whatever it knows.
+
+They follow from what the cells flown through can show at most. A cell that is flown through again shows nothing new,
+so every cell counts once for the whole team; and nobody is in a cell before as many steps have passed as the nearest
+UAV needs to get there.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from indoor_explorers.env import World
+from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.search.visibility import Sights, bit_count, look, sights_of
+from indoor_explorers.env.sensing.lidar import optics
+from indoor_explorers.evaluation.episodes.mst_bound import steps_by_witnesses
+
+#: Cells times cells in lidar range up to which walls are looked at: a tenth of a second.
+EFFORT = 20_000_000
+
+
+def least_steps(world: World, episode: int, share: float) -> int:
+    """Return a certified lower bound on the steps to a team coverage of ``share``, for an episode that has just begun.
+
+    The largest of four bounds:
+
+    - by range: what is seen lies within lidar range of a cell flown through. The discs around the starts hold a known
+      number of cells, and a step shifts a disc, which adds its leading edge at most: some g(y) for a step to cell y.
+    - by sight: the first scans show S cells. Who gets from x to y has seen V(x), so that V(y) - V(x) - S is all that
+      y adds, at most some g(y) over all neighbours x.
+    - by distance: in t steps nothing is seen but what can be seen from cells at most t steps from a start.
+    - by witnesses: see :mod:`indoor_explorers.evaluation.episodes.mst_bound`.
+
+    For the first two, the most that can be seen in t steps is found by taking, in each step, the N largest gains among
+    the cells that can be reached by then and are not taken yet, N UAVs entering no more. No choice does better: if
+    one leaves out the largest gain available in some step, taking it there instead loses nothing, now or later.
+    On very large maps walls are left out, and the first bound alone is left.
+    """
+    state, scenario = world.state, world.scenario
+    truth, starts = state.truth[episode], [(row, col) for row, col in state.cell[episode].tolist()]
+    total, team = int(state.total[episode]), len(starts)
+    lens = optics(scenario.lidar.range, scenario.lidar.model)
+    looks = total * lens.disc <= EFFORT
+    sights = sights_of(truth, starts, lens if looks else optics(0.0), whole=scenario.denominator == "map")
+    needed = math.ceil(share * total - 1e-9)
+    steps = _steps_from_starts(sights, team)
+    overshoot = 0.5 if scenario.lidar.model == "marsexplorer" else 0.0  # cells that this model sees beyond the range
+    half_widths = optics(scenario.lidar.range + overshoot).half_widths
+    within, edges = _range_gains(state.counts[episode], sights.cells, team, half_widths)
+    by_range = _steps_by_gain(edges, steps, needed - within, team)
+    if not looks:
+        return by_range
+    seen, news = _sight_gains(sights, team)
+    return max(
+        by_range,
+        _steps_by_gain(news, steps, needed - seen, team),
+        _steps_by_distance(sights, steps, needed),
+        steps_by_witnesses(sights, truth.shape[1], team, total - needed),
+    )
+
+
+@kernel()
+def _steps_from_starts(sights: Sights, team: int) -> np.ndarray:
+    """Return the steps (M,) from the nearest start to each cell; cells are numbered in that order."""
+    steps = np.full(sights.cells.shape[0], -1, np.int64)
+    steps[:team] = 0
+    for cell in range(sights.cells.shape[0]):
+        for k in range(4):
+            other = sights.near[cell, k]
+            if other >= 0 and steps[other] < 0:
+                steps[other] = steps[cell] + 1
+    return steps
+
+
+@kernel()
+def _sight_gains(sights: Sights, team: int) -> tuple[int, np.ndarray]:
+    """Return how many cells the starts show, and how many each cell adds to them and to any one neighbour's, (M,)."""
+    known, seen = np.zeros_like(sights.all), 0
+    for cell in range(team):
+        seen += look(sights, cell, known)
+    gains, shown = np.zeros(sights.cells.shape[0], np.int64), known.copy()
+    for cell in range(sights.cells.shape[0]):
+        for place in range(sights.first[cell], sights.first[cell + 1]):
+            shown[sights.tile[place]] |= sights.bits[place]
+        for k in range(4):
+            other = sights.near[cell, k]
+            if other >= 0:
+                new = np.int64(0)
+                for place in range(sights.first[other], sights.first[other + 1]):
+                    new += np.int64(bit_count(sights.bits[place] & ~shown[sights.tile[place]]))
+                gains[other] = max(gains[other], new)
+        for place in range(sights.first[cell], sights.first[cell + 1]):
+            shown[sights.tile[place]] = known[sights.tile[place]]
+    return seen, gains
+
+
+@leaf()
+def _edge(left: np.ndarray, row: int, col: int, down: int, right: int, half_widths: np.ndarray) -> int:
+    """Count the cells ``left`` (H, W) on the edge of a disc around (row, col) that leads in a direction."""
+    height, width = left.shape
+    count = np.int64(0)
+    for away in range(1 - half_widths.shape[0], half_widths.shape[0]):
+        ahead = half_widths[abs(away)]
+        r, c = row + down * ahead + right * away, col + right * ahead + down * away
+        if 0 <= r < height and 0 <= c < width:
+            count += left[r, c]
+    return int(count)
+
+
+@kernel()
+def _range_gains(counts: np.ndarray, cells: np.ndarray, team: int, half_widths: np.ndarray) -> tuple[int, np.ndarray]:
+    """Return how many cells are in range of the starts, and how many more each cell's disc adds at most, (M,)."""
+    (height, width), left, within = counts.shape, counts.copy(), 0
+    for n in range(team):
+        row, col = divmod(cells[n], width)
+        for r in range(max(0, row - half_widths.shape[0] + 1), min(height, row + half_widths.shape[0])):
+            half = half_widths[abs(r - row)]
+            for c in range(max(0, col - half), min(width, col + half + 1)):
+                within += left[r, c]
+                left[r, c] = False
+    gains = np.zeros(cells.shape[0], np.int64)
+    for k in range(cells.shape[0]):
+        row, col = divmod(cells[k], width)
+        for move in range(4):
+            gains[k] = max(gains[k], _edge(left, row, col, MOVES[move, 0], MOVES[move, 1], half_widths))
+    return within, gains
+
+
+@kernel()
+def _steps_by_gain(gains: np.ndarray, steps: np.ndarray, missing: int, team: int) -> int:
+    """Return the fewest steps in which the largest gains add up to ``missing``."""
+    waiting = np.zeros(gains.max() + 1, np.int64)
+    cell, passed = team, 0
+    while missing > 0:
+        passed += 1
+        while cell < steps.shape[0] and steps[cell] <= passed:
+            waiting[gains[cell]] += 1
+            cell += 1
+        free = team
+        for gain in range(waiting.shape[0] - 1, 0, -1):
+            taken = min(free, waiting[gain])
+            waiting[gain] -= taken
+            free -= taken
+            missing -= gain * taken
+        if free == team and cell == steps.shape[0]:
+            break
+    return passed
+
+
+@kernel()
+def _steps_by_distance(sights: Sights, steps: np.ndarray, needed: int) -> int:
+    """Return the distance up to which cells must be looked from to see ``needed`` cells."""
+    seen, possible = np.zeros_like(sights.all), 0
+    for cell in range(steps.shape[0]):
+        possible += look(sights, cell, seen)
+        if possible >= needed:
+            return int(steps[cell])
+    return int(steps[-1])

@@ -1,0 +1,147 @@
+"""A lower bound from places that a team must look at, wherever they are: witnesses.
+
+A team that may miss k counted cells must see one at least of any k + 1. So it must enter the region from which at
+least one cell of such a group can be seen: for every group there is. The ways that N UAVs fly, their starts taken
+together as one place, connect all those regions; so they are together no shorter than a minimum spanning tree of the
+steps between regions, and the longest of them is no shorter than an N-th of that. Inside a region the tree pays
+nothing, and it may use another cell of a region for each of its edges: both make it shorter only.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.search.visibility import TILE, Sights, look
+
+#: Groups that are tried at most, and words that are looked at for them.
+GROUPS, WORDS = 32, 3_000_000
+#: Steps to a cell that cannot be reached.
+FAR = np.int32(2**30)
+
+
+def steps_by_witnesses(sights: Sights, width: int, team: int, missable: int) -> int:
+    """Return a bound on the steps of a team that may miss so many of the counted cells of a map of that width.
+
+    The first ``team`` cells of ``sights`` are the starts. Groups are the cells around those seen last by a team that
+    keeps to the regions of the groups before; whatever they are, the bound holds.
+    """
+    if missable >= len(sights.cells):
+        return 0
+    groups = min(GROUPS, max(2, WORDS // len(sights.bits)))
+    between = _between(sights, width, team, missable + 1, groups)
+    trees = [_spanning_tree(between[:count, :count]) for count in range(2, len(between) + 1)]
+    return math.ceil(max(trees, default=0) / team)
+
+
+@kernel()
+def _flood(sights: Sights, region: np.ndarray, steps: np.ndarray, queue: np.ndarray) -> int:
+    """Fill ``steps`` (M,) with the steps from a region (M,) bool; return how many cells are reached, first in queue."""
+    tail = head = 0
+    for cell in range(region.shape[0]):
+        steps[cell] = FAR
+        if region[cell]:
+            steps[cell] = 0
+            queue[tail] = cell
+            tail += 1
+    while head < tail:
+        cell = queue[head]
+        head += 1
+        for k in range(4):
+            other = sights.near[cell, k]
+            if other >= 0 and steps[other] == FAR:
+                steps[other] = steps[cell] + 1
+                queue[tail] = other
+                tail += 1
+    return tail
+
+
+@kernel()
+def _seen_last(sights: Sights, width: int, number: np.ndarray, order: np.ndarray) -> int:
+    """Return the number of the counted cell seen last when all cells look in turn, or of the cell that sees it."""
+    seen, last = np.zeros_like(sights.all), order[0]
+    across = (width + TILE - 1) // TILE
+    for cell in order:
+        for place in range(sights.first[cell], sights.first[cell + 1]):
+            new = sights.bits[place] & ~seen[sights.tile[place]]
+            if new != 0:
+                bit = 0
+                while (new >> np.uint64(bit)) & np.uint64(1) == 0:
+                    bit += 1
+                row, col = divmod(sights.tile[place], across)
+                found = number[(row * TILE + bit // TILE) * width + col * TILE + bit % TILE]
+                last = found if found >= 0 else cell
+        look(sights, cell, seen)
+    return int(last)
+
+
+@kernel()
+def _group(sights: Sights, width: int, middle: int, size: int, queue: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Return the ``size`` cells nearest to a cell as words (T,)."""
+    alone, words = np.zeros(sights.cells.shape[0], np.bool_), np.zeros_like(sights.all)
+    alone[middle] = True
+    reached = _flood(sights, alone, steps, queue)
+    if reached < size:
+        return words
+    across = (width + TILE - 1) // TILE
+    for k in range(size):
+        row, col = divmod(sights.cells[queue[k]], width)
+        words[row // TILE * across + col // TILE] |= np.uint64(1) << np.uint64(row % TILE * TILE + col % TILE)
+    return words
+
+
+@leaf()
+def _sees(sights: Sights, cell: int, words: np.ndarray) -> bool:
+    for place in range(sights.first[cell], sights.first[cell + 1]):
+        if sights.bits[place] & words[sights.tile[place]] != 0:
+            return True
+    return False
+
+
+@kernel()
+def _between(sights: Sights, width: int, team: int, size: int, groups: int) -> np.ndarray:
+    """Return the steps between the starts, taken as one place, and the regions of groups of so many cells, (G, G)."""
+    count = sights.cells.shape[0]
+    number = np.full(sights.all.shape[0] * TILE * TILE, -1, np.int64)
+    for cell in range(count):
+        number[sights.cells[cell]] = cell
+    regions, between = np.zeros((groups + 1, count), np.bool_), np.zeros((groups + 1, groups + 1), np.int64)
+    steps, least, queue = np.empty(count, np.int32), np.full(count, FAR, np.int32), np.empty(count, np.int32)
+    regions[0, :team] = True
+    for made in range(groups + 1):
+        _flood(sights, regions[made], steps, queue)
+        least = np.minimum(least, steps)
+        for other in range(made):
+            nearest = FAR
+            for cell in range(count):
+                if regions[other, cell]:
+                    nearest = min(nearest, steps[cell])
+            between[made, other] = between[other, made] = nearest
+        if made == groups:
+            break
+        middle = _seen_last(sights, width, number, np.argsort(least, kind="mergesort"))
+        words = _group(sights, width, middle, size, queue, steps)
+        for cell in range(count):
+            regions[made + 1, cell] = _sees(sights, cell, words)
+        if not regions[made + 1].any() or least[regions[made + 1]].min() == 0:
+            return between[: made + 1, : made + 1]
+    return between
+
+
+@kernel()
+def _spanning_tree(between: np.ndarray) -> int:
+    """Return the length of a minimum spanning tree of (G, G) distances (Prim 1957)."""
+    count = between.shape[0]
+    joined, nearest = np.zeros(count, np.bool_), between[0].copy()
+    joined[0], length = True, 0
+    for _ in range(count - 1):
+        best = -1
+        for k in range(count):
+            if not joined[k] and (best < 0 or nearest[k] < nearest[best]):
+                best = k
+        length += nearest[best]
+        joined[best] = True
+        nearest = np.minimum(nearest, between[best])
+    return int(length)

@@ -1,0 +1,99 @@
+"""The record of one flown episode."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.evaluation.experiment.experiment import Task
+
+#: What coverage can be drawn against, and the unit of each.
+AXES = {"steps": "steps", "distance": "cells", "seconds": "s", "bytes": "bytes"}
+
+
+class Outcome(StrEnum):
+    """How an episode ended."""
+
+    COMPLETE = "complete"
+    """The scenario's goal coverage was reached."""
+    BUDGET = "budget"
+    """The step budget ran out first."""
+    ENDED = "ended"
+    """Every UAV crashed or was ended as stuck first."""
+    FAILED = "failed"
+    """The policy broke: it raised, returned no action, took too long or too much memory, or ended its process."""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """What is kept of one episode of S steps by N UAVs.
+
+    Map, seed and actions make the whole episode again, step by step, see
+    :mod:`indoor_explorers.evaluation.episodes.resimulate`; the arrays beside them are what figures are drawn from.
+    """
+
+    policy: str
+    task: Task
+    floorplan: Floorplan = field(repr=False)
+    team: int
+    budget: int
+    """Steps."""
+    reachable: int
+    """The coverage denominator in cells."""
+    outcome: Outcome
+    reason: str
+    """Why a failed episode failed, or what ended the UAVs; empty when all is well."""
+    steps: int
+    """Steps flown."""
+    metrics: dict[str, float | None]
+    """By the names of :data:`indoor_explorers.evaluation.episodes.metrics.MEASURES`, and what the pilots tallied."""
+    covered: NDArray[np.int32] = field(repr=False)
+    """(S + 1, 1 + N) covered cells after each step: the team's union, then each UAV's own map."""
+    cells: NDArray[np.int16] = field(repr=False)
+    """(S + 1, N, 2) row and column of each UAV after each step."""
+    actions: NDArray[np.uint8] = field(repr=False)
+    """(S, N) what each UAV chose at each step; ``stay`` once it has ended."""
+    seconds: NDArray[np.float32] = field(repr=False)
+    """(S + 1,) seconds that the team's decisions took up to each step, all UAVs together."""
+    sent: NDArray[np.int64] = field(repr=False)
+    """(S + 1,) bytes that the team sent by radio up to each step."""
+
+    @property
+    def curve(self) -> NDArray[np.float64]:
+        """(S + 1,) team coverage after each step."""
+        return self.coverage()
+
+    def coverage(self, who: str = "team", steps: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
+        """Return (T,) coverage after each of T ``steps``, of all S + 1 by default.
+
+        ``who`` is ``team`` (the union of what the UAVs know), ``mean`` or ``worst`` (over the UAVs' own maps).
+        """
+        rows = self.covered if steps is None else self.covered[steps]
+        if who == "team":
+            return np.asarray(rows[:, 0] / self.reachable)
+        own = rows[:, 1:]
+        return np.asarray({"worst": own.min(axis=1), "mean": own.mean(axis=1)}[who] / self.reachable)
+
+    @cached_property
+    def distance(self) -> NDArray[np.int64]:
+        """(S + 1,) cells that the team flew up to each step, all UAVs together."""
+        moved = np.abs(np.diff(self.cells.astype(np.int64), axis=0)).sum(axis=(1, 2))
+        return np.concatenate(([0], np.cumsum(moved)))
+
+    def flew_like(self, other: Record) -> bool:
+        """Return whether both are the same flight, step for step; the time that decisions took does not count."""
+        names = ("covered", "cells", "actions", "sent")
+        same_end = (self.outcome, self.steps) == (other.outcome, other.steps)
+        return same_end and all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    def spent(self, axis: str) -> NDArray[np.float64]:
+        """Return (S + 1,) how much of one of :data:`AXES` was spent up to each step; never falls."""
+        if axis == "distance":
+            return self.distance.astype(np.float64)
+        spent = {"steps": np.arange(self.steps + 1), "seconds": self.seconds, "bytes": self.sent}
+        return np.asarray(spent[axis], np.float64)

@@ -1,0 +1,29 @@
+"""Fly a recorded episode again, step by step: the way from a curve back to what happened."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from indoor_explorers.env import Scenario, World
+from indoor_explorers.evaluation.episodes.record import Record
+
+
+def flown_scenario(settings: Mapping[str, Any]) -> Scenario:
+    """Return a stored scenario; its map source is left out, since records bring their own maps."""
+    kept = {key: value for key, value in settings.items() if key not in ("fingerprint", "map")}
+    return Scenario.model_validate(kept)
+
+
+def refly(record: Record, scenario: Scenario) -> Iterator[World]:
+    """Yield the world of a record at its start and after each of its S steps, its episode in place 0.
+
+    Positions, beliefs, radio contacts and coverage are those of the recorded flight, whatever flew it; what pilots
+    said to each other is not kept. Read each moment before asking for the next: it is the same world.
+    """
+    world = World(scenario)
+    world.begin(0, record.task.seed, floorplan=record.floorplan)
+    yield world
+    for actions in record.actions:
+        world.step(actions[None])
+        yield world

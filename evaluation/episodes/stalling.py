@@ -1,0 +1,73 @@
+"""Who freezes and who dithers: steps that UAVs waste while there is something left to find.
+
+A UAV has something left to find while it flies and its own map lacks free cells that it can reach. What it does
+afterwards, waiting for teammates to finish, does not count.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from indoor_explorers.env import World
+from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.evaluation.episodes.recorder import Flown
+
+
+def behaviour_metrics(world: World, episode: int, flown: Flown) -> dict[str, float]:
+    """Return ``longest_idle``, ``longest_dither`` and ``idle_share`` of an episode that has ended."""
+    searching = np.arange(len(flown.actions))[:, None] < searching_steps(world, episode, flown)
+    still = stood_still(flown.cells) & searching
+    return {
+        "longest_idle": float(longest_run(still)),
+        "longest_dither": float(longest_run(to_and_fro(flown.cells) & searching)),
+        "idle_share": float(still.sum() / max(1, searching.sum())),
+    }
+
+
+def searching_steps(world: World, episode: int, flown: Flown) -> list[int]:
+    """Return for each UAV how many steps it began with something left to find."""
+    parts, _ = ndimage.label(world.state.truth[episode] == FREE)
+    return [
+        min(steps, _step_complete(world, episode, agent, flown.covered[:, 1 + agent], parts))
+        for agent, steps in enumerate(flown.aloft.tolist())
+    ]
+
+
+def _step_complete(
+    world: World, episode: int, agent: int, covered: NDArray[np.integer], parts: NDArray[np.integer]
+) -> int:
+    """Return the step after which a UAV knew every free cell it could reach; the last of all for never.
+
+    ``parts`` (H, W) labels the connected parts of the map. The journal has the order in which cells became known, and
+    ``covered`` (S + 1,) how many of those that coverage counts were known after each step.
+    """
+    state = world.state
+    journal = state.journal[episode, agent, : state.known[episode, agent]]
+    row, col = state.cell[episode, agent]
+    own = np.flatnonzero(parts.flat[journal] == parts[row, col])
+    if len(own) < int((parts == parts[row, col]).sum()):
+        return len(covered) - 1
+    counted = int(state.counts[episode].flat[journal[: own[-1] + 1]].sum())
+    return int(np.searchsorted(covered, counted))
+
+
+def stood_still(cells: NDArray[np.integer]) -> NDArray[np.bool_]:
+    """Return (S, N) which steps left N UAVs in their (S + 1, N, 2) ``cells``, blocked moves included."""
+    return np.asarray(~np.diff(cells, axis=0).any(axis=2))
+
+
+def to_and_fro(cells: NDArray[np.integer]) -> NDArray[np.bool_]:
+    """Return (S, N) which steps took back the move of the step before, given (S + 1, N, 2) ``cells``."""
+    moves = np.diff(cells, axis=0)
+    back = np.zeros(moves.shape[:2], np.bool_)
+    back[1:] = (moves[1:] == -moves[:-1]).all(axis=2) & moves[1:].any(axis=2)
+    return back
+
+
+def longest_run(flags: NDArray[np.bool_]) -> int:
+    """Return the most True in a row in any column of (S, N) ``flags``."""
+    columns = np.pad(flags, ((1, 1), (0, 0))).T.ravel()
+    edges = np.flatnonzero(columns[1:] != columns[:-1])
+    return int((edges[1::2] - edges[::2]).max(initial=0))

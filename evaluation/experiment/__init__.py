@@ -1,0 +1,1 @@
+"""What is flown: experiments, the selection of policies and scenarios, provenance."""

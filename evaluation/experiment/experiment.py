@@ -1,0 +1,162 @@
+"""An experiment: policies x scenarios x maps x seeds, all policies on the same maps, spawns and seeds."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import tomli_w
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from indoor_explorers.env import InputError, Policy, Scenario, make_policy
+from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.env.scenarios.validation import read_toml, validated
+
+
+class Task(NamedTuple):
+    """One episode to be flown by every policy."""
+
+    scenario: str
+    """Name of the scenario."""
+    map_index: int
+    """Which of the scenario's map files; 0 for generators."""
+    seed: int
+    """Makes the generated map, the spawns, the order of moves and the pilots' draws."""
+
+
+#: Characters of a policy's name in results.
+LONGEST_NAME = 80
+
+
+class PolicyChoice(BaseModel):
+    """A policy by registry name, ``NAME:PATH`` or ``module:Class``, its parameters, and its name in results."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+    use: str = Field(min_length=1)
+    """Registry name, ``NAME:PATH`` or ``module:Class``."""
+    name: str = Field("", max_length=LONGEST_NAME)
+    """Name in tables and figures; the registry name when left out, a path in it shortened where it is long."""
+    parameters: dict[str, Any] = {}
+    """Arguments of the policy's constructor."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_name(cls, data: Any) -> Any:
+        data = {"use": data} if isinstance(data, str) else data
+        return data | {"name": data.get("name") or _brief(data.get("use", ""))} if isinstance(data, dict) else data
+
+    def make(self) -> Policy:
+        """Make the policy."""
+        return make_policy(self.use, **self.parameters)
+
+
+def _brief(use: Any) -> Any:
+    """Return what is used, without the middle of a long path."""
+    if not isinstance(use, str) or len(use) <= LONGEST_NAME:
+        return use
+    head = use.partition(":")[0][:20]
+    return f"{head}:…{use[len(head) + 2 - LONGEST_NAME :]}"
+
+
+class Job(NamedTuple):
+    """A batch of episodes of one policy on one scenario."""
+
+    policy: PolicyChoice
+    scenario: Scenario
+    tasks: tuple[Task, ...]
+
+
+class Experiment(BaseModel):
+    """Describe a comparison completely."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+    policies: tuple[PolicyChoice, ...] = Field(min_length=1)
+    """The policies compared, in the order of tables."""
+    scenarios: tuple[Scenario, ...] = Field(min_length=1)
+    """The tasks, as they are flown."""
+    episodes: int = Field(30, ge=1, le=1_000_000)
+    """Seeds flown on each map."""
+    seed: int = Field(0, ge=0, lt=2**62)
+    """First seed; episode k has seed + k."""
+
+    @field_validator("policies", "scenarios")
+    @classmethod
+    def _names_differ(cls, entries: tuple[Any, ...]) -> tuple[Any, ...]:
+        names = [entry.name for entry in entries]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"the name {twice[0]!r} appears twice; give each its own name")
+        return entries
+
+    def tasks(self) -> list[Task]:
+        """List the episodes that every policy flies."""
+        return [
+            Task(scenario.name, index, self.seed + k)
+            for scenario in self.scenarios
+            for index in range(scenario.map.count)
+            for k in range(self.episodes)
+        ]
+
+    def scenario(self, name: str) -> Scenario:
+        """Return the scenario of that name."""
+        return next(scenario for scenario in self.scenarios if scenario.name == name)
+
+    def to_toml(self) -> str:
+        """Print the experiment as TOML that :func:`read_experiment` reads back, every setting of every scenario in it.
+
+        Paths of map files are written as absolute ones.
+        """
+        data = self.model_dump(mode="json", exclude_none=True)
+        for scenario in data["scenarios"]:
+            if "paths" in scenario["map"]:
+                scenario["map"]["paths"] = [str(Path(path).resolve()) for path in scenario["map"]["paths"]]
+        return tomli_w.dumps(data)
+
+
+def merged_experiments(texts: Sequence[str]) -> str:
+    """Return as TOML what the runs of one store flew together, given the experiment of each in TOML, oldest first.
+
+    Policies and episodes are those of any run; the rest is that of the latest. Empty where there was no run.
+    """
+    if not texts:
+        return ""
+    runs = [tomllib.loads(text) for text in texts]
+    policies = {policy["name"]: policy for run in runs for policy in run["policies"]}
+    whole = {"policies": list(policies.values()), "episodes": max(run["episodes"] for run in runs)}
+    return tomli_w.dumps(runs[-1] | whole)
+
+
+#: Keys of an experiment file.
+KEYS = ("policies", "scenarios", "episodes", "seed", "set")
+
+
+def read_experiment(path: Path) -> dict[str, Any]:
+    """Read an experiment file into a mapping of :data:`KEYS`, not yet validated."""
+    data = read_toml(path)
+    for key in data:
+        if key not in KEYS:
+            raise InputError(f"{path}: unknown key {key!r}{did_you_mean(key, KEYS)}")
+    for key in ("policies", "scenarios"):
+        if key in data and not isinstance(data[key], list):
+            raise InputError(f"{path}: expected {key} to be a list, got {data[key]!r}")
+    if not isinstance(data.get("set", {}), dict):
+        raise InputError(f"{path}: expected [set] to be a table of settings, got {data['set']!r}")
+    return data
+
+
+def build_experiment(
+    policies: Sequence[Any],
+    scenarios: Sequence[Scenario],
+    *,
+    episodes: int,
+    seed: int,
+    settings: Mapping[str, Any],
+) -> Experiment:
+    """Put an experiment together from scenarios as they are flown, and ``settings`` on each of them."""
+    flown = [scenario.with_settings(settings) for scenario in scenarios]
+    data = {"policies": tuple(policies), "scenarios": tuple(flown), "episodes": episodes, "seed": seed}
+    return validated(Experiment, data, "experiment")

@@ -1,0 +1,91 @@
+"""What of an experiment file is flown, all of it or entries that were named, and whom its policies are set against."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.env.scenarios.presets import named_scenario
+
+#: Compared when nothing else is asked for: chance and the four families.
+DEFAULT_POLICIES = ("random", "frontier-nearest", "frontier", "rrt", "pso", "dddqn")
+DEFAULT_SCENARIO = "thesis-obstacles"
+#: What the steps of all policies are divided by where nothing else is asked for.
+DEFAULT_BASELINE = "frontier-nearest"
+
+
+def chosen_policies(asked: Sequence[Any] | None, listed: Sequence[Any] | None) -> list[Any]:
+    """Return the policies asked for; the name of an entry of the file means that entry with its parameters.
+
+    Args:
+        asked: names, or whole entries; None asks for all that the file lists.
+        listed: the entries of the experiment file; None where there are none.
+
+    """
+    if asked is None:
+        return list(DEFAULT_POLICIES if listed is None else listed)
+    entries = {_policy_name(entry): entry for entry in listed or ()}
+    return [entries.get(each, each) if isinstance(each, str) else each for each in asked]
+
+
+def _policy_name(entry: Any) -> str:
+    name = (entry.get("name") or entry.get("use", "")) if isinstance(entry, Mapping) else entry
+    return str(name).strip()
+
+
+def chosen_scenarios(asked: Any, listed: Sequence[Any] | None, folder: Path) -> list[Scenario]:
+    """Return the scenarios asked for in the form comparisons fly; the name of an entry of the file means that entry.
+
+    Args:
+        asked: a preset's name, a ``.toml`` file or a scenario, or several; None asks for all that the file lists.
+        listed: the entries of the experiment file: presets' names, ``.toml`` files, or tables of settings; None where
+            there are none.
+        folder: where the experiment file lies; paths in it are relative to it.
+
+    """
+    if asked is None and listed is None:
+        return [named_scenario(DEFAULT_SCENARIO).for_evaluation()]
+    own = [_listed_scenario(entry, folder) for entry in listed or ()]
+    if asked is None:
+        return own
+    entries = {scenario.name.strip(): scenario for scenario in own}
+    names = [asked] if isinstance(asked, (str, Scenario)) else list(asked)
+    return [_asked_scenario(name, entries) for name in names]
+
+
+def _asked_scenario(asked: str | Scenario, entries: Mapping[str, Scenario]) -> Scenario:
+    if isinstance(asked, Scenario):
+        return asked.for_evaluation()
+    return entries.get(asked) or named_scenario(str(asked)).for_evaluation()
+
+
+def _listed_scenario(entry: Any, folder: Path) -> Scenario:
+    if isinstance(entry, Mapping):
+        return Scenario.for_comparison(entry, f"scenario {entry.get('name', '')!r} of the experiment", folder)
+    if not isinstance(entry, str):
+        raise InputError(f"expected scenarios to list presets, .toml files or tables of settings, got {entry!r}")
+    return named_scenario(entry, folder).for_evaluation()
+
+
+def chosen_baselines(names: Sequence[str], privileged: Sequence[str], asked: Sequence[str] | None = None) -> list[str]:
+    """Return what policies are compared with: those asked for, else the usual one and those that know the map.
+
+    The usual one is ``frontier-nearest`` where it takes part, else the first policy that does not know the map.
+
+    Raises:
+        InputError: no policy of that name takes part.
+
+    """
+    for name in asked or ():
+        if name not in names:
+            raise InputError(
+                f"expected a policy that takes part to compare with, got {name!r}{did_you_mean(name, names)}"
+            )
+    if asked:
+        return list(dict.fromkeys(asked))
+    plain = [name for name in names if name not in privileged]
+    usual = [DEFAULT_BASELINE] if DEFAULT_BASELINE in plain else plain[:1]
+    return [*usual, *(name for name in names if name in privileged)]

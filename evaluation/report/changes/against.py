@@ -1,0 +1,249 @@
+"""What changed between two results beyond noise: old and new paired task by task, all comparisons one family."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, OF_THE_MACHINE, Measure
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.report.style.formatting import counted, decimals_for, fixed, with_interval
+from indoor_explorers.evaluation.results.combine import differing_fields, scenario_difference
+from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.statistics import (
+    CONFIDENCE,
+    Estimate,
+    holm,
+    paired_difference,
+    sign_flip_test,
+    smallest_detectable_difference,
+)
+
+SUCCESS = Measure("goal reached", "share of episodes", "episodes that reached the scenario's goal coverage", False)
+#: What is compared; the times are those that the scenario asks for.
+HEADLINE = ("auc", "t90", "t99", "success", "path_length", "collisions", "overlap", "messages_bytes", "latency_p50_us")
+
+
+def _measure(metric: str) -> Measure:
+    return SUCCESS if metric == "success" else MEASURES[metric]
+
+
+@dataclass(frozen=True, eq=False)
+class _Pairs:
+    """The values of one metric on the tasks that both hold."""
+
+    scenario: str
+    policy: str
+    metric: str
+    old: NDArray[np.float64]
+    """(E,) values."""
+    new: NDArray[np.float64]
+    maps: NDArray[np.str_]
+    """(E,) which map each task is on."""
+
+    @property
+    def differences(self) -> NDArray[np.float64]:
+        """(E,) new minus old."""
+        return self.new - self.old
+
+
+@dataclass(frozen=True)
+class Change:
+    """One metric of one policy on one scenario, new against old."""
+
+    scenario: str
+    policy: str
+    metric: str
+    """One of :data:`HEADLINE`, or the time to the level that the scenario is judged by."""
+    old: float
+    """Mean over the tasks that both hold."""
+    new: float
+    difference: Estimate
+    """Mean of new minus old with its interval."""
+    adjusted_p: float
+    """Of the sign-flip test, adjusted by Holm's method over all changes."""
+    detectable: float
+    """Smallest true difference found with 80 % power; infinite where there are too few tasks for any."""
+
+    @property
+    def shown(self) -> bool:
+        """Whether a change was shown, the number of comparisons accounted for."""
+        return self.adjusted_p <= 1 - CONFIDENCE
+
+    @property
+    def better(self) -> bool:
+        """Whether the new mean is the better one."""
+        return (self.difference.mean < 0) == _measure(self.metric).lower_is_better
+
+    @property
+    def verdict(self) -> str:
+        """Say what was shown."""
+        if self.shown:
+            return ("better" if self.better else "worse") + (
+                ", or the machine" if self.metric in OF_THE_MACHINE else ""
+            )
+        return "too few tasks" if math.isinf(self.detectable) else "no change shown"
+
+    @property
+    def title(self) -> str:
+        """The metric and its unit."""
+        measure = _measure(self.metric)
+        return f"{measure.title} [{measure.unit}]" if measure.unit else measure.title
+
+    @property
+    def decimals(self) -> int:
+        """How many decimals figures of this size need, and two digits of their difference, six at most."""
+        largest, difference = max(abs(self.old), abs(self.new)), abs(self.difference.mean)
+        usual = 3 if largest <= 1 else decimals_for(largest, most=2)
+        return max(usual, min(6, 1 - math.floor(math.log10(difference)))) if difference else usual
+
+    @property
+    def figures(self) -> tuple[str, str, str, str]:
+        """Old, new, difference with its interval, and what could have been seen, for people."""
+        return (
+            fixed(self.old, self.decimals),
+            fixed(self.new, self.decimals),
+            with_interval(self.difference, self.decimals, sign=True),
+            fixed(None if math.isinf(self.detectable) else self.detectable, self.decimals),
+        )
+
+
+@dataclass(frozen=True)
+class Identity:
+    """How many episodes of a policy on a scenario are the same flights in both."""
+
+    scenario: str
+    policy: str
+    same: int
+    tasks: int
+    parameters: str
+    """What differs in the policy itself, empty where nothing does."""
+
+    @property
+    def text(self) -> str:
+        """Say so."""
+        what = f"{self.same} of {counted(self.tasks, 'episode')} identical, step for step"
+        return what + (f"; the policy differs: {self.parameters}" if self.parameters else "")
+
+
+@dataclass(frozen=True)
+class Against:
+    """The whole comparison of new results with old ones."""
+
+    changes: list[Change]
+    """Those shown come first; metrics without any difference are no comparison and are left out."""
+    identities: list[Identity]
+    apart: list[str]
+    """What only one of the two holds, or what is another task in both, a line each."""
+
+    @property
+    def shown(self) -> int:
+        """How many changes were shown."""
+        return sum(change.shown for change in self.changes)
+
+
+def compare_with(new: Results, old: Results) -> Against:
+    """Compare new results with old ones of the same names, over the tasks that both hold.
+
+    The p-values of all comparisons together are adjusted by Holm's method. Metrics that are the same in every
+    episode are left out of the family: no flip of signs could make a difference of them.
+    """
+    groups = list(_common(new, old))
+    pairs = [each for group in groups for each in _pairs(new, old, *group) if each.differences.any()]
+    changes = _changes(pairs)
+    identities = [_identity(new, old, *group) for group in groups]
+    return Against(sorted(changes, key=lambda change: not change.shown), identities, list(_apart(new, old)))
+
+
+def _common(new: Results, old: Results) -> Iterator[tuple[str, str]]:
+    """Yield the scenarios and policies that both hold of the same task."""
+    like = {name for name in new.scenarios if name in old.scenarios and not scenario_difference(old, new, name)}
+    for scenario, policy in new.groups:
+        if scenario in like and (scenario, policy) in old.groups and _paired(new, old, scenario, policy):
+            yield scenario, policy
+
+
+def _paired(new: Results, old: Results, scenario: str, policy: str) -> list[tuple[Record, Record]]:
+    before = {record.task: record for record in old.groups[scenario, policy]}
+    return [(record, before[record.task]) for record in new.groups[scenario, policy] if record.task in before]
+
+
+def _pairs(new: Results, old: Results, scenario: str, policy: str) -> Iterator[_Pairs]:
+    tasks = [record.task for record, _ in _paired(new, old, scenario, policy)]
+    places = [{r.task: k for k, r in enumerate(each.groups[scenario, policy])} for each in (new, old)]
+    ours, theirs = ([place[task] for task in tasks] for place in places)
+    maps = new.maps(scenario, policy)[ours]
+    for metric in _compared(new, scenario):
+        after = _values(new, scenario, policy, metric)[ours]
+        before = _values(old, scenario, policy, metric)[theirs]
+        held = ~np.isnan(after) & ~np.isnan(before)
+        if held.any():
+            yield _Pairs(scenario, policy, metric, before[held], after[held], maps[held])
+
+
+def _compared(results: Results, scenario: str) -> list[str]:
+    """Return what is compared in a scenario: :data:`HEADLINE` with the times of its level in their place."""
+    times, others = results.level(scenario).times, [metric for metric in HEADLINE if metric not in LEVELS]
+    return [*others[:1], *times, *others[1:]]
+
+
+def _values(results: Results, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
+    if metric != "success":
+        return results.values(scenario, policy, metric)
+    return np.array([r.outcome is Outcome.COMPLETE for r in results.groups[scenario, policy]], np.float64)
+
+
+def _changes(pairs: list[_Pairs]) -> Iterator[Change]:
+    adjusted = holm([sign_flip_test(each.differences, each.maps) for each in pairs]).tolist()
+    for each, p_value in zip(pairs, adjusted, strict=True):
+        level = (1 - CONFIDENCE) / len(pairs)
+        yield Change(
+            each.scenario,
+            each.policy,
+            each.metric,
+            float(each.old.mean()),
+            float(each.new.mean()),
+            paired_difference(each.new, each.old, maps=each.maps),
+            p_value,
+            smallest_detectable_difference(each.differences, level=level, maps=each.maps),
+        )
+
+
+def _identity(new: Results, old: Results, scenario: str, policy: str) -> Identity:
+    pairs = _paired(new, old, scenario, policy)
+    same = sum(after.flew_like(before) for after, before in pairs)
+    return Identity(scenario, policy, same, len(pairs), _policy_difference(old.policies[policy], new.policies[policy]))
+
+
+def _policy_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
+    """Name what differs in a policy; another class has other parameters, which then say nothing."""
+    fields = ("class",) if old.get("class") != new.get("class") else tuple({**old, **new})
+    known = [{key: each[key] for key in fields if key in each} for each in (old, new)]
+    return differing_fields(known[0], known[1], aside=("hash",))
+
+
+def _apart(new: Results, old: Results) -> Iterator[str]:
+    for name in [*new.scenarios, *(name for name in old.scenarios if name not in new.scenarios)]:
+        if name not in old.scenarios or name not in new.scenarios:
+            yield f"scenario {name!r} is in the {'new' if name in new.scenarios else 'old'} results only"
+        elif difference := scenario_difference(old, new, name):
+            yield f"scenario {name!r} is not the same task in both; what differs: {difference}"
+        else:
+            yield from _apart_within(new, old, name)
+
+
+def _apart_within(new: Results, old: Results, scenario: str) -> Iterator[str]:
+    for policy in [*new.policies, *(policy for policy in old.policies if policy not in new.policies)]:
+        key = (scenario, policy)
+        if (key in new.groups) != (key in old.groups):
+            yield f"policy {policy!r} flew {scenario!r} in the {'new' if key in new.groups else 'old'} results only"
+        elif key in new.groups:
+            ours, theirs = ({record.task for record in each.groups[key]} for each in (new, old))
+            if ours != theirs:
+                common = counted(len(ours & theirs), "task")
+                yield f"policy {policy!r} on {scenario!r}: {common} in both, {len(ours ^ theirs)} in one only"

@@ -1,0 +1,47 @@
+"""What changed, for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rich import box
+from rich.console import RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from indoor_explorers.evaluation.report.changes.against import Against, Change
+from indoor_explorers.evaluation.report.style.formatting import counted
+
+
+def against_lines(against: Against) -> Iterator[RenderableType]:
+    """Yield what a terminal shows of new results against old ones: a table, changes first, and what it leaves out."""
+    if against.changes:
+        yield _table(against)
+    yield Text(f"{against.shown} of {counted(len(against.changes), 'comparison')} shown to have changed")
+    for each in against.identities:
+        yield Text(f"{each.scenario}, {each.policy}: {each.text}")
+    for line in against.apart:
+        yield Text(line, "yellow")
+
+
+def _table(against: Against) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("policy", overflow="fold", min_width=14)
+    table.add_column("figure", no_wrap=True)
+    for heading in ("old", "new", "new - old", "could see"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("", overflow="fold")
+    several, before = len({change.scenario for change in against.changes}) > 1, ""
+    for change in against.changes:
+        if several and change.scenario != before:
+            table.add_row(Text(change.scenario, "bold"))
+        before = change.scenario
+        names = (Text(change.policy), Text(change.title))
+        table.add_row(*names, *map(Text, change.figures), Text(change.verdict, _style(change)))
+    return table
+
+
+def _style(change: Change) -> str:
+    if not change.shown:
+        return "dim"
+    return "bold green" if change.better else "bold red"

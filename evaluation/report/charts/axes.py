@@ -1,0 +1,120 @@
+"""What coverage is drawn against: steps, distance flown, seconds of thinking, bytes sent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.evaluation.episodes.record import AXES, Record
+from indoor_explorers.evaluation.report.comparison import Comparison
+
+#: Steps beyond that point that are still shown, as a factor.
+MARGIN = 1.15
+
+
+class Axis(NamedTuple):
+    """One of :data:`~indoor_explorers.evaluation.episodes.record.AXES` with the amounts at which curves are drawn."""
+
+    key: str
+    title: str
+    unit: str
+    log: bool
+    """Whether amounts differ so much between policies that only a logarithmic axis shows all of them."""
+    amounts: NDArray[np.float64]
+    """(T,) rising; the last is the most that any episode spent, for steps the budget."""
+    focus: float
+    """The amount after which little happens."""
+
+
+#: Names for people.
+TITLES = {"steps": "step", "distance": "distance flown by the team", "seconds": "time of all decisions of the team"} | {
+    "bytes": "bytes sent by the team"
+}
+
+
+def axes_of(comparison: Comparison, points: int) -> list[Axis]:
+    """Return the axes on which anything was spent, steps first, with about ``points`` amounts each."""
+    records = [record for group in comparison.groups.values() for record in group]
+    others = [key for key in AXES if key != "steps" and max(record.spent(key)[-1] for record in records) > 0]
+    steps = sampled_steps(comparison, points).astype(np.float64)
+    first = Axis("steps", TITLES["steps"], AXES["steps"], False, steps, float(focus_step(comparison)))
+    return [first, *(_spending(comparison, key, points // 2) for key in others)]
+
+
+def _spending(comparison: Comparison, key: str, points: int) -> Axis:
+    records = [record for group in comparison.groups.values() for record in group]
+    most = max(float(record.spent(key)[-1]) for record in records)
+    if key == "seconds":
+        least = min(float(spent[spent > 0][0]) for record in records if (spent := record.spent(key))[-1] > 0)
+        rounded = [float(f"{amount:.4g}") for amount in np.geomspace(least, most, points)[:-1].tolist()]
+        return Axis(key, TITLES[key], AXES[key], True, np.unique([*rounded, most]), most)
+    focus = min(most, MARGIN * _focus(comparison, key, np.linspace(0, most, 1000)))
+    amounts = np.concatenate((np.linspace(0, focus, points * 2 // 3), np.linspace(focus, most, points // 3)))
+    return Axis(key, TITLES[key], AXES[key], False, np.unique(amounts.round()), round(focus))
+
+
+def _focus(comparison: Comparison, key: str, amounts: NDArray[np.float64]) -> float:
+    """Return the amount at which the last mean curve that ever gets to the level is there; the most if none does."""
+    means = [coverage_at(group, amounts, axis=key).mean(axis=0) for group in comparison.groups.values()]
+    enough = comparison.level.share
+    return float(max((amounts[np.argmax(m >= enough)] for m in means if m[-1] >= enough), default=amounts[-1]))
+
+
+def sampled_steps(comparison: Comparison, points: int) -> NDArray[np.int64]:
+    """Return at most about ``points`` steps: dense while any curve still rises, and the last step of all."""
+    records = [record for records in comparison.groups.values() for record in records]
+    budget, last = max(record.budget for record in records), max(record.steps for record in records)
+    focus = min(focus_step(comparison), last)
+    early = np.linspace(0, focus, min(focus + 1, points * 2 // 3)).round()
+    late = np.linspace(focus, last, min(last - focus + 1, points // 3)).round()
+    return np.unique(np.concatenate((early, late, [budget]))).astype(np.int64)
+
+
+def focus_step(comparison: Comparison) -> int:
+    """Return the step after which little happens in a scenario, see :func:`settled`."""
+    return settled(list(comparison.groups.values()), comparison.level.share)
+
+
+def settled(groups: Sequence[Sequence[Record]], share: float) -> int:
+    """Return the step after which little happens: the last mean curve of the groups to get to a share is there.
+
+    Groups whose mean never gets there do not count, unless none does: then it is the budget.
+    """
+    budget = max(record.budget for records in groups for record in records)
+    reached = [step for records in groups if (step := _mean_reaches(records, share)) is not None]
+    return min(budget, int(np.ceil(max(reached) * MARGIN)) + 1) if reached else budget
+
+
+def _mean_reaches(records: Sequence[Record], share: float) -> int | None:
+    """Return the first step at which the mean team coverage is at least a share; coverage never falls, so halve."""
+
+    def there(step: int) -> bool:
+        return float(coverage_at(records, np.array([step])).mean()) >= share - 1e-12
+
+    low, high = 0, max(record.steps for record in records)
+    if not there(high):
+        return None
+    while low < high:
+        middle = (low + high) // 2
+        low, high = (low, middle) if there(middle) else (middle + 1, high)
+    return low
+
+
+def coverage_at(
+    records: Sequence[Record], amounts: NDArray[np.integer | np.floating], who: str = "team", axis: str = "steps"
+) -> NDArray[np.float64]:
+    """Return (E, T) coverage when T ``amounts`` of an axis were spent, each curve constant after its end.
+
+    ``who`` is as in :meth:`~indoor_explorers.evaluation.episodes.record.Record.coverage`.
+    """
+    return np.stack([record.coverage(who, _step(record, amounts, axis)) for record in records])
+
+
+def _step(record: Record, amounts: NDArray[np.integer | np.floating], axis: str) -> NDArray[np.integer]:
+    """Return the last step up to which no more than each amount was spent."""
+    if axis == "steps":
+        return np.asarray(np.minimum(amounts, record.steps), np.int64)
+    return np.asarray(np.maximum(np.searchsorted(record.spent(axis), amounts, side="right") - 1, 0))

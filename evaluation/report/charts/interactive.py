@@ -1,0 +1,103 @@
+"""The data of the interactive charts, small enough to embed: coverage curves with bands, and times to a level."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
+from indoor_explorers.evaluation.report.charts.axes import Axis, axes_of, coverage_at
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.style.packing import shares
+from indoor_explorers.evaluation.report.style.palette import Style, crowded
+from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_times
+
+#: Whose coverage a chart can show.
+WHO = ("team", "worst", "mean")
+#: Levels whose times are drawn where the scenario asks for them, the one shown first at the front.
+TIMES = ("t99", "t95", "t90")
+#: Share of episodes that have to get to the level for a policy to say up to which step times are shown first.
+MOSTLY = 0.9
+#: The most corners of a distribution of times.
+CORNERS = 400
+
+
+def _about(comparison: Comparison, policy: str, look: Style) -> dict[str, Any]:
+    about = {"name": policy, **look._asdict(), "pattern": look.pattern}
+    return about | {"privileged": comparison.privileged(policy)}
+
+
+def chart_data(comparison: Comparison, looks: Mapping[str, Style], points: int = 360) -> dict[str, Any]:
+    """Return the coverage chart of a scenario as JSON data."""
+    axes = axes_of(comparison, points)
+    team = max(record.team for records in comparison.groups.values() for record in records)
+    who = WHO if team > 1 else WHO[:1]
+    return {
+        "axes": [_axis_data(axis) for axis in axes],
+        "who": list(who),
+        "bands": "hidden" if crowded(len(comparison.groups)) else "shown",
+        "policies": [
+            _about(comparison, policy, looks[policy])
+            | {"curves": {axis.key: {each: _curves(comparison, policy, axis, each) for each in who} for axis in axes}}
+            for policy in comparison.groups
+        ],
+    }
+
+
+def _axis_data(axis: Axis) -> dict[str, Any]:
+    amounts: list[float] = axis.amounts.tolist() if axis.log else axis.amounts.astype(np.int64).tolist()
+    about = {"key": axis.key, "title": axis.title, "unit": axis.unit, "log": axis.log, "focus": axis.focus}
+    return about | {"amounts": amounts}
+
+
+def _curves(comparison: Comparison, policy: str, axis: Axis, who: str) -> dict[str, Any]:
+    curves = coverage_at(comparison.groups[policy], axis.amounts, who, axis.key)
+    if len(curves) < FEWEST:
+        return {"mean": shares(curves.mean(axis=0)), "each": [shares(curve) for curve in curves]}
+    mean, low, high = curve_band(curves, maps=comparison.maps(policy))
+    return {"mean": shares(mean), "low": shares(low), "high": shares(high)}
+
+
+def times_data(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, Any]:
+    """Return, for every level and policy, the share of episodes that got there by each step, as JSON data."""
+    records = [record for group in comparison.groups.values() for record in group]
+    budget = max(record.budget for record in records)
+    times = levels_drawn(comparison)
+    return {
+        "levels": [{"key": name, "title": MEASURES[name].title, "level": LEVELS[name]} for name in times],
+        "budget": budget,
+        "focus": _last_time(comparison, budget),
+        "policies": [
+            _about(comparison, policy, looks[policy])
+            | {"episodes": len(group), "times": {name: _times(comparison, policy, name, budget) for name in times}}
+            for policy, group in comparison.groups.items()
+        ],
+    }
+
+
+def levels_drawn(comparison: Comparison) -> list[str]:
+    """Return the levels whose times a scenario's page shows, the one it is judged by first."""
+    asked = [name for name in TIMES if comparison.results.asks(comparison.scenario, name)]
+    return asked or [comparison.level.key]
+
+
+def _last_time(comparison: Comparison, budget: int) -> int:
+    """Return when the last episode got to the level, of policies that mostly get there; the budget where none does."""
+    groups, key = comparison.groups.items(), comparison.level.key
+    mostly = [group for policy, group in groups if comparison.reached(policy) >= MOSTLY]
+    times = [late for group in mostly for record in group if (late := record.metrics.get(key)) is not None]
+    return min(budget, int(max(times, default=budget) * 1.05) + 1)
+
+
+def _times(comparison: Comparison, policy: str, level: str, budget: int) -> dict[str, list[float]]:
+    steps, share = ecdf_of_times([record.metrics.get(level) for record in comparison.groups[policy]], budget)
+    kept = _thinned(len(steps))
+    return {"steps": steps[kept].astype(np.int64).tolist(), "share": share[kept].round(4).tolist()}
+
+
+def _thinned(count: int) -> NDArray[np.int64]:
+    """Return which of ``count`` corners are kept, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, CORNERS)).round()).astype(np.int64)

@@ -1,0 +1,173 @@
+"""The panels for print: profiles, Pareto front, ladder and sweeps, drawn from the same data as those of the page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis as MatplotlibAxis
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, PercentFormatter, ScalarFormatter
+
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
+from indoor_explorers.evaluation.report.panels.pareto import pareto_plot
+from indoor_explorers.evaluation.report.panels.plots import Axis, Plot, Series
+from indoor_explorers.evaluation.report.panels.profiles import profile_plot
+from indoor_explorers.evaluation.report.panels.rank_plot import Chance, Rung, ladder
+from indoor_explorers.evaluation.report.panels.sweeping import SweepPanel, sweep_sections
+from indoor_explorers.evaluation.report.style.formatting import counted
+from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.print_style import plain, sheet, strokes
+from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.statistics import FEWEST
+
+#: Plots beside each other.
+COLUMNS = 3
+
+
+def scenario_figures(comparison: Comparison, looks: Mapping[str, Style]) -> Iterator[tuple[str, Figure]]:
+    """Yield the figures of a scenario that have content, by the end of their file name."""
+    outcomes = Outcomes.of(comparison)
+    profile, pareto, rungs = profile_plot(outcomes, looks), pareto_plot(comparison, looks), ladder(outcomes)
+    if profile is not None:
+        note = f"{counted(len(outcomes.common().tasks), 'task')} that all flew; never reached, never solved."
+        yield "profile", _alone(profile, comparison, looks, note)
+    if pareto is not None:
+        how = "" if any(each.dots for each in pareto.series) else " with 95 % bootstrap interval"
+        note = f"Mean AUC{how}; median time of a decision, whisker to the 99th percentile. Filled: the Pareto front."
+        yield "pareto", _alone(pareto, comparison, looks, note)
+    if rungs:
+        yield "ladder", ladder_figure(comparison, rungs, looks)
+
+
+def sweep_figures(results: Results, looks: Mapping[str, Style]) -> Iterator[tuple[str, Figure]]:
+    """Yield a figure for each sweep, by file name."""
+    sections = sweep_sections(results, looks)
+    for kind, panels in (("radio", sections.radio), ("teams", sections.team)):
+        for number, panel in enumerate(panels, 1):
+            yield f"{kind}-{number:02d}", _sweep_figure(panel, looks)
+
+
+def _alone(plot: Plot, comparison: Comparison, looks: Mapping[str, Style], note: str) -> Figure:
+    figure = sheet(4.4, 3.1)
+    axes = figure.add_subplot()
+    draw(axes, plot)
+    axes.set_title(plain(comparison.scenario, 60))
+    _legend(figure, [series.name for series in plot.series], looks, (0.97, 0.9))
+    _note(figure, note)
+    return figure
+
+
+def _sweep_figure(panel: SweepPanel, looks: Mapping[str, Style]) -> Figure:
+    rows = -(-len(panel.plots) // COLUMNS)
+    figure = sheet(7.6, 0.5 + 2.3 * rows)
+    for place, plot in enumerate(panel.plots, 1):
+        axes = figure.add_subplot(rows, COLUMNS, place)
+        draw(axes, plot)
+        axes.set_title(plot.title)
+    figure.subplots_adjust(wspace=0.42, hspace=0.62, top=1 - 0.55 / figure.get_figheight())
+    figure.suptitle(plain(panel.title, 90), x=0.07, y=1.0, ha="left", fontsize=10)
+    _legend(figure, panel.policies, looks, (0.93, 0.88))
+    how = "too few for intervals, each is a dot" if panel.few else "95 % bootstrap intervals"
+    _note(figure, f"{panel.tasks} episodes a point, {how}. {'Hollow: not every episode got there.' * panel.hollow}")
+    return figure
+
+
+def draw(axes: Axes, plot: Plot) -> None:
+    """Draw a plot without its title."""
+    for guide in plot.guides:
+        style = "steps-post" if guide.step else "default"
+        axes.plot(guide.x, guide.y, color="#888888", linewidth=0.9, linestyle=(0, (4, 3)), drawstyle=style, zorder=1)
+    for series in plot.series:
+        _draw_series(axes, series)
+    axes.set_xscale("log" if plot.x.log else "linear")
+    axes.set_yscale("log" if plot.y.log else "linear")
+    axes.set(xlim=(plot.x.low, plot.x.high), ylim=(plot.y.low, plot.y.high), xlabel=plot.x.title, ylabel=plot.y.title)
+    _ticks(axes.xaxis, plot.x)
+    _ticks(axes.yaxis, plot.y)
+
+
+def _ticks(axis: MatplotlibAxis, about: Axis) -> None:
+    if about.ticks:
+        axis.set_ticks([place for place, _ in about.ticks], [text for _, text in about.ticks])
+        axis.set_minor_formatter(NullFormatter())
+    elif about.log and about.high < 30 * about.low:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(ScalarFormatter())
+        axis.set_minor_formatter(NullFormatter())
+    elif not about.log:
+        axis.set_major_locator(MaxNLocator(5))
+    if about.share:
+        axis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+
+
+def _draw_series(axes: Axes, series: Series) -> None:
+    """Draw one policy: single episodes, intervals and whiskers, the line, and hollow or filled markers."""
+    look = strokes(series.style)
+    if series.dots:
+        x, y = zip(*series.dots, strict=True)
+        axes.scatter(x, y, s=7, color=look["color"], alpha=0.4, linewidths=0, zorder=2)
+    bars = {"color": look["color"], "linewidth": 0.9, "zorder": 2}
+    if series.low is not None and series.high is not None:
+        axes.vlines(series.x, series.low, series.high, **bars)
+    if series.right is not None:
+        axes.hlines(series.y, series.x, series.right, **bars)
+    line = look | {"linestyle": look["linestyle"] if series.line else "none", "zorder": 3}
+    if series.step:
+        axes.plot(series.x, series.y, **line, drawstyle="steps-post", markevery=max(1, len(series.x) // 5))
+        return
+    axes.plot(series.x, series.y, **line)
+    hollow = [place for place, empty in enumerate(series.hollow or []) if empty]
+    rim = {"markerfacecolor": "white", "markeredgewidth": 1.0, "linestyle": "none", "zorder": 4}
+    axes.plot([series.x[k] for k in hollow], [series.y[k] for k in hollow], **look | rim)
+
+
+def ladder_figure(comparison: Comparison, rungs: Sequence[Rung], looks: Mapping[str, Style]) -> Figure:
+    """Draw how often each policy is better than the next below, and than the first, around one half."""
+    figure = sheet(6.3, 0.9 + 0.3 * len(rungs))
+    pair = figure.subplots(1, 2, sharey=True, gridspec_kw={"wspace": 0.14})
+    titles = ("better than the next below", f"better than {plain(rungs[0].policy, 24)}")
+    for axes, title, which in zip(pair, titles, ("next", "best"), strict=True):
+        for place, rung in enumerate(rungs):
+            chance = rung.next if which == "next" else rung.best
+            if chance is not None:
+                _draw_chance(axes, place, chance, looks[rung.policy])
+        axes.axvline(0.5, color="#888888", linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
+        axes.set(xlim=(-0.03, 1.03), ylim=(len(rungs) - 0.4, -0.6), xlabel=f"{title} [share of tasks]")
+        axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "100 %"])
+        axes.tick_params(axis="y", length=0)
+        axes.spines["left"].set_visible(False)
+    pair[0].set_yticks(range(len(rungs)), [plain(rung.policy) for rung in rungs])
+    pair[0].set_title(plain(comparison.scenario, 70))
+    tasks = ", ".join(dict.fromkeys(rung.tasks for rung in rungs if rung.tasks))
+    _note(
+        figure,
+        f"Fewer steps to {comparison.level.percent} coverage, ties one half; {tasks} tasks, 95 % bootstrap intervals "
+        f"from {FEWEST} on.",
+    )
+    return figure
+
+
+def _draw_chance(axes: Axes, place: int, chance: Chance, style: Style) -> None:
+    look = strokes(style)
+    mean, low, high = chance.estimate
+    if low is not None and high is not None:
+        axes.hlines([place], low, high, color=look["color"], linewidth=1.6, zorder=2)
+    else:
+        axes.scatter(
+            chance.scores, [place + 0.2] * len(chance.scores), s=7, color=look["color"], alpha=0.4, linewidths=0
+        )
+    axes.plot([mean], [place], **look | {"markersize": 5.2, "zorder": 3})
+
+
+def _legend(figure: Figure, names: Sequence[str], looks: Mapping[str, Style], corner: tuple[float, float]) -> None:
+    lines = [Line2D([], [], **strokes(looks[name])) for name in names]
+    figure.legend(lines, [plain(name) for name in names], loc="upper left", bbox_to_anchor=corner, borderaxespad=0.0)
+
+
+def _note(figure: Figure, text: str) -> None:
+    """Write below everything what the figure is made of."""
+    below = -0.22 / figure.get_figheight()
+    figure.text(0.07, below, text.strip(), fontsize=7, color="#666666", va="top")

@@ -1,0 +1,99 @@
+"""The ladder: how often a policy beats the one ranked below it, and how often the best one beats it."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from markupsafe import Markup
+from numpy.typing import NDArray
+
+from indoor_explorers.evaluation.report.charts.dot_strips import share_strip
+from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
+from indoor_explorers.evaluation.report.style.formatting import EN_DASH, percent
+from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.statistics import Estimate, probability_of_improvement
+from indoor_explorers.evaluation.statistics.wins import win_scores
+
+
+class Chance(NamedTuple):
+    """The probability that one policy does better than another on a task."""
+
+    policy: str
+    other: str
+    estimate: Estimate
+    scores: NDArray[np.float64]
+    """(E,) 1 where better, 0.5 where level, 0 where worse."""
+
+    @property
+    def text(self) -> str:
+        """The probability with its interval."""
+        _, low, high = self.estimate
+        around = "" if low is None or high is None else f" [{_clipped(low)}, {_clipped(high)}]"
+        return percent(self.estimate.mean) + around
+
+    @property
+    def reading(self) -> str:
+        """What the interval says about which of the two is better on most tasks.
+
+        Where all tasks of each map fall the same way the interval has no width, and nothing is said beyond these tasks.
+        """
+        mean, low, high = self.estimate
+        if low is None or high is None:
+            return "too few tasks"
+        if mean in (0.0, 1.0):
+            return "on every task" if mean else "on no task"
+        if high - low < 1e-9:
+            return "no spread to judge by"
+        return "better on most" if low > 0.5 else "worse on most" if high < 0.5 else "not decided"
+
+    def strip(self, style: Style) -> Markup:
+        """Draw it against one half, in the colour of the policy; without an interval, each task's score."""
+        told = f"{self.policy} better than {self.other}: {self.text}"
+        return share_strip(self.scores, self.estimate, style, told)
+
+
+def _clipped(share: float) -> str:
+    """Write the end of an interval, which rounding may have moved past none or all."""
+    return percent(min(max(share, 0.0), 1.0))
+
+
+class Rung(NamedTuple):
+    """One policy of the ladder, best first."""
+
+    place: int
+    policy: str
+    next: Chance | None
+    """Against the policy ranked next; None for the last."""
+    best: Chance | None
+    """Against the best; None for the best itself."""
+    tasks: str
+    """Tasks compared on: with the next, with the best."""
+
+
+def chance(outcomes: Outcomes, policy: str, other: str) -> Chance | None:
+    """Compare two policies on the tasks that both flew; None without any."""
+    pair = outcomes.pair(policy, other)
+    if not pair.tasks:
+        return None
+    scores = win_scores(pair.ours, pair.theirs)
+    return Chance(policy, other, probability_of_improvement(pair.ours, pair.theirs, maps=pair.maps), scores)
+
+
+def ladder(outcomes: Outcomes) -> list[Rung]:
+    """Return a rung for each policy by rank; empty when there are fewer than two with a task in common."""
+    names = outcomes.policies
+    below = [chance(outcomes, one, other) for one, other in pairwise(names)] + [None]
+    best = [None] + [chance(outcomes, name, names[0]) for name in names[1:]]
+    if not any([*below, *best]):
+        return []
+    return [
+        Rung(place, name, under, top, _counts(under, top))
+        for place, (name, under, top) in enumerate(zip(names, below, best, strict=True), 1)
+    ]
+
+
+def _counts(*chances: Chance | None) -> str:
+    counts = sorted({len(each.scores) for each in chances if each is not None})
+    return EN_DASH.join(str(count) for count in counts)

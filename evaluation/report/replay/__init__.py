@@ -1,0 +1,1 @@
+"""Which episodes the page replays, and how they are packed."""

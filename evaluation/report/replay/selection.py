@@ -1,0 +1,190 @@
+"""Which episodes the page replays, and their data, kept within a number of bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from indoor_explorers.env.grid.cells import OCCUPIED
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.episodes.resimulate import flown_scenario
+from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.replay.packed_flight import Flight, flown_again, pack_flight
+from indoor_explorers.evaluation.report.style.formatting import EN_DASH
+from indoor_explorers.evaluation.report.style.packing import bits, text
+from indoor_explorers.evaluation.report.style.palette import DASHES, Style
+from indoor_explorers.evaluation.results.coverage_level import Level
+
+
+class Detail(NamedTuple):
+    """How finely an episode is replayed."""
+
+    frames: int
+    """The most frames; longer episodes skip steps."""
+    own: bool
+    """Whether each UAV's own map is there, not the team's alone."""
+
+
+#: From the finest to the coarsest.
+DETAILS = (Detail(6000, True), Detail(1200, True), Detail(1200, False), Detail(300, False), Detail(75, False))
+
+
+class Pick(NamedTuple):
+    """A task to replay, and what is special about it."""
+
+    label: str
+    task: Task
+
+
+def replay_data(
+    comparison: Comparison, looks: Mapping[str, Style], limit: int, count: int | None = None
+) -> dict[str, Any] | None:
+    """Return the replays of a scenario as JSON data, None when there are none.
+
+    Args:
+        comparison: the scenario's results.
+        looks: the look of each policy.
+        limit: about how many bytes the data may take; the most telling episodes come first.
+        count: replay so many episodes instead, whatever they take.
+
+    """
+    settings = comparison.results.scenarios[comparison.scenario]
+    if count is None:
+        episodes = list(_fitting(comparison, limit))
+    else:
+        picks = chosen(comparison, everything=True)[:count]
+        episodes = [episode for pick in picks if (episode := _episode(comparison, pick, inf, inf)) is not None]
+    if not episodes:
+        return None
+    return {
+        "range": float(settings["lidar"]["range"]),
+        "policies": [
+            {"name": name, "colour": looks[name].colour, "dashes": DASHES[looks[name].dash]}
+            for name in comparison.groups
+        ],
+        "tasks": len(comparison.results.tasks(comparison.scenario)),
+        "episodes": episodes,
+    }
+
+
+def _fitting(comparison: Comparison, limit: int) -> Iterator[dict[str, Any]]:
+    """Yield episodes as long as they fit; those with a special label share the bytes evenly."""
+    picks = chosen(comparison)
+    notable = len(notable_tasks(comparison))
+    left = limit
+    for place, pick in enumerate(picks):
+        share = left // max(1, notable - place)
+        episode = _episode(comparison, pick, share, left)
+        if episode is None:
+            return
+        yield episode
+        left -= sum(len(flight["stream"]) for flight in episode["flights"])
+
+
+def chosen(comparison: Comparison, *, everything: bool = False) -> list[Pick]:
+    """Return the notable tasks, then a task of each other map, then those left if ``everything`` is asked for."""
+    picks = {pick.task: pick for pick in notable_tasks(comparison)}
+    order = _by_lateness(comparison)
+    maps = sorted({task.map_index for task in order} - {task.map_index for task in picks})
+    for index in maps:
+        here = [task for task in order if task.map_index == index]
+        median = here[(len(here) - 1) // 2]
+        picks[median] = Pick("median of its map", median)
+    if everything:
+        rest = sorted(comparison.results.tasks(comparison.scenario) - picks.keys())
+        picks |= {task: Pick("episode", task) for task in rest}
+    return list(picks.values())
+
+
+def notable_tasks(comparison: Comparison) -> list[Pick]:
+    """Return the median, fastest and slowest task by mean time over the policies, and one with a failure."""
+    order = _by_lateness(comparison)
+    if not order:
+        return []
+    picks = [("median", order[(len(order) - 1) // 2]), ("fastest", order[0]), ("slowest", order[-1])]
+    failed = sorted(r.task for rs in comparison.groups.values() for r in rs if r.outcome is Outcome.FAILED)
+    picks += [("with a failure", task) for task in failed[:1]]
+    unique = {task: label for label, task in reversed(picks)}
+    return [Pick(label, task) for label, task in picks if unique[task] == label]
+
+
+def _by_lateness(comparison: Comparison) -> list[Task]:
+    """Return the tasks that most policies flew, by mean time to the level over the policies, then by falling AUC."""
+    flown: dict[Task, list[tuple[float, float]]] = {}
+    for records in comparison.groups.values():
+        for record in records:
+            flown.setdefault(record.task, []).append(_lateness(record, comparison.level))
+    most = max((len(entries) for entries in flown.values()), default=0)
+    common = [task for task, entries in flown.items() if len(entries) == most]
+    return sorted(common, key=lambda task: (*np.mean(flown[task], axis=0).tolist(), task))
+
+
+def _lateness(record: Record, level: Level) -> tuple[float, float]:
+    late = record.metrics.get(level.key)
+    return (float(record.budget) if late is None else late), -(record.metrics.get("auc") or 0.0)
+
+
+def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> dict[str, Any] | None:
+    """Return one task's replay as finely as its share of bytes allows.
+
+    Where that is too small even for the coarsest it takes all that is left, and lacks the lowest ranked policies if
+    that is not enough either.
+    """
+    flown = {r.policy: r for records in comparison.groups.values() for r in records if r.task == pick.task}
+    scenario = flown_scenario(comparison.results.scenarios[comparison.scenario])
+    again = [flown_again(flown[name], scenario) for name in comparison.ranking if name in flown]
+    flights = [flight for flight in again if flight.faithful]
+    if not flights:
+        return None
+    plan, steps = flights[0].record.floorplan, max(flight.record.steps for flight in flights)
+    walls, counted = bits(plan.truth == OCCUPIED), bits(flights[0].counted)
+    for detail in DETAILS:
+        stride = 1 + steps // detail.frames
+        streams = [text(pack_flight(flight, stride, own=detail.own)) for flight in flights]
+        sizes = len(walls) + len(counted) + np.cumsum([len(stream) for stream in streams])
+        if sizes[-1] <= share:
+            break
+    fits = int((sizes <= left).sum())
+    if not fits:
+        return None
+    return {
+        "label": pick.label,
+        "map": plan.name,
+        "task": [pick.task.map_index, pick.task.seed],
+        "height": plan.shape[0],
+        "width": plan.shape[1],
+        "walls": walls,
+        "counted": counted,
+        "total": flights[0].record.reachable,
+        "stride": stride,
+        "own": detail.own,
+        "flights": [
+            _flight(comparison, flight, stream) for flight, stream in zip(flights[:fits], streams[:fits], strict=True)
+        ],
+    }
+
+
+def _flight(comparison: Comparison, flight: Flight, stream: str) -> dict[str, Any]:
+    record = flight.record
+    return {
+        "policy": list(comparison.groups).index(record.policy),
+        "team": record.team,
+        "steps": record.steps,
+        "end": ending(record),
+        "stream": stream,
+    }
+
+
+def ending(record: Record) -> str:
+    """Say in a few words how an episode ended."""
+    words = {
+        Outcome.COMPLETE: "goal reached",
+        Outcome.BUDGET: "budget spent",
+        Outcome.ENDED: "all UAVs ended",
+        Outcome.FAILED: "policy failed",
+    }[record.outcome]
+    return f"{words} {EN_DASH} {record.reason}" if record.reason else words

@@ -1,0 +1,1 @@
+"""How the page and the figures look: number formats, colours, print sizes, packed arrays."""

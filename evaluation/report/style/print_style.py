@@ -1,0 +1,79 @@
+"""How figures for print look and are written: SVG, PNG and PDF, the same bytes for the same figure."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.report.style.palette import DASHES, MARKERS, Style
+
+FORMATS: Mapping[str, dict[str, Any]] = {
+    "svg": {"metadata": {"Date": None}},
+    "png": {"metadata": {"Software": None}, "dpi": 200},
+    "pdf": {"metadata": {"CreationDate": None}},
+}
+#: Inches around what is drawn.
+PADDING = 0.08
+LOOK: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.5,
+    "axes.labelsize": 8.5,
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.titlepad": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.7,
+    "axes.edgecolor": "#444444",
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "legend.handlelength": 3.2,
+    "svg.hashsalt": "indoor-explorers",
+    "pdf.fonttype": 42,
+}
+
+
+def sheet(width: float, height: float) -> Figure:
+    """Return an empty figure of that many inches."""
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save(figure: Figure, folder: Path, stem: str) -> list[Path]:
+    """Write a figure in every format and return the paths."""
+    paths = [folder / f"{stem}.{ending}" for ending in FORMATS]
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+        drawn = figure.get_tightbbox().padded(PADDING)  # measured once: each format would draw everything to measure
+        for path, (ending, options) in zip(paths, FORMATS.items(), strict=True):
+            with written_whole(path) as partial:
+                figure.savefig(partial, format=ending, bbox_inches=drawn, **options)
+    return paths
+
+
+def plain(name: str, most: int = 40) -> str:
+    """Return a name that matplotlib neither reads as mathematics nor hides from a legend."""
+    name = name if len(name) <= most else name[: most - 1] + "…"
+    return ("\u200a" if name.startswith("_") else "") + name.replace("\\", "\u29f5").replace("$", r"\$")
+
+
+def strokes(look: Style) -> dict[str, Any]:
+    """Return a policy's line and marker; they differ in more than colour, so that a greyscale printer will do."""
+    return {
+        "color": look.hex,
+        "linewidth": 1.4,
+        "linestyle": (0, tuple(0.6 * length for length in DASHES[look.dash])) if DASHES[look.dash] else "-",
+        "marker": MARKERS[look.marker][1],
+        "markersize": 4.2,
+        "markeredgewidth": 0.0,
+    }

@@ -1,0 +1,211 @@
+"""Whether the policies may be compared: the same tasks, complete, flown by the same program on the same machine."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.style.formatting import counted, percent
+from indoor_explorers.evaluation.results.coverage_level import shared
+from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.statistics import FEWEST
+
+#: How many times the cells of the smallest map the largest may have before a mean in steps is doubtful.
+UNLIKE = 3.0
+#: Share of the episodes that may be copies of others by chance.
+FEW_COPIES = 0.1
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What one glance should tell."""
+
+    fine: bool
+    """True when nothing speaks against comparing the policies."""
+    headline: str
+    warnings: list[str]
+    """What speaks against it, or limits it."""
+    notes: list[str]
+    """What a reader should know besides."""
+
+
+def on_common_tasks(results: Results) -> Results:
+    """Return the results of those tasks that all policies of a scenario flew; all of them where there is none."""
+    kept = {}
+    for scenario in results.scenarios:
+        common = _common(results, scenario)
+        kept[scenario] = common or results.tasks(scenario)
+    return replace(results, records=[r for r in results.records if r.task in kept[r.task.scenario]])
+
+
+def _flown(results: Results, scenario: str) -> dict[str, set[Task]]:
+    groups = results.groups.items()
+    return {policy: {record.task for record in records} for (name, policy), records in groups if name == scenario}
+
+
+def _common(results: Results, scenario: str) -> set[Task]:
+    flown = _flown(results, scenario).values()
+    return set.intersection(*flown) if flown else set()
+
+
+def judged(results: Results) -> Verdict:
+    """Judge all results, before any of them is left out."""
+    copies, repeats = _copies(results)
+    warnings = [
+        *_missing(results), *_unlike(results), *copies, *_failed(results), *_few(results), *_runs(results),
+    ]  # fmt: skip
+    notes = [*repeats, *_unlike_sizes(results), *_few_maps(results), *_yardsticks(results), *_censored(results)]
+    return Verdict(not warnings, _headline(results), warnings, notes)
+
+
+def _headline(results: Results) -> str:
+    number = len(results.policies)
+    who = "Both policies" if number == 2 else f"All {number} policies" if number > 1 else "The only policy"
+    tasks = [len(results.tasks(scenario)) for scenario in results.scenarios]
+    if not results.records:
+        return "Nothing has been flown yet."
+    if any(True for _ in _missing(results)):
+        common = sum(len(_common(results, scenario)) for scenario in results.scenarios)
+        return f"The policies did not fly the same tasks: {counted(common, 'task')} of {sum(tasks)} in common."
+    same = " the same" if number > 1 else ""
+    return f"{who} flew{same} {counted(sum(tasks), 'task')}: {_made_of(results)}."
+
+
+def _made_of(results: Results) -> str:
+    """Describe the tasks: scenarios, maps and seeds."""
+    layouts = {_layout(results.tasks(scenario), results, scenario) for scenario in results.scenarios}
+    each = layouts.pop() if len(layouts) == 1 else "maps and seeds as listed with each"
+    number = len(results.scenarios)
+    return each if number == 1 else f"{number} scenarios, each on {each}" if not layouts else f"{number} scenarios"
+
+
+def _layout(tasks: set[Task], results: Results, scenario: str) -> str:
+    maps = {r.floorplan.digest for r in results.records if r.task.scenario == scenario}
+    seeds = {task.seed for task in tasks}
+    if len(maps) == len(tasks) and len(maps) == len(seeds) > 1:
+        return f"{counted(len(seeds), 'seed')}, every seed a map of its own"
+    return f"{counted(len(maps), 'map')} with {counted(round(len(tasks) / max(1, len(maps))), 'seed')}" + (
+        " each" if len(maps) > 1 else ""
+    )
+
+
+def _missing(results: Results) -> Iterator[str]:
+    """Say which policies lack episodes, and what is compared then."""
+    for scenario in results.scenarios:
+        everything, flown = results.tasks(scenario), _flown(results, scenario)
+        lacking = {name: len(everything) - len(flown.get(name, ())) for name in results.policies}
+        lacking = {name: number for name, number in lacking.items() if number}
+        if not lacking or not everything:
+            continue
+        listed = ", ".join(f"{name} lacks {number} of {len(everything)}" for name, number in lacking.items())
+        common = len(_common(results, scenario))
+        rest = (
+            f"only the {counted(common, 'task')} that all who flew here have in common are compared"
+            if common
+            else "no task is common to all, so the figures are of different tasks"
+        )
+        yield f"Missing episodes in {scenario}: {listed}; {rest}."
+
+
+def _unlike(results: Results) -> Iterator[str]:
+    """Check that equal tasks had equal maps, starts, teams, budgets and denominators."""
+    seen: dict[Task, tuple[object, ...]] = {}
+    unlike: Counter[str] = Counter()
+    for record in results.records:
+        unlike[record.task.scenario] += seen.setdefault(record.task, _start(record)) != _start(record)
+    for scenario, number in unlike.items():
+        if number:
+            yield (
+                f"In {scenario}, {counted(number, 'episode')} began unlike another policy's of the same seed: "
+                "the map, the starts, the team, the budget or the denominator differ."
+            )
+
+
+def _start(record: Record) -> tuple[object, ...]:
+    return record.floorplan.digest, record.cells[0].tobytes(), record.team, record.budget, record.reachable
+
+
+def _copies(results: Results) -> tuple[list[str], list[str]]:
+    """Name the policies whose seeds repeat a flight: the same map, the same starts, and nothing drawn.
+
+    Returns what speaks against a comparison, as more than :data:`FEW_COPIES` are copies, and what is only to be known.
+    """
+    grave: list[str] = []
+    slight: list[str] = []
+    for (scenario, policy), records in results.groups.items():
+        flights = len({(record.floorplan.digest, record.cells.tobytes()) for record in records})
+        if flights < len(records):
+            text = (
+                f"In {scenario}, the {counted(len(records), 'episode')} of {policy} are only "
+                f"{counted(flights, 'different flight')}: more seeds from the same starts repeated them exactly and "
+                "told nothing new, but intervals and tests count them."
+            )
+            (grave if flights < (1 - FEW_COPIES) * len(records) else slight).append(text)
+    return grave, slight
+
+
+def _failed(results: Results) -> Iterator[str]:
+    counts = Counter(record.policy for record in results.records if record.outcome is Outcome.FAILED)
+    if counts:
+        listed = ", ".join(f"{name} in {counted(number, 'episode')}" for name, number in sorted(counts.items()))
+        yield f"Policies that broke: {listed}. What they covered until then counts."
+
+
+def _few(results: Results) -> Iterator[str]:
+    few = [name for name in results.scenarios if 0 < len(_common(results, name)) < FEWEST]
+    if few:
+        where = "" if len(few) == len(results.scenarios) else f" in {', '.join(few)}"
+        yield f"Fewer than {FEWEST} episodes a policy{where}: dots and no intervals, and no difference is claimed."
+
+
+def _runs(results: Results) -> Iterator[str]:
+    """Name sources that were changed after their commit, and what differs between the runs."""
+    if any("uncommitted" in str(run.get("commit", "")) for run in results.runs):
+        yield "The source had uncommitted changes: the commit alone does not tell what was flown."
+    yield from (f"{text[0].upper()}{text[1:]}." for text in results.warnings)
+
+
+def _few_maps(results: Results) -> Iterator[str]:
+    """Name the scenarios whose intervals speak about their own maps alone."""
+    for name in results.scenarios:
+        comparison = Comparison(results, name)
+        if len(_common(results, name)) >= FEWEST and not comparison.over_maps:
+            number = comparison.map_count
+            which = "its one map" if number == 1 else f"its {number} maps"
+            yield f"Intervals of {name} speak about {which} alone, not about others of the kind."
+
+
+def _unlike_sizes(results: Results) -> Iterator[str]:
+    """Name the scenarios whose maps are so unlike in size that means in steps are about the large ones."""
+    for name in results.scenarios:
+        sizes = [record.reachable for record in results.records if record.task.scenario == name]
+        if sizes and max(sizes) > UNLIKE * min(sizes):
+            yield (
+                f"The maps of {name} have from {min(sizes)} to {max(sizes)} cells to cover: means in steps are mostly "
+                "about the large ones; ranks, wins, profiles and AUC weigh all maps alike."
+            )
+
+
+def _yardsticks(results: Results) -> Iterator[str]:
+    if results.knowing:
+        yield f"Yardsticks that are given the true map, and do not compete: {', '.join(results.knowing)}."
+
+
+def _censored(results: Results) -> Iterator[str]:
+    shares = {}
+    for name in results.policies:
+        records = (record for record in results.records if record.policy == name)
+        late = [record.metrics.get(results.level(record.task.scenario).key) is None for record in records]
+        if any(late):
+            shares[name] = float(np.mean(late))
+    if shares:
+        listed = ", ".join(f"{name} {percent(share)}" for name, share in sorted(shares.items(), key=lambda s: -s[1]))
+        level = shared(results.levels)
+        what = level.percent if level else "the level of their scenario"
+        yield f"Episodes that never reached {what} count as their whole budget, a lower bound: {listed}."

@@ -1,0 +1,83 @@
+"""What the page's terms mean, each printed in the list at the end and beside the figures that it explains."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from indoor_explorers.evaluation.episodes.metrics import MEASURES
+from indoor_explorers.evaluation.report.style.formatting import percent
+from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, RESAMPLES
+
+
+class Definition(NamedTuple):
+    """One term."""
+
+    title: str
+    unit: str
+    text: str
+
+
+#: Terms that are no metrics.
+TERMS = {
+    "reached": Definition("reached", "", "share of episodes that got to that coverage within the budget"),
+    "failures": Definition(
+        "failed episodes",
+        "",
+        "episodes in which the policy raised an error or returned something that is no action; "
+        "what it covered until then counts",
+    ),
+    "interval": Definition(
+        "interval",
+        "",
+        f"{percent(CONFIDENCE)} percentile bootstrap interval of the mean, in brackets: {RESAMPLES} resamples; maps "
+        "are drawn first and then whole episodes on each map drawn, the same for all policies. With fewer than "
+        f"{FEWEST} maps the maps stay and the interval speaks about them alone. Fewer than {FEWEST} episodes get none",
+    ),
+    "band": Definition(
+        "band",
+        "",
+        f"region that holds the whole true mean curve, at all steps at once, with {percent(CONFIDENCE)} confidence "
+        "(sup-t bootstrap, Montiel Olea and Plagborg-Møller 2019)",
+    ),
+    "difference": Definition(
+        "difference",
+        "steps",
+        "mean over the tasks both policies flew of one's {time} minus the other's, with its interval",
+    ),
+    "better": Definition(
+        "P(better)", "", "share of tasks on which the policy needed fewer steps than the other; ties count one half"
+    ),
+    "holm": Definition(
+        "p (Holm)",
+        "",
+        "two-sided p-value of the sign-flip test of the paired differences, adjusted by Holm's method for all "
+        f"comparisons of the table; a difference counts as shown up to {1 - CONFIDENCE:.2f}",
+    ),
+    "effect": Definition(
+        "effect size",
+        "",
+        "mean difference in standard deviations of the paired differences (Cohen's d of pairs, Hedges' correction)",
+    ),
+    "detectable": Definition(
+        "could have seen",
+        "steps",
+        "smallest true difference that this many episodes of this spread would show four times in five; "
+        "no difference shown is not the same as none being there",
+    ),
+}
+
+
+def definitions(level: Level | None) -> dict[str, Definition]:
+    """Return all terms by key, the metrics first, of scenarios judged by a level; None where each has its own."""
+    metrics = {
+        key: Definition(
+            each.title,
+            each.unit.replace("us", "µs"),
+            f"{each.definition}; {'lower' if each.lower_is_better else 'higher'} is better",
+        )
+        for key, each in MEASURES.items()
+    }
+    time = level.title if level else "steps to the level of the scenario"
+    difference = TERMS["difference"]
+    return metrics | TERMS | {"difference": difference._replace(text=difference.text.format(time=time))}

@@ -1,0 +1,124 @@
+"""What a reader needs to judge and repeat the results: definitions, settings, parameters, provenance."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, get_args
+
+from pydantic import BaseModel
+
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.evaluation.report.style.formatting import counted
+from indoor_explorers.evaluation.results.combine import flat
+
+#: What coverage is a share of, by the scenario's setting.
+DENOMINATORS = {
+    "reachable": "share of the free cells reachable from the spawns",
+    "map": "share of all cells of the map",
+}
+
+
+def denominator(settings: Mapping[str, Any]) -> str:
+    """Say what coverage is a share of in this scenario."""
+    return DENOMINATORS[settings.get("denominator", "reachable")]
+
+
+def summary_line(settings: Mapping[str, Any], budgets: Sequence[int], shapes: Sequence[tuple[int, int]]) -> list[str]:
+    """Describe a scenario in a few short phrases."""
+    lidar, radio = settings["lidar"], settings.get("radio", {})
+    phrases = [_span([f"{height} by {width}" for height, width in shapes], "cells")]
+    phrases.append(counted(settings["team"], "UAV"))
+    phrases.append(f"lidar {lidar['range']:g} cells")
+    if settings["team"] > 1:
+        reach = "" if radio.get("model", "none") in ("none", "unlimited") else f" {radio['range']:g} cells"
+        loss = f", {radio['loss']:.0%} of contacts lost" if radio.get("loss") else ""
+        phrases.append(f"radio {radio.get('model', 'none')}{reach}{loss}")
+    phrases.append(_span([str(budget) for budget in budgets], "steps at most"))
+    phrases.append(
+        "a collision ends the UAV" if settings.get("on_collision") == "end" else "a collision costs the step"
+    )
+    return [phrase for phrase in phrases if phrase]
+
+
+def _span(entries: Sequence[str], unit: str) -> str:
+    unique = list(dict.fromkeys(entries))
+    if not unique:
+        return ""
+    return f"{unique[0]} {unit}" if len(unique) == 1 else f"{unique[0]} to {unique[-1]} {unit}"
+
+
+def setting_rows(settings: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """Return (key, value, meaning) of every setting of a scenario; meanings come from the scenario's fields."""
+    return [(key, shown(value), _meaning(key, settings)) for key, value in flat(settings) if key != "name"]
+
+
+def shown(value: Any) -> str:
+    """Write a setting's value for people."""
+    if value is None:
+        return "not set"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:g}"
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, sort_keys=True)
+
+
+def _meaning(key: str, settings: Mapping[str, Any]) -> str:
+    here: type[BaseModel] | None = Scenario
+    path = key.split(".")
+    for part in path[:-1]:
+        here = _part(here, part, settings) if here is not None else None
+    if key == "fingerprint":
+        return "Hash of the task; equal tasks have equal fingerprints."
+    entry = here.model_fields.get(path[-1]) if here is not None else None
+    return " ".join((entry.description or "").replace("``", "").split()) if entry is not None else ""
+
+
+def _part(model: type[BaseModel], name: str, settings: Mapping[str, Any]) -> type[BaseModel] | None:
+    """Return the model of a field; of several, the one whose ``source`` is that of the settings."""
+    if name not in model.model_fields:
+        return None
+    annotation = model.model_fields[name].annotation
+    options = [kind for kind in (annotation, *get_args(annotation)) if _is_model(kind)]
+    source = settings.get(name, {}).get("source") if isinstance(settings.get(name), Mapping) else None
+    tagged = [
+        kind for kind in options if "source" in kind.model_fields and kind.model_fields["source"].default == source
+    ]
+    return next(iter(tagged or options), None)
+
+
+def _is_model(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, BaseModel)
+
+
+def run_rows(runs: Sequence[Mapping[str, Any]]) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Return each fact of the runs with its values, and for values that differ the runs that they are of."""
+    keys = list(dict.fromkeys(key for run in runs for key in run))
+    return [(key, _values(key, runs)) for key in keys]
+
+
+def _values(key: str, runs: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
+    by_value: dict[str, list[int]] = {}
+    for number, run in enumerate(runs, 1):
+        by_value.setdefault(_fact(run.get(key)), []).append(number)
+    if len(by_value) == 1:
+        return [(value, "") for value in by_value]
+    return [(value, _numbered(numbers)) for value, numbers in by_value.items()]
+
+
+def _fact(value: Any) -> str:
+    return "not recorded" if value is None or value == "" else shown(value)
+
+
+def _numbered(numbers: Sequence[int]) -> str:
+    if len(numbers) == 1:
+        return f"run {numbers[0]}"
+    if numbers[-1] - numbers[0] + 1 == len(numbers):
+        return f"runs {numbers[0]} to {numbers[-1]}"
+    return "runs " + ", ".join(str(number) for number in numbers)
+
+
+def commands(runs: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return the different commands of the runs, in order."""
+    return list(dict.fromkeys(str(run["command"]) for run in runs if run.get("command")))

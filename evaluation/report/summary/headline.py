@@ -1,0 +1,106 @@
+"""The sentence above a scenario: who was first, by how much, and whether that was shown."""
+
+from __future__ import annotations
+
+import math
+
+from markupsafe import Markup
+
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.style.formatting import counted, fixed, p_value, percent, with_interval
+from indoor_explorers.evaluation.statistics import FEWEST, Contrast
+
+NAME = Markup("<b>{}</b>")
+
+
+def headline(comparison: Comparison) -> Markup:
+    """Return the sentences, names escaped."""
+    if not comparison.groups:
+        return Markup("No episode of this scenario has been flown yet.")
+    first = comparison.contestants[0]
+    if not any(comparison.reached(name) for name in comparison.contestants):
+        parts = [_nobody(comparison)]
+    elif len(comparison.contestants) == 1:
+        parts = [_alone(comparison, first)]
+    else:
+        parts = [_winner(comparison, first), _lead(comparison, first)]
+    yardsticks = [name for name in comparison.ranking if comparison.privileged(name) and name != first]
+    return Markup(" ").join(part for part in (*parts, *(_yardstick(comparison, name) for name in yardsticks)) if part)
+
+
+def _steps(comparison: Comparison, policy: str) -> str:
+    return f"{with_interval(comparison.time(policy))} steps"
+
+
+def _over(comparison: Comparison, policy: str) -> str:
+    """Return over how many episodes, and in how many of them the level was missed."""
+    records = comparison.groups[policy]
+    missed = sum(record.metrics.get(comparison.level.key) is None for record in records)
+    text = f"over {counted(len(records), 'episode')}"
+    if comparison.map_count > 1 and not comparison.over_maps:
+        text += f" on these {comparison.map_count} maps"
+    if len(records) < FEWEST:
+        text += ", too few for an interval"
+    if missed:
+        text += f" ({missed} of them never got there and {'count' if missed > 1 else 'counts'} as the whole budget)"
+    return text
+
+
+def _winner(comparison: Comparison, first: str) -> Markup:
+    level = comparison.level
+    mean = comparison.time(first).mean
+    second = comparison.contestants[1]
+    if mean == comparison.time(second).mean:
+        text = f"{{}} and {{}} share the lowest mean {level.title}: {{}} {{}}."
+        return Markup(text).format(
+            NAME.format(first), NAME.format(second), _steps(comparison, first), _over(comparison, first)
+        )
+    text = f"{{}} reached {level.percent} coverage first on average: mean {level.title} {{}} {{}}."
+    return Markup(text).format(NAME.format(first), _steps(comparison, first), _over(comparison, first))
+
+
+def _lead(comparison: Comparison, first: str) -> Markup:
+    second = comparison.contestants[1]
+    if second not in comparison.contrasts:
+        text = "Its lead over {} cannot be paired: the two did not fly the same tasks."
+        return Markup(text).format(NAME.format(second))
+    contrast = comparison.contrasts[second]
+    behind = f"{with_interval(contrast.difference)} steps later on the same {counted(contrast.pairs, 'task')}"
+    return Markup("{} got there {}; {}.").format(NAME.format(second), behind, verdict(contrast))
+
+
+def verdict(contrast: Contrast) -> str:
+    """Say what one contrast claims: the adjusted p-value decides."""
+    if contrast.difference.low is None:
+        return "too few episodes to claim a difference"
+    p = p_value(contrast.adjusted_p)
+    if contrast.shown:
+        return f"a difference was shown (Holm-adjusted p {p})"
+    could = f"one of {fixed(contrast.detectable, 1)} steps or more would probably have been seen"
+    if math.isinf(contrast.detectable):
+        could = "there are too few maps or episodes to show any"
+    return f"no difference was shown (Holm-adjusted p {p}; {could})"
+
+
+def _alone(comparison: Comparison, first: str) -> Markup:
+    text = "{} reached {} coverage after {} on average, {}. There is no other policy to compare it with."
+    level, steps = comparison.level.percent, _steps(comparison, first)
+    return Markup(text).format(NAME.format(first), level, steps, _over(comparison, first))
+
+
+def _nobody(comparison: Comparison) -> Markup:
+    final = {
+        name: sum(float(record.curve[-1]) for record in comparison.groups[name]) / len(comparison.groups[name])
+        for name in comparison.contestants
+    }
+    best = max(final, key=lambda name: final[name])
+    text = "No policy reached {} coverage within the budget. {} covered most by its end: {} on average, {}."
+    episodes = f"over {counted(len(comparison.groups[best]), 'episode')}"
+    return Markup(text).format(comparison.level.percent, NAME.format(best), percent(final[best], 1), episodes)
+
+
+def _yardstick(comparison: Comparison, policy: str) -> Markup:
+    mean = comparison.time(policy).mean
+    return Markup("The yardstick {}, which is given the true map, took {} steps.").format(
+        NAME.format(policy), fixed(mean, 1)
+    )

@@ -1,0 +1,79 @@
+"""The top of the page: who was first where, a line for each scenario."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.style.formatting import percent, with_interval
+from indoor_explorers.evaluation.report.summary.headline import NAME, headline
+from indoor_explorers.evaluation.results.coverage_level import Level, shared
+
+
+@dataclass(frozen=True)
+class Line:
+    """One scenario in the table of all."""
+
+    id: str
+    scenario: str
+    first: str
+    """The policy with the lowest mean time among those that do not know the map; empty where nothing was flown."""
+    level: Level
+    """What the scenario is judged by."""
+    time: str
+    """Its mean steps to the level."""
+    reached: str
+    runner_up: str
+    lead: str
+    """The runner-up's steps minus its own."""
+    shown: bool
+    """Whether that difference was shown."""
+
+
+def line(comparison: Comparison, section_id: str) -> Line:
+    """Return the line of a scenario."""
+    name, level = comparison.scenario, comparison.level
+    if not comparison.groups:
+        return Line(section_id, name, "", level, "", "", "", "", False)
+    first, *others = comparison.contestants
+    second = others[0] if others else ""
+    contrast = comparison.contrasts.get(second)
+    return Line(
+        id=section_id,
+        scenario=name,
+        first=first,
+        level=level,
+        time=with_interval(comparison.time(first)),
+        reached=percent(comparison.reached(first)),
+        runner_up=second,
+        lead=with_interval(contrast.difference, sign=True) if contrast else "",
+        shown=bool(contrast and contrast.shown),
+    )
+
+
+def lead(comparisons: Sequence[Comparison]) -> Markup:
+    """Say in a sentence or two who was first; for a single scenario its headline."""
+    flown = [each for each in comparisons if each.groups]
+    if len(flown) < 2:
+        return headline(flown[0]) if flown else Markup("")
+    tally = Counter(each.contestants[0] for each in flown)
+    wins = [
+        Markup("{} in {}").format(NAME.format(name), f"{number} of {len(flown)} scenarios" if not place else number)
+        for place, (name, number) in enumerate(tally.most_common())
+    ]
+    shown = sum(_beats_runner_up(each) for each in flown)
+    level = shared(each.level for each in flown)
+    return Markup("Lowest mean {}: {}. The lead over the runner-up was shown in {} of them.").format(
+        level.title if level else "time to the level asked for",
+        Markup(", ").join(wins),
+        "all" if shown == len(flown) else shown or "none",
+    )
+
+
+def _beats_runner_up(comparison: Comparison) -> bool:
+    second = comparison.contestants[1] if len(comparison.contestants) > 1 else ""
+    return second in comparison.contrasts and comparison.contrasts[second].shown

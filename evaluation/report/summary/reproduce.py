@@ -1,0 +1,83 @@
+"""The command that makes one row of a results table again."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import shlex
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from indoor_explorers.env import PRESETS
+from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.results.results import Results
+
+#: Names that mean themselves on the command line; all others stand in double quotes.
+PLAIN = re.compile(r"[\w.:][\w.:-]*")
+#: Folder that the commands write to.
+OUT = "again"
+
+
+def experiment_files(results: Results) -> dict[str, str]:
+    """Return the files of TOML that the commands read by their names, one for each store the results come from."""
+    if len(results.experiments) == 1:
+        return {"experiment.toml": results.experiments[0]}
+    return {f"experiment-{number}.toml": text for number, text in enumerate(results.experiments, 1)}
+
+
+def row_command(results: Results, scenario: str, policy: str) -> str:
+    """Return the shell command that flies the episodes of one row again, empty where nothing is recorded about them.
+
+    A policy with its default parameters on an unchanged preset is named; anything else is an entry of one of
+    :func:`experiment_files`. A ratio to the policy that knows the map needs that policy's row, too.
+    """
+    records = results.groups.get((scenario, policy), [])
+    for file, text in experiment_files(results).items():
+        experiment = tomllib.loads(text)
+        choice, task = _entry(experiment["policies"], policy), _entry(experiment["scenarios"], scenario)
+        if records and choice is not None and task is not None:
+            named = _is_default(choice) and _is_preset(task)
+            source = _seeds(records) if named else ["--experiment", file, *_fewer(experiment, records)]
+            names = ["--policies", quoted(policy), "--scenario", quoted(scenario)]
+            return shlex.join(["indoor-explorers", "compare", *names, *source, "--out", OUT])
+    return ""
+
+
+def _entry(entries: list[dict[str, Any]], name: str) -> dict[str, Any] | None:
+    return next((entry for entry in entries if entry["name"] == name), None)
+
+
+def _is_default(choice: Mapping[str, Any]) -> bool:
+    return choice["name"] == choice["use"] and not choice.get("parameters")
+
+
+def _is_preset(task: Mapping[str, Any]) -> bool:
+    """Return whether the task is how comparisons fly the preset of its name."""
+    preset = PRESETS.get(task["name"])
+    return preset is not None and preset.for_evaluation().model_dump(mode="json", exclude_none=True) == task
+
+
+def _seeds(records: list[Record]) -> list[str]:
+    return ["--episodes", str(_episodes(records)), "--seed", str(min(record.task.seed for record in records))]
+
+
+def _fewer(experiment: Mapping[str, Any], records: list[Record]) -> list[str]:
+    """Return the words that ask for as many episodes as the row has, where the experiment says another number."""
+    count = _episodes(records)
+    return [] if count == experiment["episodes"] else ["--episodes", str(count)]
+
+
+def _episodes(records: list[Record]) -> int:
+    seeds = [record.task.seed for record in records]
+    return max(seeds) - min(seeds) + 1
+
+
+def quoted(name: str) -> str:
+    """Write a name as ``--policies`` and ``--scenario`` read it: in double quotes unless it is plain."""
+    if PLAIN.fullmatch(name):
+        return name
+    line = io.StringIO()
+    csv.writer(line, quoting=csv.QUOTE_ALL, lineterminator="").writerow([name])
+    return line.getvalue()

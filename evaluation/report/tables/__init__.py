@@ -1,0 +1,1 @@
+"""Tables of the terminal, the page and the exports."""

@@ -1,0 +1,194 @@
+"""The tables of a scenario: results by policy, failures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from markupsafe import Markup
+
+from indoor_explorers.evaluation.episodes.metrics import LEVELS, WASTED, excused
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.report.charts.dot_strips import Scale, episode_strip
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, interval, percent
+from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.results.coverage_level import Level, tabled
+from indoor_explorers.evaluation.statistics import Estimate
+
+#: The most failures that are listed.
+LISTED = 60
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the results table."""
+
+    key: str
+    title: str
+    unit: str = ""
+    lower_is_better: bool = True
+    ranked: bool = True
+    """Whether the best value is emphasised."""
+
+    @property
+    def kind(self) -> str:
+        """``reached`` and ``strip`` for what is drawn from a time, such as ``t99_strip``; empty for a metric."""
+        time, _, kind = self.key.partition("_")
+        return kind if time in LEVELS and kind in ("reached", "strip") else ""
+
+    @property
+    def metric(self) -> str:
+        """The metric that the column is about."""
+        return self.key.removesuffix(f"_{self.kind}") if self.kind else self.key
+
+    @property
+    def term(self) -> str:
+        """The definition that explains the column."""
+        return "reached" if self.kind == "reached" else self.metric
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One figure of a table."""
+
+    text: str
+    value: float | None = None
+    """The figure unrounded."""
+    detail: str | Markup = ""
+    best: bool = False
+    bad: bool = False
+
+
+#: The columns after those of times to a level.
+OTHERS = (
+    Column("auc", "AUC", "", False),
+    Column("path_length", "path length", "cells"),
+    Column("overlap", "overlap"),
+    Column("collisions", "collisions"),
+    Column("longest_idle", "idle", "steps", ranked=False),
+    Column("longest_dither", "dither", "steps", ranked=False),
+    Column("failures", "failed episodes", ranked=False),
+    Column("messages_bytes", "messages", "kB"),
+    Column("latency_p50_us", "decision p50", "ms"),
+    Column("latency_p99_us", "decision p99", "ms"),
+)
+#: What a stored unit is divided by for the table.
+DIVISOR = {"messages_bytes": 1000.0, "latency_p50_us": 1000.0, "latency_p99_us": 1000.0}
+#: Decimals of columns whose size is known.
+DECIMALS = {"auc": 3, "overlap": 2, "collisions": 2}
+WITH_INTERVAL = (*LEVELS, "auc", "path_length")
+
+
+def columns_of(level: Level) -> tuple[Column, ...]:
+    """Return the columns of a scenario judged by a level; levels above it have a time, a dash, and no more."""
+    times = (column for key in tabled([level]) for column in _time_columns(Level(key), key in level.times))
+    return (*times, Column(f"{level.key}_strip", f"{level.title} by episode", "steps", ranked=False), *OTHERS)
+
+
+def _time_columns(level: Level, asked: bool) -> list[Column]:
+    time = Column(level.key, level.title, "steps")
+    return [time, Column(f"{level.key}_reached", f"reached {percent(level.share)}", "", False)] if asked else [time]
+
+
+def results_table(comparison: Comparison, looks: Mapping[str, Style]) -> list[tuple[str, list[Cell]]]:
+    """Return the cells of each policy, in the order of :func:`columns_of`; rows in the experiment's order."""
+    columns = [_column(comparison, column, looks) for column in columns_of(comparison.level)]
+    return [(policy, [cells[policy] for cells in columns]) for policy in comparison.groups]
+
+
+def _column(comparison: Comparison, column: Column, looks: Mapping[str, Style]) -> dict[str, Cell]:
+    special: dict[str, Callable[[Comparison], dict[str, Cell]]] = {
+        "reached": partial(_reached, metric=column.metric),
+        "strip": partial(_strips, metric=column.metric, looks=looks),
+        "failures": _failures,
+        **{metric: partial(_wasted, metric=metric) for metric in WASTED},
+    }
+    make = special.get(column.kind or column.key, partial(_measured, metric=column.key))
+    cells = make(comparison)
+    return emphasised(comparison, column, cells) if column.ranked else cells
+
+
+def _measured(comparison: Comparison, metric: str) -> dict[str, Cell]:
+    estimates = {policy: comparison.estimate(policy, metric) for policy in comparison.groups}
+    largest = max((each.mean for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
+    divisor = DIVISOR.get(metric, 1.0)
+    usual = decimals_for(largest / divisor, most=1 if metric in LEVELS else 2)
+    decimals = DECIMALS.get(metric, usual) if largest else 0
+    return {policy: _figure(each, metric, divisor, decimals) for policy, each in estimates.items()}
+
+
+def _figure(estimate: Estimate, metric: str, divisor: float, decimals: int) -> Cell:
+    mean = estimate.mean / divisor
+    if math.isnan(mean):
+        return Cell(fixed(None, 0))
+    digits = max(decimals, _needed(mean)) if divisor != 1.0 else decimals
+    return Cell(fixed(mean, digits), estimate.mean, interval(estimate, decimals) if metric in WITH_INTERVAL else "")
+
+
+def _needed(value: float) -> int:
+    """Return how many decimals keep two significant digits, three at most."""
+    return 0 if value >= 10 or value == 0 else min(3, 1 - math.floor(math.log10(value)))
+
+
+def _reached(comparison: Comparison, metric: str) -> dict[str, Cell]:
+    cells = {}
+    for policy, records in comparison.groups.items():
+        share = comparison.results.success(comparison.scenario, policy, metric)
+        cells[policy] = Cell(percent(share), share, f"{round(share * len(records))}/{len(records)}")
+    return cells
+
+
+def _strips(comparison: Comparison, metric: str, looks: Mapping[str, Style]) -> dict[str, Cell]:
+    values = {policy: comparison.results.values(comparison.scenario, policy, metric) for policy in comparison.groups}
+    scale = Scale(0.0, max(float(each.max()) for each in values.values()), 110)
+    return {
+        policy: Cell("", None, episode_strip(each, comparison.estimate(policy, metric), scale, looks[policy]))
+        for policy, each in values.items()
+    }
+
+
+def _wasted(comparison: Comparison, metric: str) -> dict[str, Cell]:
+    """Return the mean over episodes and the most of any of them, which looks bad where it has no excuse."""
+    cells = {}
+    for policy, records in comparison.groups.items():
+        values = comparison.results.values(comparison.scenario, policy, metric)
+        measured = values[~np.isnan(values)]
+        most, mean = (float(measured.max()), float(measured.mean())) if len(measured) else (0.0, math.nan)
+        detail = f"≤ {fixed(most, 0)}" if len(measured) else ""
+        bad = most > excused(metric, records[0].team)
+        cells[policy] = Cell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
+    return cells
+
+
+def _failures(comparison: Comparison) -> dict[str, Cell]:
+    counts = {policy: len(failed(records)) for policy, records in comparison.groups.items()}
+    return {policy: Cell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
+
+
+def emphasised(comparison: Comparison, column: Column, cells: dict[str, Cell]) -> dict[str, Cell]:
+    """Mark the best cells among the policies that do not know the map; none when all are the same."""
+    rated = {policy: value for policy in comparison.contestants if (value := cells[policy].value) is not None}
+    if len(rated) < 2:
+        return cells
+    best = min(rated.values()) if column.lower_is_better else max(rated.values())
+    look = next(cells[policy].text for policy, value in rated.items() if value == best)
+    winners = {policy for policy in rated if cells[policy].text == look}
+    if len(winners) == len(rated):
+        return cells
+    return {policy: replace(cell, best=policy in winners) for policy, cell in cells.items()}
+
+
+def failed(records: list[Record]) -> list[Record]:
+    """Return the episodes in which the policy broke."""
+    return [record for record in records if record.outcome is Outcome.FAILED]
+
+
+def troubles(comparison: Comparison) -> list[Record]:
+    """Return the episodes that ended before goal and budget: failed ones first, then crashes."""
+    records = [record for group in comparison.groups.values() for record in group]
+    ended = [record for record in records if record.outcome is Outcome.ENDED]
+    return [*failed(records), *ended]

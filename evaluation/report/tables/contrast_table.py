@@ -1,0 +1,82 @@
+"""The table of steps to the scenario's level against the best-ranked policy, all comparisons as one family."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+from indoor_explorers.evaluation.report.charts.dot_strips import Scale, difference_scale, difference_strip
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.style.formatting import (
+    EN_DASH,
+    fixed,
+    interval,
+    p_value,
+    percent,
+    with_interval,
+)
+from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.statistics import Contrast, Estimate, WinTieLoss
+
+
+@dataclass(frozen=True)
+class ContrastRow:
+    """One policy against the best-ranked."""
+
+    policy: str
+    difference: str
+    value: float
+    """The mean difference unrounded."""
+    strip: Markup
+    better: str
+    """Probability that it needs fewer steps on a task."""
+    better_interval: str
+    tally: WinTieLoss
+    p: str
+    effect: str
+    verdict: str
+
+
+def contrast_table(comparison: Comparison, looks: Mapping[str, Style]) -> list[ContrastRow]:
+    """Return a row for every policy but the best-ranked; empty where policies did not fly the same tasks."""
+    scale = difference_scale([contrast.difference for contrast in comparison.contrasts.values()])
+    return [
+        _row(comparison, policy, contrast, scale, looks[policy]) for policy, contrast in comparison.contrasts.items()
+    ]
+
+
+def _row(comparison: Comparison, policy: str, contrast: Contrast, scale: Scale, look: Style) -> ContrastRow:
+    few = contrast.difference.low is None
+    return ContrastRow(
+        policy=policy,
+        difference=with_interval(contrast.difference, sign=True),
+        value=contrast.difference.mean,
+        strip=difference_strip(comparison.differences(policy), contrast.difference, scale, look),
+        better=percent(contrast.improvement.mean),
+        better_interval=_percents(contrast.improvement),
+        tally=contrast.tally,
+        p=EN_DASH if few else p_value(contrast.adjusted_p).removeprefix("= "),
+        effect=EN_DASH if few else fixed(contrast.effect_size, 2, sign=True),
+        verdict=reading(contrast),
+    )
+
+
+def _percents(estimate: Estimate) -> str:
+    if estimate.low is None or estimate.high is None:
+        return ""
+    return interval(Estimate(100 * estimate.mean, 100 * estimate.low, 100 * estimate.high), 0)
+
+
+def reading(contrast: Contrast) -> str:
+    """Say in a few words what a contrast shows, and where nothing, what it could have shown."""
+    if contrast.difference.low is None:
+        return "too few episodes"
+    if contrast.shown:
+        return "slower" if contrast.difference.mean > 0 else "faster"
+    if math.isinf(contrast.detectable):
+        units = "maps" if contrast.over_maps and contrast.maps < contrast.pairs else "episodes"
+        return f"no difference shown (too few {units} to show any)"
+    return f"no difference shown (could have seen {fixed(contrast.detectable, 1)} steps)"

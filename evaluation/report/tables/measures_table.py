@@ -1,0 +1,62 @@
+"""All measures that the results table has no room for: a row for each, a column for each policy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from indoor_explorers.evaluation.episodes.metrics import MEASURES
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, interval
+from indoor_explorers.evaluation.report.tables.columns import Cell, Column, columns_of, emphasised
+from indoor_explorers.evaluation.statistics import Estimate
+
+#: Decimals of ratios.
+DECIMALS = {"t99_to_bound": 2, "t99_to_reference": 2}
+#: Measures that say nothing about a UAV alone.
+OF_TEAMS = {"auc_worst", "auc_mean", "path_max", "balance", "blocked"}
+
+
+@dataclass(frozen=True)
+class MeasureRow:
+    """One measure of all policies."""
+
+    key: str
+    title: str
+    unit: str
+    cells: list[Cell]
+    tallied: bool
+    """Whether the policies' pilots kept it, so that it has no definition here."""
+
+
+def measures_table(comparison: Comparison) -> list[MeasureRow]:
+    """Return the measures with a value that the results table leaves out, then what the pilots tallied."""
+    return [row for row in _rows(comparison) if any(cell.value is not None for cell in row.cells)]
+
+
+def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
+    alone = all(record.team == 1 for records in comparison.groups.values() for record in records)
+    left_out = {column.key for column in columns_of(comparison.level)} | (OF_TEAMS if alone else set())
+    for key, measure in MEASURES.items():
+        if key not in left_out:
+            column = Column(key, measure.title, measure.unit, measure.lower_is_better)
+            yield MeasureRow(key, measure.title, measure.unit, _cells(comparison, column), False)
+    for key in comparison.tallies:
+        column = Column(key, key.removeprefix("pilot_").replace("_", " "), ranked=False)
+        yield MeasureRow(key, column.title, "", _cells(comparison, column), True)
+
+
+def _cells(comparison: Comparison, column: Column) -> list[Cell]:
+    estimates = {policy: comparison.estimate(policy, column.key) for policy in comparison.groups}
+    largest = max((abs(each.mean) for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
+    usual = 3 if largest < 1 or not column.ranked else decimals_for(largest, most=2)
+    decimals = DECIMALS.get(column.key, usual) if largest else 0
+    cells = {policy: _cell(each, decimals) for policy, each in estimates.items()}
+    return list((emphasised(comparison, column, cells) if column.ranked else cells).values())
+
+
+def _cell(estimate: Estimate, decimals: int) -> Cell:
+    if math.isnan(estimate.mean):
+        return Cell(fixed(None, 0))
+    return Cell(fixed(estimate.mean, decimals), estimate.mean, interval(estimate, decimals) if decimals else "")

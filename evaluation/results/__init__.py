@@ -1,0 +1,1 @@
+"""Stored episodes: the database, tables made from it, combinations and ratios."""

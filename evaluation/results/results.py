@@ -1,0 +1,223 @@
+"""Results as tables: what the command returns, what summary.csv holds, and what the report is drawn from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from indoor_explorers.env import InputError
+from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, extended
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.results.coverage_level import Level, asks, level_of
+from indoor_explorers.evaluation.results.store import Store
+from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean, bootstrap_means, interquartile_mean
+
+SUMMARY_COLUMNS = ("policy", "scenario", "team", "metric", "episodes", "mean", "iqm", "low", "high", "success")
+
+#: Facts of a run that say which machine it was flown on.
+MACHINE = ("system", "processor", "cores")
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Everything a store holds, loaded."""
+
+    policies: dict[str, dict[str, Any]]
+    """Facts of each policy by name, in table order."""
+    scenarios: dict[str, dict[str, Any]]
+    """Settings of each scenario by name, in table order."""
+    runs: list[dict[str, Any]]
+    """Facts of each run, oldest first."""
+    records: list[Record]
+    experiments: tuple[str, ...] = ()
+    """The experiment of each store in TOML, with every policy that any of its runs flew."""
+
+    @classmethod
+    def load(cls, folder: Path) -> Results:
+        """Read ``folder/results.db``."""
+        path = folder / "results.db"
+        if not path.is_file():
+            raise InputError(f"{folder}: expected a folder with a results.db in it, got none; fly compare --out first")
+        with Store(path) as store:
+            text = store.experiment()
+            experiments = (text,) if text else ()
+            return cls(store.policies(), store.scenarios(), store.runs(), list(store.records()), experiments)
+
+    @cached_property
+    def groups(self) -> dict[tuple[str, str], list[Record]]:
+        """The records by (scenario, policy), each list ordered by task."""
+        groups: dict[tuple[str, str], list[Record]] = {
+            (scenario, policy): [] for scenario in self.scenarios for policy in self.policies
+        }
+        for record in self.records:
+            groups[record.task.scenario, record.policy].append(record)
+        return {key: records for key, records in groups.items() if records}
+
+    @property
+    def knowing(self) -> list[str]:
+        """The policies that are given the true map: yardsticks, in table order."""
+        return [name for name, about in self.policies.items() if about.get("privileged")]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What differs between the runs and could make figures differ, a line each: commits, versions, machines."""
+        lines = []
+        for key in dict.fromkeys(key for run in self.runs for key in run if _can_matter(key)):
+            values = dict.fromkeys(str(run.get(key, "not recorded")) for run in self.runs)
+            if len(values) > 1:
+                effect = "; latencies do not compare" if key in MACHINE else ""
+                lines.append(f"runs differ in {key}: {', '.join(values)}{effect}")
+        return lines
+
+    def level(self, scenario: str) -> Level:
+        """Return the coverage level that a scenario is judged by."""
+        return level_of(self._goal(scenario))
+
+    @property
+    def levels(self) -> list[Level]:
+        """The level of each scenario, in table order."""
+        return [self.level(scenario) for scenario in self.scenarios]
+
+    def asks(self, scenario: str, metric: str) -> bool:
+        """Return whether a scenario's goal asks for a metric, as it does not for T99 at a goal of 90 %."""
+        return asks(self._goal(scenario), metric)
+
+    def _goal(self, scenario: str) -> float:
+        return float(self.scenarios[scenario].get("goal", 1.0))
+
+    def tasks(self, scenario: str) -> set[Task]:
+        """Return the tasks of a scenario that any policy has flown."""
+        return {record.task for (name, _), records in self.groups.items() if name == scenario for record in records}
+
+    def curves(self, scenario: str, policy: str, who: str = "team") -> NDArray[np.float64]:
+        """Return (E, T + 1) coverage by step of ``who`` (see :meth:`Record.coverage`), constant after the end."""
+        records = self.groups[scenario, policy]
+        length = 1 + max(record.budget for record in records)
+        return np.stack([extended(record.coverage(who), length) for record in records])
+
+    def values(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
+        """Return (E,) values of a metric; NaN where missing; T_q never reached counts as the budget."""
+        if metric == "t99_to_reference":
+            return self.to_reference(scenario, policy, "t99")
+        return np.array([_value(record, metric) for record in self.groups[scenario, policy]], np.float64)
+
+    def to_reference(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
+        """Return (E,) values of T_q / those of the policy that knows the map; NaN without, or where nobody was asked.
+
+        The policy is the first that knows the map and flew the task.
+        """
+        records = self.groups[scenario, policy]
+        known = self.references.get(scenario, {}) if self.asks(scenario, metric) else {}
+        least = [_value(known[record.task], metric) if record.task in known else 0.0 for record in records]
+        return np.array([_value(r, metric) / (b or np.nan) for r, b in zip(records, least, strict=True)], np.float64)
+
+    def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
+        """Return (E,) which map each episode was flown on; equal maps have equal labels, whatever their files."""
+        return np.array([record.floorplan.digest for record in self.groups[scenario, policy]])
+
+    @cached_property
+    def references(self) -> dict[str, dict[Task, Record]]:
+        """Each task by scenario as the first policy that knows the map flew it; empty where none does."""
+        found: dict[str, dict[Task, Record]] = {}
+        for policy in reversed(self.knowing):
+            for scenario in self.scenarios:
+                records = self.groups.get((scenario, policy), [])
+                found.setdefault(scenario, {}).update({record.task: record for record in records})
+        return found
+
+    def success(self, scenario: str, policy: str, metric: str) -> float:
+        """Return the share of episodes that reached T_q, or for other metrics the scenario's goal."""
+        records = self.groups[scenario, policy]
+        if metric in LEVELS:
+            return float(np.mean([record.metrics[metric] is not None for record in records]))
+        return float(np.mean([record.outcome is Outcome.COMPLETE for record in records]))
+
+    def summary(self) -> pd.DataFrame:
+        """Return one row per scenario, policy and metric with the columns of summary.csv."""
+        return pd.DataFrame(self._summary_rows(), columns=list(SUMMARY_COLUMNS))
+
+    def _summary_rows(self) -> Iterator[tuple[Any, ...]]:
+        for (scenario, policy), records in self.groups.items():
+            for metric, (mean, low, high) in self.estimates(scenario, policy).items():
+                values = self.values(scenario, policy, metric)
+                values = values[~np.isnan(values)]
+                yield (
+                    *(policy, scenario, records[0].team, metric, len(values), mean, interquartile_mean(values)),
+                    *(low, high, self.success(scenario, policy, metric)),
+                )
+
+    def estimates(self, scenario: str, policy: str) -> dict[str, Estimate]:
+        """Return the mean of every metric that was measured, with its interval: maps are drawn, then episodes."""
+        if (scenario, policy) not in self._estimates:
+            self._estimates[scenario, policy] = self._estimated(scenario, policy)
+        return self._estimates[scenario, policy]
+
+    @cached_property
+    def _estimates(self) -> dict[tuple[str, str], dict[str, Estimate]]:
+        return {}
+
+    def _estimated(self, scenario: str, policy: str) -> dict[str, Estimate]:
+        """Estimate the metrics that every episode has from one set of resamples, the others one by one."""
+        extra = sorted({name for record in self.groups[scenario, policy] for name in record.metrics} - set(MEASURES))
+        values = {metric: self.values(scenario, policy, metric) for metric in (*MEASURES, *extra)}
+        maps = self.maps(scenario, policy)
+        held = {metric: ~np.isnan(column) for metric, column in values.items()}
+        whole = [metric for metric in values if held[metric].all()]
+        found = dict(zip(whole, bootstrap_means(np.stack([values[m] for m in whole], axis=1), maps=maps), strict=True))
+        for metric, there in held.items():
+            if there.any() and metric not in found:
+                found[metric] = bootstrap_mean(values[metric][there], maps=maps[there])
+        return {metric: found[metric] for metric in values if metric in found}
+
+    def episodes(self) -> pd.DataFrame:
+        """Return one row per episode: its task, outcome, steps and metrics."""
+        return pd.DataFrame(
+            self._episode_row(record, ratio)
+            for scenario, policy in self.groups
+            for record, ratio in zip(
+                self.groups[scenario, policy], self.values(scenario, policy, "t99_to_reference"), strict=True
+            )
+        )
+
+    def _episode_row(self, record: Record, ratio: float) -> dict[str, Any]:
+        return {
+            "policy": record.policy,
+            "scenario": record.task.scenario,
+            "map": record.floorplan.name,
+            "map_index": record.task.map_index,
+            "seed": record.task.seed,
+            "team": record.team,
+            "budget": record.budget,
+            "reachable": record.reachable,
+            "outcome": str(record.outcome),
+            "reason": record.reason,
+            "steps": record.steps,
+            **record.metrics,
+            **({"t99_to_reference": ratio} if self.references else {}),
+        }
+
+
+def _can_matter(key: str) -> bool:
+    return key in (*MACHINE, "commit", "python") or key.endswith(" version")
+
+
+def _value(record: Record, metric: str) -> float:
+    value = record.metrics.get(metric)
+    if value is None:
+        return float(record.budget) if metric in LEVELS else np.nan
+    return value
+
+
+def write_summary(results: Results, path: Path) -> None:
+    """Write summary.csv; equal results give equal bytes."""
+    with written_whole(path) as partial:
+        results.summary().to_csv(partial, index=False, float_format="%.6g", lineterminator="\n")

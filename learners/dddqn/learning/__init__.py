@@ -1,0 +1,1 @@
+"""Training: vectorised flight, replay, targets, the learner and its loop."""

@@ -1,0 +1,120 @@
+"""Fit the map prior: what unknown cells of a scenario's maps turn out to be.
+
+UAVs fly to the nearest gain, and now and then every unknown cell with a known obstacle near it is noted with the
+cells around it and whether it counts. Flown before the training, on maps that no episode of it uses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import nn
+
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.learners.dddqn.config import ObservationConfig
+from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.observation.layout import GAINS
+from indoor_explorers.learners.dddqn.observation.map_prior import (
+    INPUTS,
+    PATCH,
+    UNITS,
+    MapPrior,
+    no_prior,
+    prior_from,
+    write_patch,
+)
+
+#: Episodes flown side by side at most, and ticks between two notes.
+EPISODES, EVERY = 1024, 5
+#: Cells of all maps flown side by side, at most, and of these episodes at least.
+CELLS, FEWEST = 2**18, 16
+#: Ticks after which flying ends, and those after which it ends when nothing was noted.
+TICKS, PATIENCE = 300, 50
+#: Rounds over all notes, notes in one update, Adam's first step size.
+ROUNDS, BATCH, RATE = 5, 256, 3e-3
+#: Fewer notes than this fit nothing: there are no obstacles to speak of.
+LEAST = 1_000
+
+
+class Notes(NamedTuple):
+    """N noted cells."""
+
+    patch: NDArray[np.uint8]
+    """(N, 49) the cells around it."""
+    counts: NDArray[np.bool_]
+    """(N,) whether it counts."""
+
+
+@kernel()
+def _note(belief: np.ndarray, counts: np.ndarray, patch: np.ndarray, label: np.ndarray, found: int) -> int:
+    """Note the unknown cells of one (H, W) belief that have obstacles near; return how many notes there are now."""
+    for r in range(belief.shape[0]):
+        for c in range(belief.shape[1]):
+            if found < len(label) and belief[r, c] == UNKNOWN and write_patch(belief, r, c, patch[found]) > 0:
+                label[found] = counts[r, c]
+                found += 1
+    return found
+
+
+def collect(scenario: Scenario, first_seed: int, most: int) -> Notes:
+    """Fly to the nearest gain on maps of seeds from ``first_seed`` on and note up to ``most`` cells."""
+    seeds = iter(range(first_seed, first_seed + 2**30))
+    sight = ObservationConfig(layers=("unknown",), coarse=0, sides=False, visits=False, tours=False)
+    flock = Flock(scenario, sight, no_prior(), 1, lambda: next(seeds))
+    episodes = min(max(CELLS // (flock.shape[0] * flock.shape[1]), FEWEST), EPISODES)
+    flock = Flock(scenario, sight, no_prior(), episodes, lambda: next(seeds))
+    patch, label, found = np.zeros((most, PATCH * PATCH), np.uint8), np.zeros(most, np.bool_), 0
+    state, team = flock.world.state, scenario.team
+    nearest = 1 + GAINS.index("distance to the nearest gain")
+    for tick in range(1, TICKS):
+        flock.observe(np.arange(flock.columns))
+        flock.step(np.where(flock.over, 4, flock.moves[:, :, nearest].argmin(axis=1)))
+        if tick % EVERY == 0:
+            for column in np.flatnonzero(~flock.over).tolist():
+                episode, agent = divmod(column, team)
+                found = _note(state.belief[episode, agent], state.counts[episode], patch, label, found)
+        flock.restart(np.flatnonzero(flock.over.reshape(state.end.shape).all(axis=1)))
+        if found == most or (found == 0 and tick == PATIENCE):
+            break
+    return Notes(patch[:found], label[:found])
+
+
+def collect_all(scenarios: Sequence[Scenario], first_seed: int, most: int) -> Notes:
+    """Collect up to ``most`` notes in equal parts from several scenarios."""
+    parts = [collect(scenario, first_seed, most // len(scenarios)) for scenario in scenarios]
+    return Notes(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+
+def fit_prior(notes: Notes, seed: int) -> MapPrior:
+    """Return the prior fitted to the notes by maximum likelihood; no prior where they are too few."""
+    if len(notes.counts) < LEAST:
+        return no_prior()
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        net = nn.Sequential(nn.Linear(INPUTS, UNITS), nn.ReLU(), nn.Linear(UNITS, 1))
+        optimiser = torch.optim.Adam(net.parameters(), lr=RATE)
+        for tick in range(ROUNDS):
+            for group in optimiser.param_groups:
+                group["lr"] = RATE * (1.0 - tick / ROUNDS)
+            for chosen in torch.split(torch.randperm(len(notes.counts)), BATCH):
+                inputs = torch.from_numpy(_inputs(notes.patch[chosen.numpy()]))
+                wanted = torch.from_numpy(notes.counts[chosen.numpy()].astype(np.float32))
+                loss = nn.functional.binary_cross_entropy_with_logits(net(inputs)[:, 0], wanted)
+                optimiser.zero_grad()
+                loss.backward()  # type: ignore[no-untyped-call]
+                optimiser.step()
+    hidden, hidden_bias, out, out_bias = (parameter.detach().numpy() for parameter in net.parameters())
+    return prior_from(
+        {"prior.hidden": hidden.T, "prior.hidden_bias": hidden_bias, "prior.out": out[0], "prior.out_bias": out_bias}
+    )
+
+
+def _inputs(patch: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """Return the net's inputs (N, 147) for patches (N, 49)."""
+    return np.concatenate([patch == kind for kind in (1, 2, 3)], axis=1).astype(np.float32)

@@ -1,0 +1,68 @@
+"""Chances to be replayed in proportion to a priority (Schaul et al. 2016, section 3.3, arXiv:1511.05952).
+
+A sum tree: a perfect binary tree in one array, node ``k`` above ``2 k`` and ``2 k + 1``, where each node is the sum of
+its two children and the leaves are the priorities. Every sum is made anew from its children, so that nothing drifts
+and the leaves alone determine the tree.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.compiled import kernel
+
+
+@kernel()
+def _write(tree: np.ndarray, places: np.ndarray, values: np.ndarray) -> None:
+    leaves = tree.shape[0] // 2
+    for i in range(places.shape[0]):
+        node = leaves + places[i]
+        tree[node] = values[i]
+        while node > 1:
+            node //= 2
+            tree[node] = tree[2 * node] + tree[2 * node + 1]
+
+
+@kernel()
+def _find(tree: np.ndarray, lots: np.ndarray, places: np.ndarray) -> None:
+    """Write the place of each lot, a point between 0 and the sum; a leaf of 0 is never found."""
+    leaves = tree.shape[0] // 2
+    for i in range(lots.shape[0]):
+        node, left = 1, lots[i]
+        while node < leaves:
+            node *= 2
+            if left >= tree[node] and tree[node + 1] > 0.0:
+                left -= tree[node]
+                node += 1
+        places[i] = node - leaves
+
+
+class SumTree:
+    """Hold a priority for each of ``size`` places, 0 at first."""
+
+    def __init__(self, size: int) -> None:
+        self.size = size
+        self._tree = np.zeros(2 << (size - 1).bit_length())
+
+    @property
+    def total(self) -> float:
+        """The sum of all priorities."""
+        return float(self._tree[1])
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """(size,) the priorities, a view that is only read."""
+        leaves = len(self._tree) // 2
+        return self._tree[leaves : leaves + self.size]
+
+    def write(self, places: NDArray[np.int64], values: NDArray[np.float64]) -> None:
+        """Set the priorities of some places; of several for one place the last holds."""
+        _write(self._tree, places, values)
+
+    def draw(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
+        """Draw ``count`` places, one from each of as many equal parts of the sum."""
+        lots = (np.arange(count) + rng.random(count)) * (self.total / count)
+        places = np.empty(count, np.int64)
+        _find(self._tree, lots, places)
+        return places

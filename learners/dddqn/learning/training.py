@@ -1,0 +1,222 @@
+"""One training as an object: what happens in a tick, and everything that a checkpoint must hold."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.learners.dddqn.config import TrainingConfig
+from indoor_explorers.learners.dddqn.learning.evaluation import Trial, evaluate, mean_trial
+from indoor_explorers.learners.dddqn.learning.learner import Learner
+from indoor_explorers.learners.dddqn.learning.multi_task_flight import Flocks
+from indoor_explorers.learners.dddqn.learning.prior_fitting import collect_all, fit_prior
+from indoor_explorers.learners.dddqn.learning.replay import Replay
+from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT
+from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, no_prior, prior_arrays, prior_from
+from indoor_explorers.learners.sessions.seeds import survey_seeds, training_seeds, trial_seeds
+from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
+
+#: Coverage until which a step costs ``reward_early_step`` more.
+EARLY = 0.9
+
+
+class Flown(NamedTuple):
+    """What one tick of all C UAVs was like, as the replay keeps it."""
+
+    scene: NDArray[np.uint8]
+    moves: NDArray[np.float32]
+    action: NDArray[np.int64]
+    reward: NDArray[np.float64]
+    terminal: Mask
+    explored: Mask
+    over: Mask
+    age: NDArray[np.int64]
+
+
+class Training:
+    """Train on the world's batch directly; every tick is a move of all UAVs and some updates of the network.
+
+    In a tick the UAVs fly in one thread, by the weights from its beginning, while the network learns from earlier
+    ticks in another. Neither sees what the other does before the tick ends, so the same seed gives the same training.
+    """
+
+    def __init__(self, config: TrainingConfig, scenario: Scenario, seed: int, checkpoint: Path | None = None) -> None:
+        self.config, self.seed, self._first_seed = config, seed, training_seeds(seed)
+        self.tasks = config.tasks(scenario)
+        self.steps = self.episodes = 0
+        self.trials: list[Trial] = []
+        self.losses: list[float] = []
+        self.ended: list[int] = []
+        """Steps of the episodes that ended since this was last cleared."""
+        self.commits: list[str | None] = []
+        """Commits of the source that the training ran under, the one it began with first."""
+        found = None if checkpoint is None else self._read(checkpoint)
+        self.prior = self._survey() if found is None else prior_from(_part(found[0], "prior."))
+        self.flying_rng, self.learning_rng = (
+            np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(2)
+        )
+        self.learner = Learner(config.observation, config, seed)
+        self.flock = Flocks(self.tasks, config.observation, self.prior, config.environments, self._next_seed)
+        self._early_steps = self.flock.repeat([config.early_step(task) for task in self.tasks])
+        self.replay = Replay(
+            self._slots(),
+            self.flock.columns,
+            config.observation,
+            prioritised=config.prioritised,
+            symmetries=config.symmetries,
+        )
+        self._pool = ThreadPoolExecutor(1, "flying")
+        if found is not None and checkpoint is not None:
+            self._restore(*found, checkpoint)
+
+    def _survey(self) -> MapPrior:
+        observation = self.config.observation
+        if not (observation.tours or "chance" in observation.layers):
+            return no_prior()
+        return fit_prior(collect_all(self.tasks, survey_seeds(self.seed), self.config.prior_notes), self.seed)
+
+    def _slots(self) -> int:
+        slots = self.config.replay_steps // self.flock.columns
+        least = 2 * self.config.return_steps + self.config.observation.frames
+        if slots <= least:
+            raise InputError(
+                f"expected replay_steps of more than {least} times the {self.flock.columns} "
+                f"UAVs in training, got {self.config.replay_steps}; raise replay_steps or lower environments"
+            )
+        return slots
+
+    def _next_seed(self) -> int:
+        self.episodes += 1
+        return self._first_seed + self.episodes
+
+    @property
+    def share(self) -> float:
+        """How much of the training is done, from 0 to 1."""
+        return min(self.steps / self.config.total_steps, 1.0)
+
+    @property
+    def done(self) -> bool:
+        """Tell whether all moves have been made."""
+        return self.steps >= self.config.total_steps
+
+    def tick(self) -> None:
+        """Make one move of every UAV and learn meanwhile; then remember the move and begin new episodes."""
+        self.learner.refresh()
+        flying = self._pool.submit(self._fly)
+        if self.steps >= self.config.warmup_steps and self.replay.ready(self.config.return_steps) > 0:
+            self.losses += [self._learn() for _ in range(self.config.updates_per_tick)]
+        flown = flying.result()
+        self.replay.add(*flown)
+        self.steps += int((~flown.over).sum())
+        self.ended += self.flock.renew(flown.over)
+
+    def _fly(self) -> Flown:
+        flock = self.flock
+        over, age = flock.over, flock.age
+        flock.observe()
+        action, explored = self._choose()
+        reward = flock.step(action) + self._early_steps * (flock.coverage < EARLY)
+        return Flown(flock.scene, flock.moves, action, reward, flock.terminal & ~over, explored, over, age)
+
+    def _choose(self) -> tuple[NDArray[np.int64], Mask]:
+        """Choose epsilon-greedily; return the moves (C,) and which were drawn at random."""
+        flock, mask = self.flock, self.config.mask
+        explored = self.flying_rng.random(flock.columns) < self.config.epsilon(self.share)
+        lots = self.flying_rng.random((flock.columns, 4)) - (flock.moves[:, :, BLOCKED_AT] if mask else 0.0)
+        best = self.learner.greedy(self.learner.acting, flock.scenes, flock.moves, mask=mask)
+        return np.where(explored, lots.argmax(axis=1), best), explored
+
+    def _learn(self) -> float:
+        config, share = self.config, self.share
+        batch = self.replay.sample(
+            config.batch, config.return_steps, config.gamma(share), self.learning_rng, importance=config.beta(share)
+        )
+        loss, errors = self.learner.update(batch, share)
+        self.replay.reprioritise(batch.place, errors)
+        return loss
+
+    def take_trial(self) -> Trial:
+        """Evaluate the averaged weights and keep them when they are the best so far."""
+        first, episodes = trial_seeds(self.seed), self.config.evaluation_episodes
+        trial = mean_trial(
+            [evaluate(self.learner, task, self.prior, episodes, first, self.steps) for task in self.tasks]
+        )
+        if not self.trials or trial.score <= min(other.score for other in self.trials):
+            self.learner.best.load_state_dict(self.learner.average.state_dict())
+        self.trials.append(trial)
+        return trial
+
+    def identity(self) -> dict[str, Any]:
+        """Return what makes this training: a checkpoint of another one is refused."""
+        task = " ".join(task.fingerprint for task in self.tasks)
+        return {"config": self.config.model_dump(mode="json"), "task": task, "seed": self.seed}
+
+    def save(self, path: Path) -> None:
+        """Write everything to a safetensors file."""
+        notes = self.identity() | {
+            "steps": self.steps,
+            "episodes": self.episodes,
+            "trials": self.trials,
+            "commits": self.commits,
+            "flying_rng": self.flying_rng.bit_generator.state,
+            "learning_rng": self.learning_rng.bit_generator.state,
+        }
+        tensors = self.learner.tensors() | self.flock.tensors() | self.replay.tensors() | prior_arrays(self.prior)
+        write_tensors(path, tensors, {"training": json.dumps(notes)})
+
+    def _read(self, path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+        """Return the arrays and notes of a checkpoint of this training.
+
+        Raises:
+            InputError: the file is damaged, or from another configuration, scenario or seed.
+
+        """
+        tensors, metadata = read_tensors(path)
+        try:
+            notes = json.loads(metadata["training"])
+            self._refuse_others(notes, path)
+        except (KeyError, json.JSONDecodeError) as error:
+            raise _damaged(path, error) from error
+        return tensors, notes
+
+    def _restore(self, tensors: dict[str, NDArray[Any]], notes: dict[str, Any], path: Path) -> None:
+        """Go on exactly where :meth:`save` left off."""
+        try:
+            self.learner.restore(tensors)
+            self.flock.restore(tensors)
+            self.replay.restore(tensors)
+            self.trials = [Trial(*trial) for trial in notes["trials"]]
+        except (KeyError, RuntimeError, TypeError, ValueError) as error:
+            raise _damaged(path, error) from error
+        self.steps, self.episodes = notes["steps"], notes["episodes"]
+        self.commits = notes.get("commits", [None])  # unknown in checkpoints of before
+        self.flying_rng.bit_generator.state = notes["flying_rng"]
+        self.learning_rng.bit_generator.state = notes["learning_rng"]
+
+    def _refuse_others(self, notes: dict[str, Any], path: Path) -> None:
+        mine = self.identity()
+        for part in ("seed", "task"):
+            if notes[part] != mine[part]:
+                raise InputError(f"{path}: expected {part} {mine[part]}, got {notes[part]}; resume with the same one")
+        for key, value in mine["config"].items():
+            if notes["config"].get(key) != value:
+                raise InputError(
+                    f"{path}: expected {key} {value}, got {notes['config'].get(key)}; resume with the same settings"
+                )
+
+
+def _damaged(path: Path, error: Exception) -> InputError:
+    return InputError(f"{path}: expected a checkpoint of this version, got something else ({error!r})")
+
+
+def _part(tensors: Mapping[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:
+    return {name: array for name, array in tensors.items() if name.startswith(prefix)}

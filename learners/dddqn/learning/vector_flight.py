@@ -1,0 +1,129 @@
+"""UAVs that learn: the columns of a world's batch, with what each must remember to observe."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Mask, read_only
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.state import End
+from indoor_explorers.env.simulation.world import World
+from indoor_explorers.learners.dddqn.config import ObservationConfig
+from indoor_explorers.learners.dddqn.observation.layout import layout
+from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior
+from indoor_explorers.learners.dddqn.observation.memory import new_memory
+from indoor_explorers.learners.dddqn.observation.observe import Known, eyes, observe
+from indoor_explorers.learners.sessions.worlds import begin, restore_world, world_tensors
+
+
+def stacked(scene: NDArray[np.uint8], scenes: NDArray[np.uint8], first: Mask) -> NDArray[np.uint8]:
+    """Return the latest scenes (K, I) after new ones (K, S); where they are the ``first`` (K,), they are repeated."""
+    if scene.shape == scenes.shape:
+        return scene
+    frames = scenes.shape[1] // scene.shape[1]
+    later = np.concatenate([scene, scenes[:, : -scene.shape[1]]], axis=1)
+    return np.where(first[:, None], np.tile(scene, (1, frames)), later)
+
+
+class Flock:
+    """Fly ``episodes`` episodes side by side; column b * team + n is UAV n of episode b, C columns in all."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        observation: ObservationConfig,
+        prior: MapPrior,
+        episodes: int,
+        next_seed: Callable[[], int],
+    ) -> None:
+        plan = layout(observation)
+        self.world = World(scenario, episodes)
+        self.columns = episodes * scenario.team
+        self.scene = np.zeros((self.columns, plan.scene), np.uint8)
+        """(C, S) as last observed."""
+        self.scenes = np.zeros((self.columns, plan.inputs), np.uint8)
+        """(C, I) the latest scenes, latest first; a young episode repeats its first."""
+        self.moves = np.zeros((self.columns, 4, plan.features), np.float32)
+        """(C, 4, F) as last observed."""
+        self._next_seed = next_seed
+        self._begin(list(range(episodes)))
+        self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
+        self.memory = new_memory(self.columns, self.shape, observation)
+        self._eyes = eyes(observation, self.shape, scenario, prior)
+        self._agent = np.tile(np.arange(scenario.team, dtype=np.float64), episodes)
+
+    def _begin(self, episodes: list[int]) -> None:
+        """Begin episodes; those on files of maps one by one, each on the next map."""
+        seeds = [self._next_seed() for _ in episodes]
+        if self.world.scenario.map.count == 1:
+            self.world.restart(episodes, seeds)
+            return
+        for episode, seed in zip(episodes, seeds, strict=True):
+            begin(self.world, episode, seed)
+
+    @property
+    def over(self) -> Mask:
+        """(C,) UAVs whose episode has ended."""
+        return np.asarray(self.world.state.end.ravel() != End.FLYING)
+
+    @property
+    def terminal(self) -> Mask:
+        """(C,) UAVs whose episode has ended for good, not for lack of steps."""
+        end = self.world.state.end.ravel()
+        return np.asarray((end != End.FLYING) & (end != End.BUDGET))
+
+    @property
+    def age(self) -> NDArray[np.int64]:
+        """(C,) steps since each UAV's episode began."""
+        return np.repeat(self.world.state.step, self.world.scenario.team)
+
+    @property
+    def coverage(self) -> NDArray[np.float64]:
+        """(C,) share of the reachable cells that each UAV's team knows."""
+        return np.repeat(self.world.team_coverage, self.world.scenario.team)
+
+    def _known(self) -> Known:
+        state, team = self.world.state, self.world.scenario.team
+        heard = state.heard_step.reshape(self.columns, team)
+        steps = self.age
+        return Known(
+            read_only(state.belief.reshape(self.columns, *self.shape)),
+            state.cell.reshape(self.columns, 2),
+            state.heard_cell.reshape(self.columns, team, 2),
+            np.where(heard >= 0, steps[:, None] - heard, -1),
+            np.stack([self._agent, steps / np.repeat(state.budget, team)], axis=1),
+        )
+
+    def observe(self, columns: NDArray[np.int64]) -> None:
+        """Refresh ``scene``, ``scenes`` and ``moves`` of some columns; once a step."""
+        observe(self._known(), self.memory, columns, self._eyes, self.scene, self.moves)
+        self.scenes[columns] = stacked(self.scene[columns], self.scenes[columns], self.age[columns] == 0)
+
+    def step(self, actions: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Make one move (C,) each; return the rewards (C,)."""
+        self.memory.aim(self.world.state.cell.reshape(self.columns, 2), actions)
+        self.world.step(actions.reshape(self.world.state.end.shape))
+        return self.world.state.reward.ravel()
+
+    def restart(self, episodes: NDArray[np.int64]) -> None:
+        """Begin new episodes in place of these."""
+        if len(episodes) == 0:
+            return
+        team = self.world.scenario.team
+        self._begin(episodes.tolist())
+        self.memory.forget((episodes[:, None] * team + np.arange(team)).ravel().tolist())
+
+    def tensors(self) -> dict[str, NDArray[np.generic]]:
+        """Return everything that :meth:`restore` needs, by name."""
+        memory = {f"memory/{name}": array for name, array in self.memory._asdict().items()}
+        return world_tensors(self.world) | memory | {"flock/scenes": self.scenes}
+
+    def restore(self, tensors: dict[str, NDArray[np.generic]]) -> None:
+        """Go on exactly where :meth:`tensors` was taken."""
+        restore_world(tensors, self.world)
+        self.scenes[...] = tensors["flock/scenes"]
+        for name, array in self.memory._asdict().items():
+            array[...] = tensors[f"memory/{name}"]

@@ -1,0 +1,1 @@
+"""The network: its torch model for training and its compiled inference."""

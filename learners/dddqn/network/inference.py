@@ -1,0 +1,159 @@
+"""The dueling network for acting, with the pull of the tours, compiled: row by row, in one fixed order of additions.
+
+A matrix library may add in another order for another batch size or thread count, and a tie between two
+moves then falls differently. Here a decision is the same, bit for bit, in any batch, process and engine,
+and acting needs no torch. The test suite holds it against
+:class:`indoor_explorers.learners.dddqn.network.model.DuelingNetwork`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.learners.dddqn.config import NetworkConfig
+from indoor_explorers.learners.dddqn.observation.layout import Layout, tour_costs
+
+Array = NDArray[np.float32]
+
+
+class Weights(NamedTuple):
+    """The network's arrays; matrices are (inputs, outputs). Arrays of parts that are switched off are empty."""
+
+    look: Array
+    look_bias: Array
+    look_scale: Array
+    look_shift: Array
+    think: Array
+    think_bias: Array
+    think_scale: Array
+    think_shift: Array
+    value: Array
+    value_bias: Array
+    advantage: Array
+    advantage_bias: Array
+    move_hidden: Array
+    move_hidden_bias: Array
+    move_out: Array
+    move_out_bias: Array
+    tours: Array
+    layer_norm: bool
+    dueling: bool
+
+
+def shapes(layout: Layout, config: NetworkConfig) -> dict[str, tuple[int, ...]]:
+    """Return names and shapes of the network's arrays as torch stores them: (outputs, inputs)."""
+    joined = config.width + 4 * layout.features
+    linear = {"look": (config.width, layout.inputs), "think": (config.width, joined)}
+    if config.dueling:
+        linear["value"] = (1, config.width)
+    linear["advantage"] = (4, config.width)
+    if tour_costs(layout, config.tour_cost, config.tour_cost) is not None:
+        linear["tours"] = (1, layout.features)
+    linear |= {"move_hidden": (config.move_width, layout.features), "move_out": (1, config.move_width)}
+    found: dict[str, tuple[int, ...]] = {}
+    for name, shape in linear.items():
+        found |= {f"{name}.weight": shape} | ({} if name == "tours" else {f"{name}.bias": shape[:1]})
+        if config.layer_norm and name in ("look", "think"):
+            found |= {f"{name}_norm.weight": shape[:1], f"{name}_norm.bias": shape[:1]}
+    return found
+
+
+def weights_from(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: NetworkConfig) -> Weights:
+    """Arrange the arrays of :func:`shapes` for acting."""
+    matrices = ("think", "value", "advantage", "move_hidden", "move_out")
+    names = ["look.weight", "look.bias", "look_norm.weight", "look_norm.bias"]
+    for name in matrices:
+        names += [f"{name}.weight", f"{name}.bias"]
+        names += [f"{name}_norm.weight", f"{name}_norm.bias"] * (name == "think")
+    there = shapes(layout, config)
+    empty = {name: np.zeros((0, 0) if name == "value.weight" else 0, np.float32) for name in names if name not in there}
+    found: list[Any] = [np.ascontiguousarray({**arrays, **empty}[name].T, np.float32) for name in names]
+    return Weights._make([*found, _tours(arrays, layout, config), config.layer_norm, config.dueling])
+
+
+def _tours(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: NetworkConfig) -> Array:
+    """Return what each feature of a move adds to its value by itself, (F,): learned, and the pull of the tours."""
+    parts = [arrays["tours.weight"][0]] if "tours.weight" in arrays else []
+    pull = tour_costs(layout, config.tour_pull, 0.0)
+    parts += [] if pull is None else [pull]
+    return np.sum(parts, axis=0, dtype=np.float32) if parts else np.zeros(0, np.float32)
+
+
+@kernel()
+def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray) -> None:
+    """Write x W + b; inputs that are zero cost nothing."""
+    out[:] = bias
+    for i in range(x.shape[0]):
+        value = x[i]
+        if value != 0.0:
+            for j in range(out.shape[0]):
+                out[j] += value * weight[i, j]
+
+
+@kernel()
+def _norm(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
+    """Apply layer normalisation (Ba et al. 2016) in place."""
+    mean = variance = 0.0
+    for j in range(x.shape[0]):
+        mean += x[j]
+    mean /= x.shape[0]
+    for j in range(x.shape[0]):
+        variance += (x[j] - mean) ** 2
+    spread = 1.0 / np.sqrt(variance / x.shape[0] + 1e-5)
+    for j in range(x.shape[0]):
+        x[j] = np.float32((x[j] - mean) * spread) * scale[j] + shift[j]
+
+
+@kernel()
+def _relu(x: np.ndarray) -> None:
+    for j in range(x.shape[0]):
+        x[j] = max(x[j], np.float32(0.0))
+
+
+@kernel()
+def _own_values(moves: np.ndarray, weights: Weights, out: np.ndarray) -> None:
+    """Add what each move's own features say."""
+    hidden = np.empty(weights.move_hidden.shape[1], np.float32)
+    for k in range(4):
+        _linear(moves[k], weights.move_hidden, weights.move_hidden_bias, hidden)
+        total = weights.move_out_bias[0]
+        for j in range(hidden.shape[0]):
+            total += max(hidden[j], np.float32(0.0)) * weights.move_out[j, 0]
+        for i in range(weights.tours.shape[0]):
+            total += moves[k, i] * weights.tours[i]
+        out[k] += total
+
+
+@kernel()
+def q_values(scenes: np.ndarray, moves: np.ndarray, weights: Weights, q: np.ndarray) -> None:
+    """Write the values ``q`` (B, 4) of scenes (B, inputs) uint8 and move features (B, 4, features) float32."""
+    width = weights.look.shape[1]
+    look, think = np.empty(width, np.float32), np.empty(width, np.float32)
+    pixels = np.empty(scenes.shape[1], np.float32)
+    joined = np.empty(width + moves.shape[1] * moves.shape[2], np.float32)
+    value = np.empty(1, np.float32)
+    for b in range(scenes.shape[0]):
+        for i in range(pixels.shape[0]):
+            pixels[i] = scenes[b, i] * np.float32(1.0 / 255.0)
+        _linear(pixels, weights.look, weights.look_bias, look)
+        if weights.layer_norm:
+            _norm(look, weights.look_scale, weights.look_shift)
+        _relu(look)
+        joined[:width] = look
+        joined[width:] = moves[b].ravel()
+        _linear(joined, weights.think, weights.think_bias, think)
+        if weights.layer_norm:
+            _norm(think, weights.think_scale, weights.think_shift)
+        _relu(think)
+        _linear(think, weights.advantage, weights.advantage_bias, q[b])
+        _own_values(moves[b], weights, q[b])
+        if weights.dueling:
+            _linear(think, weights.value, weights.value_bias, value)
+            mean = (q[b, 0] + q[b, 1] + q[b, 2] + q[b, 3]) / np.float32(4.0)
+            for k in range(4):
+                q[b, k] += value[0] - mean

@@ -1,0 +1,253 @@
+"""A small beam search for tours through rooms of up to 16x16 cells, on bitboards.
+
+A state is (cell, unseen set); it ranks by
+
+    |U| (1 + isolation) - isolation / 4 * pairs(U) + pull * (steps since its last gain)
+
+where pairs(U) counts the unordered pairs of neighbours, diagonal ones included, among the unseen cells U. So an
+unseen cell weighs 1 + isolation (1 - n / 8) with n unseen cells around it: scattered leftovers are expensive, and
+pockets are finished while they are near. Everything about a set takes some twenty word operations.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.search.hash_table import is_new
+from indoor_explorers.learners.dddqn.observation.bitboards import ROOM, STRIDE, Words, count, hash_of, pairs, without
+from indoor_explorers.learners.dddqn.observation.memory import LONGEST
+
+#: Steps looked ahead.
+DEPTH = LONGEST
+#: Weight of a step without gain, and of a cell that is unseen for one step longer.
+PULL, DELAY = 0.02, 1e-4
+#: Steps that a tour which was not finished is reckoned to need for each unit of its last rank, and on top.
+PACE, REST = 0.1, 4.0
+_ONE = np.uint64(1)
+
+
+class Beam(NamedTuple):
+    """Working arrays: up to K states and as many candidates for the next step."""
+
+    cell: np.ndarray
+    """(2, K) cells; bank 0 holds the states, bank 1 the candidates."""
+    unseen: np.ndarray
+    """(2, K, 4)."""
+    key: np.ndarray
+    """(2, K) hash of the unseen set."""
+    facts: np.ndarray
+    """(2, K, 7) unseen cells, pairs, delay, rank, step at which few enough were unseen, steps since the last gain, and
+    the state that it follows."""
+    order: np.ndarray
+    """(K,) candidates by rank."""
+    met: np.ndarray
+    """Hash table of states met before."""
+    cell_key: np.ndarray
+    """(256,) hash words of the UAV's cell."""
+    trail: np.ndarray
+    """(D + 1, K, 2) for every step the cells of the states kept, and the states of the step before that they follow."""
+    done: np.ndarray
+    """(4,) of the best finished tour: delay, step at which few enough were unseen, its last cell, what that follows."""
+    path: np.ndarray
+    """(D + 1,) the cells of the tour found last, if it is finished."""
+
+
+class Aim(NamedTuple):
+    """What tours are for."""
+
+    rest: float
+    """Cells that may stay unseen."""
+    halfway: float
+    """Cells that may stay unseen at the step that is noted on the way."""
+    isolation: float
+    """Extra weight of an unseen cell with nothing unseen around it, in cells."""
+
+
+class Tour(NamedTuple):
+    """What the search found."""
+
+    finished: bool
+    """Whether the tour shows enough."""
+    steps: float
+    """Its steps; an estimate where it is not finished."""
+    delay: float
+    """Unseen cells summed over its steps."""
+    halfway: int
+    """The step at which ``Aim.halfway`` was met, 0 for not."""
+
+
+def new_beam(width: int) -> Beam:
+    """Allocate the working arrays to keep ``width`` states at each step."""
+    table = 64
+    while table < 4 * width * DEPTH:
+        table *= 2
+    return Beam(
+        np.zeros((2, width), np.int64),
+        np.zeros((2, width, 4), np.uint64),
+        np.zeros((2, width), np.uint64),
+        np.zeros((2, width, 7)),
+        np.zeros(width, np.int64),
+        np.zeros(table, np.uint64),
+        np.array([draw(np.uint64(1), np.uint64(k)) for k in range(ROOM * STRIDE)], np.uint64),
+        np.zeros((DEPTH + 1, width, 2), np.int64),
+        np.zeros(4),
+        np.zeros(DEPTH + 1, np.int64),
+    )
+
+
+@inner()
+def _write(
+    beam: Beam,
+    bank: int,
+    s: int,
+    cell: int,
+    words: Words,
+    key: np.uint64,
+    facts: tuple[float, float, float, float, float, float, float],
+) -> None:
+    beam.cell[bank, s], beam.key[bank, s] = cell, key
+    unseen, numbers = beam.unseen[bank, s], beam.facts[bank, s]
+    unseen[0], unseen[1], unseen[2], unseen[3] = words
+    numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5], numbers[6] = facts
+
+
+@inner()
+def _place(beam: Beam, kept: int, rank: float) -> tuple[int, int]:
+    """Make room among the candidates, sorted by rank; return where to write (-1 for nowhere) and how many are kept."""
+    width, ranks = beam.order.shape[0], beam.facts[1]
+    if kept == width and rank >= ranks[beam.order[width - 1], 3]:
+        return -1, kept
+    free = beam.order[width - 1] if kept == width else kept
+    j = min(kept, width - 1)
+    while j > 0 and ranks[beam.order[j - 1], 3] > rank:
+        beam.order[j] = beam.order[j - 1]
+        j -= 1
+    beam.order[j] = free
+    return free, min(kept + 1, width)
+
+
+@inner()
+def _start(beam: Beam, cell: int, unseen: np.ndarray, views: np.ndarray, aim: Aim) -> float:
+    """Make the only state: the UAV in a cell, after a look from there; return what is left unseen."""
+    words = without(unseen, views[cell])
+    left, near = float(count(words)), float(pairs(words))
+    rank = left * (1 + aim.isolation) - aim.isolation / 4 * near
+    _write(
+        beam, 0, 0, cell, words, hash_of(words), (left, near, left, rank, 1.0 if left <= aim.halfway else 0.0, 0.0, 0.0)
+    )
+    return left
+
+
+@inner(inlined=False)
+def _expand(beam: Beam, states: int, step: int, views: np.ndarray, passages: np.ndarray, aim: Aim) -> int:
+    """Rank the neighbours of all states; return how many are kept, and note the best one that is finished."""
+    kept, share, done = 0, aim.isolation / 4, beam.done
+    for s in range(states):
+        parent = beam.facts[0, s]
+        for k in range(4):
+            cell = passages[beam.cell[0, s], k]
+            if cell < 0:
+                continue
+            words = without(beam.unseen[0, s], views[cell])
+            left = float(count(words))
+            gains = left < parent[0]
+            key = hash_of(words) if gains else beam.key[0, s]
+            if not is_new(beam.met, key ^ beam.cell_key[cell]):
+                continue
+            halfway = float(step) if parent[4] == 0 and left <= aim.halfway else parent[4]
+            delay = parent[2] + left
+            if left <= aim.rest:
+                if delay < done[0]:
+                    done[0], done[1], done[2], done[3] = delay, halfway, cell, s
+                continue
+            near = float(pairs(words)) if gains else parent[1]
+            idle = 0.0 if gains else parent[5] + 1
+            rank = left * (1 + aim.isolation) - share * near + PULL * idle + DELAY * delay
+            at, kept = _place(beam, kept, rank)
+            if at >= 0:
+                _write(beam, 1, at, cell, words, key, (left, near, delay, rank, halfway, idle, float(s)))
+    return kept
+
+
+@inner()
+def _advance(beam: Beam, kept: int, step: int) -> None:
+    """Make the candidates the states after so many steps, best first."""
+    for s in range(kept):
+        o = beam.order[s]
+        beam.cell[0, s], beam.key[0, s] = beam.cell[1, o], beam.key[1, o]
+        for k in range(4):
+            beam.unseen[0, s, k] = beam.unseen[1, o, k]
+        for k in range(7):
+            beam.facts[0, s, k] = beam.facts[1, o, k]
+        beam.trail[step, s, 0], beam.trail[step, s, 1] = beam.cell[1, o], int(beam.facts[1, o, 6])
+
+
+@inner()
+def _trace(beam: Beam, steps: int) -> None:
+    """Write the cells of the finished tour."""
+    beam.path[steps - 1] = int(beam.done[2])
+    state = int(beam.done[3])
+    for step in range(steps - 1, 0, -1):
+        beam.path[step - 1] = beam.trail[step, state, 0]
+        state = beam.trail[step, state, 1]
+
+
+@leaf()
+def shortest_tour(cell: int, unseen: np.ndarray, views: np.ndarray, passages: np.ndarray, aim: Aim, beam: Beam) -> Tour:
+    """Search for the shortest tour that begins with a step to ``cell`` and leaves ``aim.rest`` of ``unseen`` (4,).
+
+    ``views`` and ``passages`` are those of :class:`indoor_explorers.learners.dddqn.observation.memory.Memory`. Of the
+    tours of equal length it takes the one with the least delay among those it finds; ``beam.path`` gets its cells.
+    """
+    left = _start(beam, cell, unseen, views, aim)
+    beam.trail[1, 0, 0], beam.path[0] = cell, cell
+    if left <= aim.rest:
+        return Tour(True, 1.0, left, 1)
+    beam.met[:] = 0
+    states = 1
+    for step in range(2, DEPTH + 1):
+        beam.done[0] = np.inf
+        kept = _expand(beam, states, step, views, passages, aim)
+        if beam.done[0] < np.inf:
+            _trace(beam, step)
+            return Tour(True, float(step), beam.done[0], int(beam.done[1]))
+        if kept == 0:
+            break
+        _advance(beam, kept, step)
+        states = kept
+    best = beam.facts[0, 0]
+    return Tour(False, DEPTH + REST + PACE * best[3], best[2], int(best[4]))
+
+
+@leaf()
+def follow_tour(
+    at: int, path: np.ndarray, unseen: np.ndarray, views: np.ndarray, passages: np.ndarray, aim: Aim
+) -> Tour:
+    """Return what a tour found before is worth now to a UAV in cell ``at``; not finished if it cannot be flown.
+
+    ``path`` holds its cells from the next one on, -1 after the last.
+    """
+    a, b, c, d = unseen[0], unseen[1], unseen[2], unseen[3]
+    delay, halfway = 0.0, 0
+    for k in range(path.shape[0]):
+        cell = path[k]
+        if cell < 0 or not _joined(passages[at], cell):
+            break
+        at = cell
+        a, b, c, d = a & ~views[at, 0], b & ~views[at, 1], c & ~views[at, 2], d & ~views[at, 3]
+        left = float(count((a, b, c, d)))
+        delay += left
+        if halfway == 0 and left <= aim.halfway:
+            halfway = k + 1
+        if left <= aim.rest:
+            return Tour(True, k + 1.0, delay, halfway)
+    return Tour(False, np.inf, np.inf, 0)
+
+
+@inner()
+def _joined(neighbours: np.ndarray, cell: int) -> bool:
+    return bool(neighbours[0] == cell or neighbours[1] == cell or neighbours[2] == cell or neighbours[3] == cell)

@@ -1,0 +1,42 @@
+"""What has become known since the last look, as boxes of cells, so that little has to be worked out anew."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.compiled import inner, leaf
+
+
+@inner()
+def _note_row(belief: np.ndarray, noted: np.ndarray) -> tuple[int, int]:
+    """Note what is known of one row (W,); return the first newly known cell and the one after the last."""
+    first, after = belief.shape[0], 0
+    for c in range(belief.shape[0]):
+        if belief[c] != UNKNOWN and noted[c] == 0:
+            noted[c], first, after = 1, min(first, c), c + 1
+    return first, after
+
+
+@leaf()
+def note(belief: np.ndarray, noted: np.ndarray, boxes: np.ndarray) -> int:
+    """Note what is known of a belief (H, W); return how many ``boxes`` hold all that is newly known.
+
+    A box is (top, left, bottom, right), the last two exclusive; rows with news that follow one another share one.
+    There must be room for one in every other row.
+    """
+    found, joined = 0, False
+    for r in range(belief.shape[0]):
+        news = False
+        for c in range(belief.shape[1]):  # without a branch, many cells at a time
+            news |= (belief[r, c] != UNKNOWN) & (noted[r, c] == 0)
+        if news:
+            left, right = _note_row(belief[r], noted[r])
+            if joined:
+                left, right = min(left, boxes[found - 1, 1]), max(right, boxes[found - 1, 3])
+            else:
+                boxes[found, 0] = r
+                found += 1
+            boxes[found - 1, 1], boxes[found - 1, 2], boxes[found - 1, 3] = left, r + 1, right
+        joined = news
+    return found

@@ -1,0 +1,214 @@
+"""The scene: maps around one UAV, as pixels of 0 to 255.
+
+The fine map has one pixel for each cell at lidar range 3 and for 3x3 cells at range 10; the coarse map has one for
+each block of 3x3 pixels. Both are centred on the UAV and zero off the map.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE, spread, touches_unknown
+from indoor_explorers.env.grid.compiled import leaf
+from indoor_explorers.learners.dddqn.observation.layout import IDENTITIES, Layout
+from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor
+
+#: Places of the layers in :data:`indoor_explorers.learners.dddqn.config.LAYERS`.
+_UNKNOWN, _FREE, _CHANCE, _VISITS, _FRONTIER, _DISTANCE, _MATES, _MATES_PAST = range(8)
+#: Visits beyond this many look the same.
+VISIT_CAP = 4
+#: Reference steps at which a distance or a wait is shown as one half.
+HALF_DISTANCE = 8.0
+#: What is left of the news of a teammate's place after one reference step.
+FADING = 0.95
+
+
+@leaf()
+def tabulate(belief: np.ndarray, unknown: np.ndarray, free: np.ndarray) -> None:
+    """Fill the summed-area tables (H + 1, W + 1) of unknown and of known free cells."""
+    for r in range(belief.shape[0]):
+        row_unknown = row_free = 0
+        for c in range(belief.shape[1]):
+            row_unknown += belief[r, c] == UNKNOWN
+            row_free += belief[r, c] == FREE
+            unknown[r + 1, c + 1] = unknown[r, c + 1] + row_unknown
+            free[r + 1, c + 1] = free[r, c + 1] + row_free
+
+
+@leaf()
+def within(table: np.ndarray, top: int, left: int, bottom: int, right: int) -> int:
+    """Sum a summed-area table over rows top..bottom - 1 and columns left..right - 1, cut to the map."""
+    height, width = table.shape[0] - 1, table.shape[1] - 1
+    top, bottom = min(max(top, 0), height), min(max(bottom, 0), height)
+    left, right = min(max(left, 0), width), min(max(right, 0), width)
+    return int(table[bottom, right] - table[top, right] - table[bottom, left] + table[top, left])
+
+
+@leaf()
+def _pool(table: np.ndarray, row: int, col: int, pixels: int, side: int, out: np.ndarray) -> None:
+    """Write the share of each of pixels x pixels blocks, ``side`` (odd) cells wide, centred on (row, col)."""
+    first = -((pixels * side) // 2)
+    for i in range(pixels):
+        top = row + first + i * side
+        for j in range(pixels):
+            left = col + first + j * side
+            count = within(table, top, left, top + side, left + side)
+            out[i * pixels + j] = (510 * count + side * side) // (2 * side * side)
+
+
+@leaf()
+def _pool_layer(layer: np.ndarray, row: int, col: int, pixels: int, side: int, mean: bool, out: np.ndarray) -> None:
+    """Write the mean or the greatest value of each of pixels x pixels blocks of a layer (H, W)."""
+    height, width = layer.shape
+    first = -((pixels * side) // 2)
+    for i in range(pixels):
+        top = row + first + i * side
+        for j in range(pixels):
+            left, total, greatest = col + first + j * side, 0, 0
+            for r in range(max(top, 0), min(top + side, height)):
+                for c in range(max(left, 0), min(left + side, width)):
+                    total += layer[r, c]
+                    greatest = max(greatest, layer[r, c])
+            out[i * pixels + j] = (2 * total + side * side) // (2 * side * side) if mean else greatest
+
+
+@leaf()
+def _show_visits(visits: np.ndarray, layer: np.ndarray) -> None:
+    for r in range(layer.shape[0]):
+        for c in range(layer.shape[1]):
+            layer[r, c] = 255 * min(visits[r, c], VISIT_CAP) // VISIT_CAP
+
+
+@leaf()
+def _show_frontier(belief: np.ndarray, layer: np.ndarray) -> None:
+    for r in range(layer.shape[0]):
+        for c in range(layer.shape[1]):
+            layer[r, c] = 255 if belief[r, c] == FREE and touches_unknown(belief, r, c) else 0
+
+
+@leaf()
+def _show_distance(belief: np.ndarray, rate: float, scratch: Scratch) -> None:
+    """Show how far known free cells are from the nearest frontier; 255 elsewhere."""
+    width, found = belief.shape[1], 0
+    scratch.layer[:], scratch.steps[:] = 255, UNREACHABLE
+    for r in range(belief.shape[0]):
+        for c in range(width):
+            if belief[r, c] == FREE and touches_unknown(belief, r, c):
+                scratch.steps[r, c], scratch.queue[found] = 0, r * width + c
+                found += 1
+    for place in range(spread(belief, FREE, found, scratch.queue, scratch.steps)):
+        r, c = divmod(scratch.queue[place], width)
+        far = scratch.steps[r, c] * rate
+        scratch.layer[r, c] = int(255.0 * far / (far + HALF_DISTANCE) + 0.5)
+
+
+@leaf()
+def _news(age: int, rate: float) -> int:
+    """Return what is left of the news of a teammate's place, 255 for now."""
+    return int(255.0 * FADING ** (age * rate) + 0.5)
+
+
+@leaf()
+def _show_mates(
+    row: int, col: int, mates: np.ndarray, ages: np.ndarray, sensor: Sensor, side: int, past: int, out: np.ndarray
+) -> None:
+    """Mark teammates on a map of blocks ``side`` cells wide: those heard now (``past`` 0), before (1) or ever (2)."""
+    pixels = int(np.sqrt(out.shape[0]) + 0.5)
+    first = -((pixels * side) // 2)
+    out[:] = 0
+    for m in range(ages.shape[0]):
+        if ages[m] < 0 or (past == 0 and ages[m] > 0) or (past == 1 and ages[m] == 0):
+            continue
+        i, j = (mates[m, 0] - row - first) // side, (mates[m, 1] - col - first) // side
+        if 0 <= i < pixels and 0 <= j < pixels:
+            out[i * pixels + j] = max(out[i * pixels + j], _news(ages[m], sensor.rate))
+
+
+@leaf()
+def _write_fine(
+    belief: np.ndarray,
+    cell: np.ndarray,
+    visits: np.ndarray,
+    chance: np.ndarray,
+    sensor: Sensor,
+    scratch: Scratch,
+    plan: Layout,
+    out: np.ndarray,
+) -> None:
+    """Write the layers of the fine map that tell of cells."""
+    row, col, side, size = cell[0], cell[1], sensor.scale, plan.crop * plan.crop
+    for layer in range(_MATES):
+        at = plan.layers[layer]
+        if at < 0:
+            continue
+        pixels = out[at : at + size]
+        if layer == _UNKNOWN:
+            _pool(scratch.unknown, row, col, plan.crop, side, pixels)
+        elif layer == _FREE:
+            _pool(scratch.free, row, col, plan.crop, side, pixels)
+        elif layer == _CHANCE:
+            _pool_layer(chance, row, col, plan.crop, side, True, pixels)
+        else:
+            if layer == _VISITS:
+                _show_visits(visits, scratch.layer)
+            elif layer == _FRONTIER:
+                _show_frontier(belief, scratch.layer)
+            else:
+                _show_distance(belief, sensor.rate, scratch)
+            _pool_layer(scratch.layer, row, col, plan.crop, side, False, pixels)
+
+
+@leaf()
+def _write_sides(row: int, col: int, table: np.ndarray, disc: float, out: np.ndarray) -> None:
+    """Write the unknown cells down, left, up and right of the UAV."""
+    height, width = table.shape[0] - 1, table.shape[1] - 1
+    sides = (
+        within(table, row + 1, 0, height, width),
+        within(table, 0, 0, height, col),
+        within(table, 0, 0, row, width),
+        within(table, 0, col + 1, height, width),
+    )
+    for k in range(4):
+        out[k] = int(255.0 * sides[k] / (sides[k] + 4.0 * disc) + 0.5)
+
+
+@leaf()
+def write_scene(
+    belief: np.ndarray,
+    cell: np.ndarray,
+    mates: np.ndarray,
+    ages: np.ndarray,
+    visits: np.ndarray,
+    chance: np.ndarray,
+    facts: np.ndarray,
+    sensor: Sensor,
+    scratch: Scratch,
+    plan: Layout,
+    out: np.ndarray,
+) -> None:
+    """Write a scene (S,) uint8; the summed-area tables must be filled.
+
+    ``facts`` (3,): the UAV's number, the share of its steps that are flown, and the steps since its last gain.
+    """
+    row, col, fine, coarse = cell[0], cell[1], plan.crop * plan.crop, plan.coarse * plan.coarse
+    _write_fine(belief, cell, visits, chance, sensor, scratch, plan, out)
+    for past in range(2):
+        at = plan.layers[_MATES + past]
+        if at >= 0:
+            _show_mates(row, col, mates, ages, sensor, sensor.scale, past, out[at : at + fine])
+    at = plan.coarse_at
+    if at >= 0:
+        _pool(scratch.unknown, row, col, plan.coarse, 3 * sensor.scale, out[at : at + coarse])
+        _pool(scratch.free, row, col, plan.coarse, 3 * sensor.scale, out[at + coarse : at + 2 * coarse])
+        if plan.coarse_mates:
+            _show_mates(row, col, mates, ages, sensor, 3 * sensor.scale, 2, out[at + 2 * coarse : at + 3 * coarse])
+    if plan.sides_at >= 0:
+        _write_sides(row, col, scratch.unknown, sensor.disc, out[plan.sides_at : plan.sides_at + 4])
+    if plan.identity_at >= 0:
+        out[plan.identity_at : plan.identity_at + IDENTITIES] = 0
+        out[plan.identity_at + int(facts[0]) % IDENTITIES] = 255
+    if plan.progress_at >= 0:
+        known, wait = 1.0 - scratch.unknown[-1, -1] / belief.size, facts[2] * sensor.rate
+        out[plan.progress_at] = int(255.0 * known + 0.5)
+        out[plan.progress_at + 1] = int(255.0 * min(facts[1], 1.0) + 0.5)
+        out[plan.progress_at + 2] = int(255.0 * wait / (wait + HALF_DISTANCE) + 0.5)

@@ -1,0 +1,117 @@
+"""The learned map prior: how likely an unknown cell is to count, from the 7x7 cells around it.
+
+A net of one hidden layer, fitted before the training to what unknown cells of the training's maps turned out to be
+(:mod:`indoor_explorers.learners.dddqn.learning.prior_fitting`). Far from any known obstacle a cell is taken to count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.compiled import inner, leaf
+
+#: Cells seen in each direction around a cell, and a side of the patch.
+REACH, PATCH = 3, 7
+#: Inputs: for every cell of the patch whether it is known free, known occupied, off the map.
+INPUTS = 3 * PATCH * PATCH
+#: Hidden units.
+UNITS = 32
+#: What the patch shows off the map.
+OFF_MAP = 3
+
+Array = NDArray[np.float32]
+
+
+class MapPrior(NamedTuple):
+    """The net's arrays; ``hidden`` has no rows where there is no prior, and all unknown cells are taken to count."""
+
+    hidden: Array
+    """(147, U)."""
+    hidden_bias: Array
+    """(U,)."""
+    out: Array
+    """(U,)."""
+    out_bias: Array
+    """(1,)."""
+    work: Array
+    """(U,) scratch."""
+
+
+def no_prior() -> MapPrior:
+    """Return the prior that takes all unknown cells to count."""
+    return _arranged(np.zeros((0, UNITS)), np.zeros(UNITS), np.zeros(UNITS), np.zeros(1))
+
+
+def _arranged(hidden: NDArray[Any], hidden_bias: NDArray[Any], out: NDArray[Any], out_bias: NDArray[Any]) -> MapPrior:
+    first, second, third, fourth = (
+        np.ascontiguousarray(array, np.float32) for array in (hidden, hidden_bias, out, out_bias)
+    )
+    return MapPrior(first, second, third, fourth, np.zeros(len(second), np.float32))
+
+
+def prior_from(arrays: Mapping[str, NDArray[Any]]) -> MapPrior:
+    """Arrange the arrays of a weights file, by the names of :func:`prior_arrays`; no prior where there are none."""
+    if not arrays:
+        return no_prior()
+    return _arranged(arrays["prior.hidden"], arrays["prior.hidden_bias"], arrays["prior.out"], arrays["prior.out_bias"])
+
+
+def prior_arrays(prior: MapPrior) -> dict[str, Array]:
+    """Return the arrays by name, none for no prior."""
+    if len(prior.hidden) == 0:
+        return {}
+    return {f"prior.{name}": array for name, array in prior._asdict().items() if name != "work"}
+
+
+@leaf()
+def write_patch(belief: np.ndarray, row: int, col: int, out: np.ndarray) -> int:
+    """Write the 7x7 cells around one (49,), row by row; return how many of them are known obstacles."""
+    height, width = belief.shape
+    obstacles, at = 0, 0
+    for r in range(row - REACH, row + REACH + 1):
+        for c in range(col - REACH, col + REACH + 1):
+            inside = 0 <= r < height and 0 <= c < width
+            out[at] = belief[r, c] if inside else OFF_MAP
+            obstacles += out[at] == OCCUPIED
+            at += 1
+    return obstacles
+
+
+@inner()
+def _judge(patch: np.ndarray, prior: MapPrior) -> float:
+    """Return the log-odds of the cell in the middle of a patch to count."""
+    units = prior.work.shape[0]
+    for u in range(units):
+        prior.work[u] = prior.hidden_bias[u]
+    for k in range(PATCH * PATCH):
+        if patch[k] != UNKNOWN:
+            row = prior.hidden[(patch[k] - 1) * PATCH * PATCH + k]
+            for u in range(units):
+                prior.work[u] += row[u]
+    odds = prior.out_bias[0]
+    for u in range(units):
+        odds += max(prior.work[u], np.float32(0.0)) * prior.out[u]
+    return float(odds)
+
+
+@leaf()
+def write_chances(belief: np.ndarray, prior: MapPrior, patch: np.ndarray, box: np.ndarray, chance: np.ndarray) -> None:
+    """Write the chance of each unknown cell to count, (H, W) uint8, 255 for certainly; 0 for known cells.
+
+    Only those are written that newly known cells in a ``box`` (top, left, bottom, right) may have changed. ``patch``
+    (49,) uint8 is scratch.
+    """
+    height, width = belief.shape
+    for r in range(max(box[0] - REACH, 0), min(box[2] + REACH, height)):
+        for c in range(max(box[1] - REACH, 0), min(box[3] + REACH, width)):
+            if belief[r, c] != UNKNOWN:
+                chance[r, c] = 0
+            elif prior.hidden.shape[0] == 0 or write_patch(belief, r, c, patch) == 0:
+                chance[r, c] = 255
+            else:
+                chance[r, c] = int(255.0 / (1.0 + np.exp(-_judge(patch, prior))) + 0.5)

@@ -1,0 +1,30 @@
+"""A batch of worlds as arrays, for checkpoints of trainings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.simulation.world import World
+
+
+def world_tensors(world: World) -> dict[str, NDArray[Any]]:
+    """Return the state and the episodes' seeds of a batch of worlds, by name; the arrays are the world's own."""
+    state = {f"world/{name}": array for name, array in world.state._asdict().items()}
+    return state | {"world/seeds": np.array([[seed >> 32, seed & 0xFFFFFFFF] for seed in world.seeds], np.int64)}
+
+
+def begin(world: World, episode: int, seed: int) -> None:
+    """Begin an episode of a batch; on files of maps, on the map that the seed picks."""
+    world.begin(episode, seed, index=seed % world.scenario.map.count)
+
+
+def restore_world(tensors: Mapping[str, NDArray[Any]], world: World) -> None:
+    """Go on exactly where :func:`world_tensors` was taken."""
+    for episode, (high, low) in enumerate(tensors["world/seeds"].tolist()):
+        begin(world, episode, (high << 32) | low)
+    for name, array in world.state._asdict().items():
+        array[...] = tensors[f"world/{name}"]

@@ -1,0 +1,89 @@
+"""UAVs in training or evaluation: a batch of episodes with the latest images of each UAV that is looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.state import End
+from indoor_explorers.env.simulation.world import World
+from indoor_explorers.learners.sessions.worlds import begin, restore_world, world_tensors
+from indoor_explorers.learners.thesis.observation import paint_all
+
+
+class Fleet:
+    """Fly ``episodes`` episodes side by side; column b * team + n is UAV n of episode b, C columns in all."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        episodes: int,
+        next_seed: Callable[[], int],
+        *,
+        frames: int,
+        identity: bool,
+        pilots: Sequence[int],
+    ) -> None:
+        self.world = World(scenario, episodes)
+        self.columns = episodes * scenario.team
+        self.pilots = np.asarray(pilots)
+        """Numbers of the UAVs whose images are kept: those that the network flies."""
+        self._next_seed, self._identity = next_seed, identity
+        for episode in range(episodes):
+            begin(self.world, episode, next_seed())
+        self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
+        self._painted = np.zeros((self.columns, *self.shape), np.uint8)
+        self.images = np.zeros((self.columns, frames, *self.shape), np.uint8)
+        """(C, K, H, W) codes, the latest image last."""
+        self._look_anew(self.columns_of(np.arange(episodes)))
+
+    def columns_of(self, episodes: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the columns of these episodes' UAVs that the network flies."""
+        return np.asarray((episodes[:, None] * self.world.scenario.team + self.pilots).ravel())
+
+    def _look_anew(self, columns: NDArray[np.int64]) -> None:
+        self.images[columns] = self._look(columns)[:, None]
+
+    def _look(self, columns: NDArray[np.int64]) -> NDArray[np.uint8]:
+        state, team = self.world.state, self.world.scenario.team
+        heard = state.heard_step, state.heard_cell
+        paint_all(state.belief, state.cell, *heard, self._identity, columns, team, self._painted)
+        return self._painted[columns]
+
+    @property
+    def end(self) -> NDArray[np.uint8]:
+        """(C,) why each UAV's episode has ended, :attr:`End.FLYING` where it has not."""
+        return self.world.state.end.ravel()
+
+    @property
+    def over(self) -> Mask:
+        """(B,) episodes that all their UAVs have ended."""
+        return np.asarray((self.world.state.end != End.FLYING).all(axis=1))
+
+    def step(self, actions: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.uint8]:
+        """Make one move (C,) each; return what ``columns`` (P,) saw before and after, (P, K + 1, H, W)."""
+        before = self.images[columns]
+        self.world.step(actions.reshape(self.world.state.end.shape))
+        seen = np.concatenate([before, self._look(columns)[:, None]], axis=1)
+        self.images[columns] = seen[:, 1:]
+        return seen
+
+    def restart(self, episodes: NDArray[np.int64]) -> None:
+        """Begin new episodes in place of these."""
+        for episode in episodes.tolist():
+            begin(self.world, episode, self._next_seed())
+        self._look_anew(self.columns_of(episodes))
+
+    def tensors(self) -> dict[str, NDArray[Any]]:
+        """Return everything that :meth:`restore` needs, by name."""
+        return world_tensors(self.world) | {"fleet/images": self.images}
+
+    def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
+        """Go on exactly where :meth:`tensors` was taken."""
+        restore_world(tensors, self.world)
+        self.images[...] = tensors["fleet/images"]

@@ -1,0 +1,77 @@
+"""What a linked group knows together: its members' goals, and whom they have met elsewhere.
+
+Members' own memories differ, so a joint decision may only use what all of them have told, and a UAV counts its own last
+message like everyone else's. A message is the goal (row, column), the plan it is part of (step, first agent) and up to
+four teammates out of contact: for each its number, the step when it was last heard, and its flat cell then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
+from indoor_explorers.planners.coordination.teammates import MEMORY, linked, remembered, should_be_linked
+
+#: Told instead of a goal by a UAV that has none, and the plan of one that takes part in none.
+NOWHERE = (-1.0, -1.0)
+#: Numbers before the teammates out of contact.
+_HEAD = 4
+
+
+class Member(NamedTuple):
+    """One UAV of the linked group."""
+
+    agent: int
+    cell: Cell
+    goal: Cell | None
+    plan: tuple[float, ...]
+    """The step of its last joint plan and the first agent of the group that made it."""
+    absent: tuple[Mate, ...]
+    """Teammates out of contact that it told of; their age counts from when it was told."""
+
+
+def told(view: View, briefing: Briefing, goal: Cell | None, plan: tuple[float, ...]) -> Message:
+    """Return the message of a UAV after a decision."""
+    away = sorted(
+        (mate for mate in remembered(view, briefing) if mate.age > 0), key=lambda mate: (mate.age, mate.agent)
+    )
+    width = briefing.shape[1]
+    facts = [(mate.agent, view.step - mate.age, mate.cell[0] * width + mate.cell[1]) for mate in away]
+    head = (float(goal[0]), float(goal[1])) if goal else NOWHERE
+    numbers = [float(number) for fact in facts[: (MESSAGE_LIMIT - _HEAD) // 3] for number in fact]
+    return (*head, *plan, *numbers)
+
+
+def _member(agent: int, cell: Cell, message: Message, view: View, width: int) -> Member:
+    if message is None or len(message) < _HEAD:
+        return Member(agent, cell, None, NOWHERE, ())
+    numbers = [int(number) for number in message]
+    goal = (numbers[0], numbers[1]) if numbers[0] >= 0 else None
+    absent = [
+        Mate(numbers[at], divmod(numbers[at + 2], width), view.step - numbers[at + 1], None)
+        for at in range(_HEAD, len(numbers), 3)
+    ]
+    return Member(agent, cell, goal, message[2:_HEAD], tuple(absent))
+
+
+def group(view: View, briefing: Briefing, message: Message) -> list[Member]:
+    """Return the linked group by number, this UAV and its own last ``message`` included."""
+    known = [(mate.agent, mate.cell, mate.message) for mate in linked(view)]
+    own = (briefing.agent, view.cell, message)
+    return sorted(_member(*facts, view, briefing.shape[1]) for facts in [own, *known])
+
+
+def absentees(members: Sequence[Member], briefing: Briefing) -> list[Mate]:
+    """Return the teammates that the group has out of contact, by its latest news, those forgotten or ended left out."""
+    radio, present = briefing.scenario.radio, {member.agent for member in members}
+    latest: dict[int, Mate] = {}
+    for mate in (mate for member in members for mate in member.absent):
+        if mate.agent not in present and mate.age < latest.get(mate.agent, mate._replace(age=MEMORY + 1)).age:
+            latest[mate.agent] = mate
+    return [
+        mate
+        for _, mate in sorted(latest.items())
+        if not any(should_be_linked(radio, member.cell, mate) for member in members)
+    ]

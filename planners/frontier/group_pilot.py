@@ -1,0 +1,126 @@
+"""Joint decisions: what every UAV of a group works out alike about who could fly where.
+
+Linked UAVs hold the same map and know each other's cells and goals. Each of them assigns goals to all, itself included,
+and flies to its own; as all assign alike, nobody needs to be told. A teammate that is silent takes part from where it
+was last heard, until it is forgotten (:mod:`indoor_explorers.planners.coordination.teammates`).
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Cell, Distances
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.policies.view import Briefing, Mate, View
+from indoor_explorers.planners.coordination.teammates import message_of, remembered, told_goal
+from indoor_explorers.planners.information.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
+
+#: At most so many clusters are considered: those nearest to any UAV of the group.
+CLUSTERS = 64
+#: A goal that is no frontier cell any more passes on to a frontier cell this near, in lidar ranges.
+INHERITANCE = 0.5
+
+
+class Member(NamedTuple):
+    """One UAV of the group."""
+
+    agent: int
+    cell: Cell
+    goal: Cell | None
+
+
+class Choices(NamedTuple):
+    """N UAVs of a group, in the order of their numbers, and K clusters, the nearest to any of them."""
+
+    me: int
+    """Which of the UAVs decides."""
+    clusters: Clusters
+    numbers: NDArray[np.int64]
+    """(K,) the clusters' numbers among all."""
+    cells: NDArray[np.int32]
+    """(N, K) the flat cell of each cluster that is nearest to each UAV."""
+    steps: Distances
+    """(N, K) the steps to it; ``UNREACHABLE`` where no known path leads."""
+    held: NDArray[np.bool_]
+    """(N, K) whether it is what the UAV is flying to."""
+
+    def costs(self, hold: float) -> NDArray[np.float64]:
+        """Return the steps, those to what is held ``hold`` fewer, (N, K)."""
+        return self.steps - hold * self.held
+
+    def places(self) -> NDArray[np.int32]:
+        """Return the flat cell of each cluster that is nearest to any UAV, (K,)."""
+        return np.asarray(self.cells[self.steps.argmin(axis=0), np.arange(self.steps.shape[1])])
+
+
+class GroupPilot(GoalPilot):
+    """Choose anew, together with the group, whenever the map has grown."""
+
+    def __init__(self, briefing: Briefing) -> None:
+        super().__init__(briefing)
+        self._due = False
+
+    @abstractmethod
+    def assigned(self, view: View, choices: Choices) -> int:
+        """Return which of the K clusters, at least one of them within this UAV's reach, this UAV is to fly to."""
+
+    def learned(self, view: View) -> None:
+        """Ask for a choice, as clusters may have gone."""
+        self._due = True
+
+    def reconsider(self, view: View) -> bool:
+        """Tell whether the map has grown since the last choice."""
+        return self._due
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the nearest cell of the cluster assigned to this UAV, of its nearest cluster if out of reach."""
+        self._due, self.message = False, None
+        choices = self.choices(view, self.members(view))
+        own = choices.steps[choices.me]
+        if not (own < UNREACHABLE).any():
+            return None
+        best = self.assigned(view, choices)
+        if own[best] >= UNREACHABLE:
+            best = int(own.argmin())
+        goal = divmod(int(choices.cells[choices.me, best]), self.paths.width)
+        self.message = message_of(goal)
+        return goal
+
+    def members(self, view: View) -> list[Member]:
+        """Return this UAV and the teammates to reckon with, by number."""
+        own = Member(self.briefing.agent, view.cell, self.goal)
+        return sorted([own, *map(member_of, remembered(view, self.briefing))], key=lambda member: member.agent)
+
+    def choices(self, view: View, members: list[Member]) -> Choices:
+        """Return what the group can choose from."""
+        clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
+        near = [nearest_cells(self.paths.field(view.belief, member.cell), clusters) for member in members]
+        cells, steps = np.stack([cells for cells, _ in near]), np.stack([steps for _, steps in near])
+        me = next(i for i, member in enumerate(members) if member.agent == self.briefing.agent)
+        steps[me, self.shunned(view, cells[me])] = UNREACHABLE
+        nearest = steps.min(axis=0)
+        numbers = np.argsort(nearest, kind="stable")[:CLUSTERS]
+        numbers = numbers[nearest[numbers] < UNREACHABLE]
+        held = np.stack([self._held(clusters, member.goal) for member in members])
+        return Choices(me, clusters, numbers, cells[:, numbers], steps[:, numbers], held[:, numbers])
+
+    def _held(self, clusters: Clusters, goal: Cell | None) -> NDArray[np.bool_]:
+        """Return which cluster a goal belongs to, or has passed on to, (clusters,) bool."""
+        held = np.zeros(clusters.size, np.bool_)
+        if goal is not None and clusters.size:
+            rows, cols = np.divmod(clusters.cells, self.paths.width)
+            away = (rows - goal[0]) ** 2 + (cols - goal[1]) ** 2
+            place = int(away.argmin())
+            near = away[place] <= (INHERITANCE * self.briefing.lidar_range) ** 2
+            held[np.searchsorted(clusters.ends, place, side="right") - 1] = near
+        return held
+
+
+def member_of(mate: Mate) -> Member:
+    """Return a teammate as a member; its goal counts only for a while."""
+    return Member(mate.agent, mate.cell, told_goal(mate))

@@ -1,0 +1,67 @@
+"""Which of a few tours is best, judged by flying them in sampled rooms."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.search.bitsets import around
+from indoor_explorers.env.search.optimistic_views import Sights
+from indoor_explorers.env.sensing.lidar import optics
+from indoor_explorers.planners.horizon.rollouts import Stage, steps_to_shares
+from indoor_explorers.planners.horizon.room_prior import RoomPrior
+
+#: The shares of the cells whose steps count, cut off at the goal.
+SHARES = (0.9, 0.99)
+#: What a step to each of them costs. The first is had anyway soon; weighed less, it suffers for the second.
+COSTS = (3.0, 1.0)
+#: Another tour has to be better by so much at the least, on average over the rooms.
+MARGIN = 0.5
+#: And by so many standard errors.
+SURE = 2.0
+#: Fewer rooms tell nothing.
+FEWEST = 4
+#: Rooms after which tours without a chance drop out (racing: O. Maron and A. W. Moore, NeurIPS 1993).
+HEAT = 8
+
+
+class Rehearsal:
+    """Fly tours in up to ``count`` rooms that a prior samples."""
+
+    def __init__(self, prior: RoomPrior, shape: tuple[int, int], lidar_range: float, goal: float, count: int) -> None:
+        self._prior, self._count = prior, count
+        self._lens, self._surroundings = optics(float(lidar_range)), around(shape, 2)
+        self._shares = np.minimum(SHARES, goal)
+
+    def best(
+        self, belief: Belief, cell: int, sights: Sights, chances: NDArray[np.float64], tours: list[list[int]]
+    ) -> int:
+        """Return the number of the tour that is best for sure, of those from a flat cell; 0 when none is.
+
+        Tours that may not be better after ``HEAT`` rooms are not flown in the others. ``chances`` (C,) are those of
+        unknown cells to be free, 0 where nothing is to be seen.
+        """
+        rooms = self._prior.rooms(belief)[: self._count]
+        if len(rooms) < FEWEST:
+            return 0
+        stage = Stage(belief, chances, sights.views, sights.passages, self._surroundings)
+        excess = self._excess(cell, stage, tours, rooms[:HEAT])
+        left = np.append(0, np.flatnonzero(excess.mean(axis=1) - _errors(excess) < -MARGIN))
+        excess = excess[left]
+        if len(left) > 1 and len(rooms) > HEAT:
+            more = self._excess(cell, stage, [tours[number] for number in left], rooms[HEAT:])
+            excess = np.hstack([excess, more])
+        bound = excess.mean(axis=1) + _errors(excess) + MARGIN
+        bound[0] = 0.0
+        return int(left[np.argmin(bound)])
+
+    def _excess(self, cell: int, stage: Stage, tours: list[list[int]], rooms: Belief) -> NDArray[np.float64]:
+        """Return how much more each tour costs than the first in each room, (T, S)."""
+        costs = steps_to_shares(cell, stage, tours, rooms, self._shares, self._lens) @ np.array(COSTS)
+        return np.asarray(costs - costs[0])
+
+
+def _errors(excess: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ``SURE`` standard errors of each tour's mean excess over rooms, (T,)."""
+    return np.asarray(SURE * excess.std(axis=1) / excess.shape[1] ** 0.5)

@@ -1,0 +1,1 @@
+"""Where there is something to see: frontier clusters, view gains, candidate viewpoints."""

@@ -1,0 +1,156 @@
+"""What a group of UAVs could look at next: candidate cells, what each would show, and how far apart they are."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Belief, Distances
+from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, UNREACHABLE, spread
+from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.search.bfs import flood
+from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, unknown_in_view, visible_cells
+from indoor_explorers.planners.information.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.information.view_gain import AROUND, known_around
+
+Cells = NDArray[np.int32]
+Table = NDArray[np.float64]
+
+
+class Interest(NamedTuple):
+    """How much an unknown cell counts: (1 + isolation k / 24) e^(-depth / fade)."""
+
+    isolation: float
+    """Weight of k, how many cells of its 5x5 are known or off the map."""
+    fade: float
+    """In cells; the depth is the cell's distance from known free space through the unknown."""
+
+
+@leaf()
+def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
+    """Fill ``out`` (H, W) int32 with each unknown cell's steps from known free space through the unknown.
+
+    Others hold ``UNREACHABLE``. ``queue`` is scratch, (H*W,) int32.
+    """
+    height, width = belief.shape
+    out[:] = UNREACHABLE
+    tail = 0
+    for row in range(height):
+        for col in range(width):
+            for k in range(4 if belief[row, col] == FREE else 0):
+                r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+                if 0 <= r < height and 0 <= c < width and belief[r, c] == UNKNOWN and out[r, c] > 1:
+                    out[r, c] = 1
+                    queue[tail] = r * width + c
+                    tail += 1
+    spread(belief, UNKNOWN, tail, queue, out)
+
+
+@leaf()
+def worth(belief: np.ndarray, depth: np.ndarray, cell: int, interest: Interest) -> float:
+    """Return how much a flat unknown cell counts."""
+    row, col = divmod(cell, belief.shape[1])
+    isolated = 1.0 + interest.isolation * known_around(belief, row, col) / AROUND
+    return float(isolated * np.exp(-depth[row, col] / interest.fade))
+
+
+@kernel()
+def _sights(
+    belief: np.ndarray, cells: np.ndarray, depth: np.ndarray, interest: Interest, lens: Optics, scan: Scan
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the unknown cells in view of each candidate, (K, disc + 1), how many, (K,), and each cell's worth."""
+    width = belief.shape[1]
+    lists, sizes = np.empty((cells.shape[0], lens.disc + 1), np.int32), np.zeros(cells.shape[0], np.int64)
+    value = np.zeros(belief.size)
+    for k in range(cells.shape[0]):
+        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lens, scan)):
+            cell = scan.cells[place]
+            if belief[cell // width, cell % width] == UNKNOWN:
+                if value[cell] == 0.0:
+                    value[cell] = worth(belief, depth, cell, interest)
+                lists[k, sizes[k]] = cell
+                sizes[k] += 1
+    return lists, sizes, value
+
+
+@kernel()
+def views(belief: np.ndarray, cells: np.ndarray, interest: Interest, lens: Optics) -> tuple[np.ndarray, np.ndarray]:
+    """Return how much is in view of each of (K,) flat cells, (K,), and what share another one also sees, (K, K).
+
+    Counted are the unknown cells, by their worth; unknown cells are transparent.
+    """
+    depth, mark = np.empty(belief.shape, np.int32), np.empty(belief.size, np.int32)
+    depths(belief, mark, depth)
+    lists, sizes, value = _sights(belief, cells, depth, interest, lens, new_scan(lens))
+    count = cells.shape[0]
+    shared = np.zeros((count, count))
+    mark[:] = -1
+    for k in range(count):
+        for place in range(sizes[k]):
+            mark[lists[k, place]] = k
+        for j in range(k + 1):
+            for place in range(sizes[j]):
+                if mark[lists[j, place]] == k:
+                    shared[k, j] += value[lists[j, place]]
+            shared[j, k] = shared[k, j]
+    gains = np.diag(shared).copy()
+    for k in range(count):
+        shared[k] = np.minimum(shared[k] / max(gains[k], 1e-300), 1.0)  # sums in another order may differ a little
+    return gains, shared
+
+
+@kernel()
+def hops(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, limit: int) -> np.ndarray:
+    """Return the steps between (K,) flat cells, (K, K).
+
+    Beyond ``limit`` these are the steps of the way past a UAV, from its (N, K) distances ``steps``.
+    """
+    count = cells.shape[0]
+    queue, out = np.empty(belief.size, np.int32), np.full(belief.size, UNREACHABLE, np.int32)
+    between = np.empty((count, count))
+    for k in range(count):
+        reached = flood(belief, cells[k], -1, limit, queue, out)
+        for j in range(count):
+            between[k, j] = out[cells[j]]
+            if between[k, j] >= UNREACHABLE:
+                for i in range(steps.shape[0]):
+                    between[k, j] = min(between[k, j], steps[i, k] + steps[i, j])
+        for place in range(reached):
+            out[queue[place]] = UNREACHABLE
+    return between
+
+
+@kernel()
+def _gains(belief: np.ndarray, cells: np.ndarray, lens: Optics) -> np.ndarray:
+    gains, scan, width = np.empty(cells.shape[0], np.int64), new_scan(lens), belief.shape[1]
+    for k in range(cells.shape[0]):
+        gains[k] = unknown_in_view(belief, cells[k] // width, cells[k] % width, lens, scan)
+    return gains
+
+
+def frontiers(belief: Belief, fields: Distances, lidar_range: float, most: int) -> Cells:
+    """Return the flat cell nearest to the group of each frontier cluster, of the ``most`` clusters nearest to it.
+
+    ``fields`` is (N, H, W), each UAV's steps.
+    """
+    cells, steps = nearest_cells(fields.min(axis=0), frontier_clusters(belief, lidar_range))
+    order = np.argsort(steps, kind="stable")[:most]
+    return cells[order[steps[order] < UNREACHABLE]]
+
+
+def surroundings(belief: Belief, fields: Distances, lidar_range: float, reach: int, rate: float, most: int) -> Cells:
+    """Return flat known cells at most ``reach`` steps from a UAV with something unknown in view.
+
+    Of each UAV's, those ``most`` with the largest sqrt(view gain) e^(-rate steps); it need not fly up to a frontier
+    that it can look at from nearby.
+    """
+    flat = fields.reshape(len(fields), -1)
+    cells = np.flatnonzero(((flat > 0) & (flat <= reach)).any(axis=0)).astype(np.int32)
+    gains, steps = _gains(belief, cells, optics(float(lidar_range))), flat[:, cells]
+    value = np.where(steps <= reach, np.sqrt(gains) * np.exp(-rate * np.minimum(steps, reach)), 0.0)
+    kept = np.zeros(len(cells), np.bool_)
+    for row in value:
+        kept[np.argsort(-row, kind="stable")[:most]] = True
+    return cells[kept & (gains > 0)]

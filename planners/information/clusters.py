@@ -1,0 +1,166 @@
+"""Frontier clusters: groups of frontier cells small enough that one visit deals with all of a group.
+
+Frontier cells are labelled 8-connected; a group is split at its mean across its principal axis while a
+cell of it is further than half the lidar range from the mean.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Belief, Distances
+from indoor_explorers.env.grid.cells import UNREACHABLE, frontier_mask
+from indoor_explorers.env.grid.compiled import kernel
+
+#: A cluster is split while a cell is further than this share of the lidar range from its mean.
+SPREAD = 0.5
+
+
+class Clusters(NamedTuple):
+    """K clusters of F frontier cells; cluster k is ``cells[ends[k]:ends[k + 1]]``."""
+
+    cells: NDArray[np.int32]
+    """(F,) flat cells."""
+    ends: NDArray[np.int64]
+    """(K + 1,) where each cluster begins and, last, where the last one ends."""
+
+    @property
+    def size(self) -> int:
+        """K, the number of clusters."""
+        return len(self.ends) - 1
+
+
+@kernel()
+def _gather(mask: np.ndarray, seed: int, cells: np.ndarray, count: int) -> int:
+    """Move the 8-connected part around flat cell ``seed`` from ``mask`` to ``cells``; return the new count."""
+    height, width = mask.shape
+    first, head = count, count
+    cells[count] = seed
+    count += 1
+    mask[seed // width, seed % width] = False
+    while head < count:
+        row, col = divmod(cells[head], width)
+        head += 1
+        for r in range(max(0, row - 1), min(height, row + 2)):
+            for c in range(max(0, col - 1), min(width, col + 2)):
+                if mask[r, c]:
+                    mask[r, c] = False
+                    cells[count] = r * width + c
+                    count += 1
+    cells[first:count].sort()
+    return count
+
+
+@kernel()
+def _moments(cells: np.ndarray, width: int) -> tuple[float, float, float, float]:
+    """Return (mean row, mean column, largest squared distance to the mean, angle of the principal axis)."""
+    count = cells.shape[0]
+    row_sum, col_sum = 0, 0
+    for k in range(count):
+        row_sum += cells[k] // width
+        col_sum += cells[k] % width
+    row_mean, col_mean = row_sum / count, col_sum / count
+    rr = rc = cc = largest = 0.0
+    for k in range(count):
+        row, col = cells[k] // width - row_mean, cells[k] % width - col_mean
+        rr += row * row
+        rc += row * col
+        cc += col * col
+        largest = max(largest, row * row + col * col)
+    return row_mean, col_mean, largest, 0.5 * np.arctan2(2.0 * rc, rr - cc)
+
+
+@kernel()
+def _halved(cells: np.ndarray, width: int, row_mean: float, col_mean: float, angle: float) -> int:
+    """Bring the cells on the lower side of the principal axis to the front, in order; return how many."""
+    side = np.empty(cells.shape[0], np.bool_)
+    for k in range(cells.shape[0]):
+        row, col = cells[k] // width - row_mean, cells[k] % width - col_mean
+        side[k] = row * np.cos(angle) + col * np.sin(angle) <= 0.0
+    lower, upper = cells[side], cells[~side]
+    cells[: lower.shape[0]] = lower
+    cells[lower.shape[0] :] = upper
+    return int(max(1, min(lower.shape[0], cells.shape[0] - 1)))
+
+
+@kernel()
+def _split(cells: np.ndarray, width: int, radius: float, begin: int, end: int, ends: np.ndarray, count: int) -> int:
+    """Split ``cells[begin:end]`` until all parts are small; write where they end; return the new count."""
+    pending = [end]
+    while len(pending) > 0:
+        part = cells[begin : pending[-1]]
+        row_mean, col_mean, largest, angle = _moments(part, width)
+        if largest > radius * radius + 1e-9:
+            pending.append(begin + _halved(part, width, row_mean, col_mean, angle))
+        else:
+            begin = pending.pop()
+            ends[count] = begin
+            count += 1
+    return count
+
+
+@kernel()
+def _clustered(mask: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    height, width = mask.shape
+    total = np.sum(mask)
+    cells, ends = np.empty(total, np.int32), np.zeros(total + 1, np.int64)
+    found, count = 0, 1
+    for row in range(height):
+        for col in range(width):
+            if mask[row, col]:
+                begin = found
+                found = _gather(mask, row * width + col, cells, found)
+                count = _split(cells, width, radius, begin, found, ends, count)
+    return cells, ends[:count]
+
+
+def frontier_clusters(belief: Belief, lidar_range: float) -> Clusters:
+    """Return the clusters of all frontier cells of a (H, W) belief, in row-major order of their groups."""
+    return Clusters(*_clustered(frontier_mask(belief), SPREAD * lidar_range))
+
+
+@kernel()
+def _nearest(field: np.ndarray, cells: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    width = field.shape[1]
+    count = ends.shape[0] - 1
+    nearest, steps = np.empty(count, np.int32), np.full(count, UNREACHABLE, np.int32)
+    for k in range(count):
+        nearest[k] = cells[ends[k]]
+        for place in range(ends[k], ends[k + 1]):
+            cell = cells[place]
+            distance = field[cell // width, cell % width]
+            if distance < steps[k]:
+                nearest[k], steps[k] = cell, distance
+    return nearest, steps
+
+
+def nearest_cells(field: Distances, clusters: Clusters) -> tuple[NDArray[np.int32], Distances]:
+    """Return each cluster's nearest cell on a (H, W) distance field, and its distance.
+
+    Both are (K,); cells are flat, the first of equals in row-major order, and the distance is
+    ``UNREACHABLE`` when no cell of the cluster can be reached.
+    """
+    nearest, steps = _nearest(field, clusters.cells, clusters.ends)
+    return nearest, steps
+
+
+@kernel()
+def _middles(cells: np.ndarray, ends: np.ndarray, width: int) -> np.ndarray:
+    middles = np.empty(ends.shape[0] - 1, np.int32)
+    for k in range(middles.shape[0]):
+        part = cells[ends[k] : ends[k + 1]]
+        row_mean, col_mean = _moments(part, width)[:2]
+        least = np.inf
+        for cell in part:
+            row, col = cell // width - row_mean, cell % width - col_mean
+            if row * row + col * col < least:
+                middles[k], least = cell, row * row + col * col
+    return middles
+
+
+def middles(clusters: Clusters, width: int) -> NDArray[np.int32]:
+    """Return each cluster's flat cell that is nearest to the mean of all of its cells, (K,); the first of equals."""
+    return np.asarray(_middles(clusters.cells, clusters.ends, width))

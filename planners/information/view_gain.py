@@ -1,0 +1,177 @@
+"""What a scan at a cell could reveal: view gains on a belief map, unknown cells taken as transparent."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, visible_cells
+
+
+@kernel()
+def _unclaimed(belief: np.ndarray, cells: np.ndarray, claims: np.ndarray, radius: float, lens: Optics) -> np.ndarray:
+    width = belief.shape[1]
+    scan = new_scan(lens)
+    gains = np.zeros(cells.shape[0], np.int64)
+    for k in range(cells.shape[0]):
+        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lens, scan)):
+            row, col = divmod(scan.cells[place], width)
+            counts = belief[row, col] == UNKNOWN
+            for m in range(claims.shape[0]):
+                rows, cols = row - claims[m, 0], col - claims[m, 1]
+                counts &= rows * rows + cols * cols > radius * radius
+            gains[k] += counts
+    return gains
+
+
+def unclaimed_gains(
+    belief: Belief, cells: NDArray[np.int32], claims: NDArray[np.float64], lidar_range: float
+) -> NDArray[np.int64]:
+    """Return how many unknown cells are visible from each of (K,) flat cells and from no claim, (K,).
+
+    ``claims`` is (M, 2) rows and columns; what is within the lidar range of a claim is left to whoever made it.
+    """
+    return np.asarray(_unclaimed(belief, cells, claims, lidar_range, optics(float(lidar_range))))
+
+
+@kernel()
+def _sights(belief: np.ndarray, cells: np.ndarray, lens: Optics) -> tuple[np.ndarray, int]:
+    width = belief.shape[1]
+    scan = new_scan(lens)
+    number = np.full(belief.size, -1, np.int64)
+    lists = np.empty((cells.shape[0], lens.disc + 1), np.int64)
+    sizes = np.zeros(cells.shape[0], np.int64)
+    total = 0
+    for k in range(cells.shape[0]):
+        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lens, scan)):
+            cell = scan.cells[place]
+            if belief[cell // width, cell % width] == UNKNOWN:
+                if number[cell] < 0:
+                    number[cell] = total
+                    total += 1
+                lists[k, sizes[k]] = number[cell]
+                sizes[k] += 1
+    bits = np.zeros((cells.shape[0], (total + 63) // 64), np.uint64)
+    for k in range(cells.shape[0]):
+        for place in range(sizes[k]):
+            bits[k, lists[k, place] // 64] |= np.uint64(1) << np.uint64(lists[k, place] % 64)
+    return bits, total
+
+
+def sights(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDArray[np.uint64]:
+    """Return the sets of unknown cells visible from each of (K,) flat cells as bits, (K, words) uint64.
+
+    Unknown cells are numbered in the order they are met; a set of bits ored together is a joint view.
+    """
+    return np.asarray(_sights(belief, cells, optics(float(lidar_range)))[0])
+
+
+#: Half the side of the square around an unknown cell in which known cells make it isolated.
+NEIGHBOURHOOD = 2
+#: The other cells of that square.
+AROUND = (2 * NEIGHBOURHOOD + 1) ** 2 - 1
+#: Changes are boxed in squares of so many cells a side, for teammates change the map in several places at once.
+TILE = 16
+#: A gain that has to be computed.
+STALE = -1.0
+
+
+@leaf()
+def known_around(belief: np.ndarray, row: int, col: int) -> int:
+    """Count the cells around an unknown one that are known or off the map, at most ``AROUND``."""
+    height, width = belief.shape
+    unknown = 0
+    for r in range(max(0, row - NEIGHBOURHOOD), min(height, row + NEIGHBOURHOOD + 1)):
+        for c in range(max(0, col - NEIGHBOURHOOD), min(width, col + NEIGHBOURHOOD + 1)):
+            unknown += belief[r, c] == UNKNOWN
+    return AROUND + 1 - unknown
+
+
+@kernel()
+def _weighted(belief: np.ndarray, cell: int, depths: np.ndarray, isolation: float, lens: Optics, scan: Scan) -> float:
+    width = belief.shape[1]
+    middle = depths.shape[0] // 2
+    row, col = divmod(cell, width)
+    gain = 0.0
+    for place in range(visible_cells(belief, row, col, lens, scan)):
+        r, c = divmod(scan.cells[place], width)
+        if belief[r, c] == UNKNOWN:
+            gain += depths[r - row + middle, c - col + middle] * (
+                1.0 + isolation * (known_around(belief, r, c) / AROUND)
+            )
+    return gain
+
+
+@kernel()
+def _bring_up_to_date(old: np.ndarray, new: np.ndarray) -> tuple[int, int, int, int]:
+    """Copy ``new`` to ``old``; return the box around what has changed as rows and columns, the ends excluded."""
+    top, bottom, left, right = new.shape[0], 0, new.shape[1], 0
+    for r in range(new.shape[0]):
+        for c in range(new.shape[1]):
+            if old[r, c] != new[r, c]:
+                old[r, c] = new[r, c]
+                top, bottom, left, right = min(top, r), r + 1, min(left, c), max(right, c + 1)
+    return top, bottom, left, right
+
+
+@kernel()
+def _forget_changed(old: np.ndarray, new: np.ndarray, reach: int, gains: np.ndarray) -> None:
+    """Bring ``old`` up to date and make gains stale within ``reach`` of the box around each tile's changes."""
+    for row in range(0, new.shape[0], TILE):
+        for col in range(0, new.shape[1], TILE):
+            tile = slice(row, row + TILE), slice(col, col + TILE)
+            top, bottom, left, right = _bring_up_to_date(old[tile], new[tile])
+            if top < bottom:
+                rows = max(0, row + top - reach), row + bottom + reach
+                cols = max(0, col + left - reach), col + right + reach
+                gains[rows[0] : rows[1], cols[0] : cols[1]] = STALE
+
+
+@kernel()
+def _kept_gains(
+    belief: np.ndarray, cells: np.ndarray, depths: np.ndarray, isolation: float, lens: Optics, gains: np.ndarray
+) -> np.ndarray:
+    width = belief.shape[1]
+    scan = new_scan(lens)
+    out = np.empty(cells.shape[0])
+    for k in range(cells.shape[0]):
+        row, col = divmod(cells[k], width)
+        if gains[row, col] == STALE:
+            gains[row, col] = _weighted(belief, cells[k], depths, isolation, lens, scan)
+        out[k] = gains[row, col]
+    return out
+
+
+class WeightedGains:
+    """Answer what a scan could reveal, near and isolated cells first, and keep what has not changed.
+
+    An unknown cell visible at distance r counts ``exp(-r / (depth R)) (1 + isolation k)``, R the lidar range and k
+    the share of the 24 cells around it that are known or off the map: what lies deep is likely to be hidden behind a
+    wall yet unseen, and what is nearly surrounded would cost a way back later.
+
+    Args:
+        shape: (H, W) of the map.
+        lidar_range: in cells.
+        depth: distance at which a cell counts 1 / e, in lidar ranges; infinite to count all alike.
+        isolation: how much more a surrounded cell counts.
+
+    """
+
+    def __init__(self, shape: tuple[int, int], lidar_range: float, depth: float = inf, isolation: float = 0.0) -> None:
+        away = np.arange(-int(lidar_range + 1), int(lidar_range + 1) + 1)
+        self._depths = np.exp(-np.hypot(away[:, None], away) / (depth * lidar_range))
+        self._isolation = float(isolation)
+        self._lens = optics(float(lidar_range))
+        self._reach = int(lidar_range + 1) + NEIGHBOURHOOD
+        self._belief = np.zeros(shape, np.uint8)
+        self._gains = np.full(shape, STALE)
+
+    def at(self, belief: Belief, cells: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Return the gains of (K,) flat cells, (K,)."""
+        _forget_changed(self._belief, belief, self._reach, self._gains)
+        return np.asarray(_kept_gains(belief, cells, self._depths, self._isolation, self._lens, self._gains))

@@ -1,0 +1,105 @@
+"""What to do when a teammate is in the way.
+
+Teammates are not in the map and without radio they are not known at all: the only sign is a commanded
+move that did not happen. Whoever flies in a convoy meets that sign too, so the first one is ignored.
+From the second on the UAV tosses a coin: push once more, or make way, which is to go round if that is not
+much longer, else to retreat to a place where the other can get past, and to wait there about as long as the
+way took; from a crossing any way out will do. Whoever has no such place within reach, because it is on the
+blind side of the jam, mostly pushes on: the others can make way. The longest reach of retreats doubles with
+every one that follows soon after another,
+so that of two UAVs head-on in a corridor one sooner or later leaves it, whatever the corridor's length; the
+reach itself is drawn, so that small jams in between stay small. Every UAV tosses its own coins.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.cells import MOVES, Action
+from indoor_explorers.env.policies.view import View
+from indoor_explorers.planners.navigation.passing_places import path_to_refuge, refuge_mask
+from indoor_explorers.planners.navigation.paths import Paths
+
+#: Moves in a row that must fail before anything is done about it.
+PATIENCE = 2
+#: A cell where a teammate stood is not entered on a way round or back for so many steps.
+BLOCKED_STEPS = 8
+#: A retreat is forgotten, and the next one short again, after this many times its reach in steps.
+MEMORY = 4
+#: A UAV waits less than so many times the steps of a retreat at its end, and less than so many steps.
+WAIT_FACTOR, LONGEST_WAIT = 2, 6
+#: How likely a UAV without a place to step aside backs off anyway, at most so many steps being waited then.
+BACK_OFF, SHORT_WAIT = 0.1, 4
+
+
+def target_of(cell: Cell, action: int) -> Cell:
+    """Return the cell that an action leads to."""
+    return cell[0] + int(MOVES[action, 0]), cell[1] + int(MOVES[action, 1])
+
+
+class Yielding:
+    """Notice the blocked moves of one UAV and make way."""
+
+    def __init__(self, paths: Paths, rng: np.random.Generator) -> None:
+        self._paths = paths
+        self._rng = rng
+        self._expected: Cell | None = None
+        self._failures = 0
+        self._blocked: dict[Cell, int] = {}
+        self._reach = 1
+        self._forget_at = 0
+        self._retreat: list[Cell] = []
+        self._wait = 0
+
+    @property
+    def retreating(self) -> bool:
+        """True while the UAV is on a retreat or waits at its end."""
+        return len(self._retreat) > 1 or self._wait > 0
+
+    def expect(self, cell: Cell, action: int) -> None:
+        """Remember the move that is commanded now."""
+        self._expected = None if action == Action.STAY else target_of(cell, action)
+
+    def should_make_way(self, view: View) -> bool:
+        """Tell whether a teammate keeps standing in the way and the coin says not to push on."""
+        if self._expected is None or view.cell == self._expected:
+            self._failures = 0
+            return False
+        self._failures += 1
+        self._blocked[self._expected] = view.step
+        return self._failures >= PATIENCE and bool(self._rng.random() < 0.5)
+
+    def barred(self, view: View) -> list[Cell]:
+        """Return the cells where teammates stood in the way lately."""
+        self._blocked = {
+            cell: step for cell, step in self._blocked.items() if step > view.step - BLOCKED_STEPS and cell != view.cell
+        }
+        return list(self._blocked)
+
+    def retreat(self, view: View) -> None:
+        """Start to retreat, possibly farther than the last time if that was not long ago."""
+        if view.step >= self._forget_at:
+            self._reach = 1
+        self._reach = min(2 * self._reach, view.belief.size)
+        self._forget_at = view.step + MEMORY * self._reach
+        reach = 2 ** int(self._rng.integers(1, self._reach.bit_length()))
+        barred, longest_wait = self.barred(view), 0
+        path = path_to_refuge(self._paths, view.belief, view.cell, reach, self._rng, barred)
+        if path:
+            longest_wait = min(WAIT_FACTOR * len(path), LONGEST_WAIT) - 1
+        elif refuge_mask(view.belief)[view.cell] or self._rng.random() < BACK_OFF:
+            path = self._paths.to_anywhere(view.belief, view.cell, reach, self._rng, barred)
+            longest_wait = min(self._reach, SHORT_WAIT) if path else 0
+        self._retreat = path or []
+        self._wait = int(self._rng.integers(longest_wait + 1))
+
+    def next_cell(self, view: View) -> Cell:
+        """Return the next cell of the retreat; the UAV's own while it waits at its end."""
+        while self._retreat and self._retreat[0] != view.cell:
+            self._retreat.pop(0)
+        if len(self._retreat) > 1:
+            return self._retreat[1]
+        self._retreat = []
+        self._wait = max(0, self._wait - 1)
+        return view.cell

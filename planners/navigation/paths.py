@@ -1,0 +1,204 @@
+"""Shortest paths over what is known: breadth-first searches that stop early and keep their buffers.
+
+Cells are flat indices (row * width + column) inside compiled code and (row, column) outside. ``barred``
+lists flat cells that a search must not enter, such as the cell of a teammate in the way; ``avoid`` lists
+flat cells near which no frontier is wanted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE, distances_from, touches_unknown
+from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.search.bfs import Cells, Scratch, bar, begin, complete, spread, traced
+
+#: How near to an avoided cell a frontier is unwanted, in cells (Chebyshev).
+AVOID_RADIUS = 2
+
+
+@leaf()
+def on_frontier(belief: np.ndarray, cell: int) -> bool:
+    """Tell whether a flat cell is free and 4-adjacent to unknown (Yamauchi 1997)."""
+    row, col = divmod(cell, belief.shape[1])
+    return bool(belief[row, col] == FREE and touches_unknown(belief, row, col))
+
+
+@kernel()
+def frontier_cells(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Return which of (K,) flat cells are on the frontier, (K,) bool."""
+    on = np.empty(cells.shape[0], np.bool_)
+    for k in range(cells.shape[0]):
+        on[k] = on_frontier(belief, cells[k])
+    return on
+
+
+@leaf()
+def search(belief: np.ndarray, start: int, goal: int, barred: np.ndarray, scratch: Scratch, number: int) -> bool:
+    """Search from ``start`` until ``goal`` is reached; return whether it was."""
+    cells, width = belief.reshape(belief.size), belief.shape[1]
+    bar(barred, scratch, number)
+    blocked = goal != start and scratch.mark[goal] == number
+    begin(start, scratch, number)
+    head, tail = 0, 1
+    while head < tail and scratch.mark[goal] != number:
+        tail = spread(cells, width, scratch.queue[head], scratch, number, tail)
+        head += 1
+    return bool(scratch.mark[goal] == number and not blocked)
+
+
+@leaf()
+def _shunned(cell: int, width: int, avoid: np.ndarray) -> bool:
+    row, col = divmod(cell, width)
+    for k in range(avoid.shape[0]):
+        r, c = divmod(avoid[k], width)
+        if abs(row - r) <= AVOID_RADIUS and abs(col - c) <= AVOID_RADIUS:
+            return True
+    return False
+
+
+@kernel()
+def near_any(cells: np.ndarray, avoid: np.ndarray, width: int) -> np.ndarray:
+    """Return which of (K,) flat cells are within ``AVOID_RADIUS`` of one of ``avoid``, (K,) bool."""
+    near = np.zeros(cells.shape[0], np.bool_)
+    for k in range(cells.shape[0]):
+        near[k] = _shunned(cells[k], width, avoid)
+    return near
+
+
+@leaf()
+def search_frontier(
+    belief: np.ndarray,
+    start: int,
+    avoid: np.ndarray,
+    ties: np.uint64,
+    scratch: Scratch,
+    number: int,
+) -> int:
+    """Return the frontier cell nearest to ``start``, -1 for none; among equals the one that ``ties`` picks.
+
+    ``ties`` is 64 random bits.
+    """
+    cells, width = belief.reshape(belief.size), belief.shape[1]
+    begin(start, scratch, number)
+    head, tail, layer_end = 0, 1, 1
+    best, best_rank = -1, np.uint64(0)
+    while head < tail:
+        cell = scratch.queue[head]
+        if head == layer_end:
+            if best >= 0:
+                break
+            layer_end = tail
+        if on_frontier(belief, cell) and not _shunned(cell, width, avoid):
+            rank = draw(ties, np.uint64(cell))
+            if best < 0 or rank < best_rank:
+                best, best_rank = cell, rank
+        tail = spread(cells, width, cell, scratch, number, tail)
+        head += 1
+    return best
+
+
+@leaf()
+def search_within(belief: np.ndarray, start: int, reach: int, barred: np.ndarray, scratch: Scratch, number: int) -> int:
+    """Fill ``scratch.queue`` with the cells at most ``reach`` steps from ``start``, nearest first; return how many."""
+    cells, width = belief.reshape(belief.size), belief.shape[1]
+    bar(barred, scratch, number)
+    begin(start, scratch, number)
+    head, tail, steps = 0, 1, 0
+    while head < tail and steps < reach:
+        layer_end = tail
+        while head < layer_end:
+            tail = spread(cells, width, scratch.queue[head], scratch, number, tail)
+            head += 1
+        steps += 1
+    return tail
+
+
+@kernel()
+def count_known(belief: np.ndarray) -> int:
+    """Count the known cells: as knowledge only grows, an equal count means an unchanged map."""
+    known = 0
+    for value in belief.reshape(belief.size):
+        known += value != UNKNOWN
+    return known
+
+
+def without(belief: Belief, barred: Iterable[Cell]) -> Belief:
+    """Return a copy of a (H, W) belief in which some cells are occupied, so that nothing leads through them."""
+    passable = belief.copy()
+    for row, col in barred:
+        passable[row, col] = OCCUPIED
+    return passable
+
+
+class Paths:
+    """Answer one pilot's path questions on maps of one shape, with buffers that are kept."""
+
+    def __init__(self, shape: tuple[int, int]) -> None:
+        size = shape[0] * shape[1]
+        self.width = shape[1]
+        self._scratch = Scratch(np.empty(size, np.int32), np.empty(size, np.int32), np.zeros(size, np.int32))
+        self._number = 0
+
+    def flat(self, cells: Iterable[Cell]) -> Cells:
+        """Return (row, column) cells as flat indices."""
+        return np.array([row * self.width + col for row, col in cells], np.int32)
+
+    def _next(self) -> int:
+        self._number += 1
+        return self._number
+
+    def to(self, belief: Belief, cell: Cell, goal: Cell, barred: Iterable[Cell] = ()) -> list[Cell] | None:
+        """Return a shortest known path from ``cell`` to ``goal``, both included; None when there is none."""
+        start, end = cell[0] * self.width + cell[1], goal[0] * self.width + goal[1]
+        if not search(belief, start, end, self.flat(barred), self._scratch, self._next()):
+            return None
+        return self._traced(end)
+
+    def to_frontier(
+        self, belief: Belief, cell: Cell, rng: np.random.Generator, avoid: Iterable[Cell] = ()
+    ) -> list[Cell] | None:
+        """Return a shortest path to the nearest frontier cell, drawn among equals; None when none is reachable."""
+        ties = rng.integers(2**64, dtype=np.uint64)
+        start = cell[0] * self.width + cell[1]
+        end = search_frontier(belief, start, self.flat(avoid), ties, self._scratch, self._next())
+        return self._traced(end) if end >= 0 else None
+
+    def to_anywhere(
+        self, belief: Belief, cell: Cell, reach: int, rng: np.random.Generator, barred: Iterable[Cell] = ()
+    ) -> list[Cell] | None:
+        """Return a path to a random other cell at most ``reach`` steps away; None when walled in.
+
+        The farther half of what can be reached is drawn from.
+        """
+        start = cell[0] * self.width + cell[1]
+        found = search_within(belief, start, reach, self.flat(barred), self._scratch, self._next())
+        if found < 2:
+            return None
+        return self._traced(int(self._scratch.queue[int(rng.integers(max(1, found // 2), found))]))
+
+    def field(self, belief: Belief, cell: Cell) -> Distances:
+        """Return the (H, W) int32 field of steps from ``cell`` through known free cells."""
+        out = np.empty(belief.shape, np.int32)
+        distances_from(belief, cell[0], cell[1], self._scratch.queue, out)
+        return out
+
+    def matrix(self, belief: Belief, cells: Cells, known: Distances | None = None) -> Distances:
+        """Return the (K, K) int32 steps between (K,) flat cells; ``UNREACHABLE`` where no known path leads.
+
+        What is not negative in ``known`` (K, K) is taken over, and ``UNREACHABLE`` there is searched again.
+        """
+        first, self._number = self._number + 1, self._number + len(cells)
+        steps = np.full((len(cells), len(cells)), -1, np.int32) if known is None else np.array(known, np.int32)
+        steps[steps >= UNREACHABLE] = -1
+        np.fill_diagonal(steps, 0)
+        complete(belief, cells, steps, self._scratch, first)
+        return steps
+
+    def _traced(self, end: int) -> list[Cell]:
+        flat = traced(self._scratch.parent, end).tolist()
+        return [divmod(place, self.width) for place in flat]

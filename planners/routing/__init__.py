@@ -1,0 +1,1 @@
+"""In which order to visit places: tours, least latency, short sequences."""

@@ -1,0 +1,121 @@
+"""What a flight to a place promises: the best short sequence that begins there, and the way through all the rest.
+
+Both read a :class:`Task`, the places that a group of UAVs can choose from. A sequence earns what each of its places
+shows, discounted by the time of arrival and counted once; it is found by trying all of them, with bounds. The rest is
+ordered as in :mod:`indoor_explorers.planners.routing.min_latency`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.planners.routing.min_latency import by_nearest, improved
+
+#: Places of a sequence, at most.
+LENGTH = 3
+
+
+class Task(NamedTuple):
+    """Where N UAVs could fly: K places, distances in lidar ranges; ``UNREACHABLE`` where there is no path."""
+
+    cells: NDArray[np.int32]
+    """(K,) flat cells."""
+    ahead: Mask
+    """(K,) bool, which of them are frontier clusters; the others are lookouts near the UAVs."""
+    away: NDArray[np.float64]
+    """(N, K) distances of the UAVs."""
+    between: NDArray[np.float64]
+    """(K, K) distances between places."""
+    gains: NDArray[np.float64]
+    """(K,) what is in view of each place."""
+    shared: NDArray[np.float64]
+    """(K, K) the share of the first one's view that is in view of the second one, too."""
+    favour: NDArray[np.float64]
+    """(N, K) factor of what a place counts for a UAV as its first."""
+
+
+class Worth(NamedTuple):
+    """What a view counts when it is had: (gain left)^power e^(-rate t) trust^k."""
+
+    power: float
+    """Exponent of the gain that earlier places of the sequence have left."""
+    rate: float
+    """Per lidar range flown until then."""
+    trust: float
+    """For each of the k places before, as the map may turn out otherwise."""
+
+
+@kernel()
+def _best(
+    away: np.ndarray, between: np.ndarray, gains: np.ndarray, shared: np.ndarray, favour: np.ndarray, worth: Worth
+) -> tuple[np.ndarray, np.ndarray]:
+    count = away.shape[0]
+    power, rate, trust = worth
+    values, sequences = np.zeros(count), np.full((count, LENGTH), -1, np.int64)
+    most = gains.max() ** power
+    for a in range(count):
+        sequences[a, 0] = a
+        if away[a] >= UNREACHABLE:
+            continue
+        one = gains[a] ** power * np.exp(-rate * away[a]) * favour[a]
+        best = one
+        for b in range(count):
+            if b == a:
+                continue
+            discount = np.exp(-rate * (away[a] + between[a, b])) * trust
+            two = one + (gains[b] * (1.0 - shared[b, a])) ** power * discount
+            if two > best:
+                best, sequences[a, 1], sequences[a, 2] = two, b, -1
+            if two + most * discount * trust <= best:
+                continue
+            for c in range(count):
+                way = rate * between[b, c]
+                if c in (a, b) or two + most * discount * trust / (1.0 + way) <= best:  # e^-x < 1 / (1 + x)
+                    continue
+                left = gains[c] * (1.0 - shared[c, a]) * (1.0 - shared[c, b])
+                three = two + left**power * discount * trust * np.exp(-way)
+                if three > best:
+                    best, sequences[a, 1], sequences[a, 2] = three, b, c
+        values[a] = best
+    return values, sequences
+
+
+def best_sequences(
+    task: Task, uav: int, gains: NDArray[np.float64], worth: Worth
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return for each of K places the value of a UAV's best sequence of up to three that begins there, and it.
+
+    ``gains`` (K,) is what teammates have left of the task's. Values are (K,), 0 for what cannot be reached;
+    sequences (K, 3) hold numbers of places, -1 after their end.
+    """
+    return _best(task.away[uav], task.between, gains, task.shared, task.favour[uav], worth)
+
+
+@kernel()
+def _rest(
+    first: int, rest: np.ndarray, away: np.ndarray, between: np.ndarray, weights: np.ndarray, latency: float
+) -> float:
+    places = np.empty(rest.shape[0] + 1, np.int64)
+    places[0], places[1:] = first, rest
+    start, weight = away[places], weights[places]
+    ways = np.empty((places.shape[0], places.shape[0]))
+    for i in range(places.shape[0]):
+        ways[i] = between[places[i]][places]
+    return float(improved(by_nearest(0, ways), start, ways, weight / max(weight.sum(), 1e-300), latency))
+
+
+def cost_of_rest(
+    task: Task, uav: int, first: int, rest: NDArray[np.int64], weights: NDArray[np.float64], latency: float
+) -> float:
+    """Return what a good order of some places costs that begins with ``first``, in lidar ranges.
+
+    ``rest`` are the numbers of the others; the cost is when the last place is reached plus ``latency`` times the mean
+    waiting time, in which places count by their ``weights`` (K,).
+    """
+    return float(_rest(first, rest, task.away[uav], task.between, weights, latency))

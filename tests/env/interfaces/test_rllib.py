@@ -1,0 +1,77 @@
+"""RLlib: a team trains on the PettingZoo face with shared parameters, in this process."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import ray
+import torch
+from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
+
+from indoor_explorers.env import PRESETS, parallel_env
+from indoor_explorers.env.observations import Egocentric, Flat
+
+README = (Path(__file__).resolve().parents[3] / "README.md").read_text(encoding="utf-8")
+#: A room of 8 x 8 for two; whoever hits a wall stays where it is.
+PLAYROOM = PRESETS["thesis-team-2"].with_settings(
+    {
+        "map.height": 8,
+        "map.width": 8,
+        "map.obstacles": 2,
+        "on_collision": "block",
+        "stuck.rule": "off",
+        "budget": 40,
+        "rewards.collision": -1.0,
+        "rewards.out_of_bounds": -1.0,
+        "rewards.goal": 5.0,
+    }
+)
+
+
+def team(scenario=PLAYROOM):
+    return ParallelPettingZooEnv(parallel_env(scenario, observation=Flat(Egocentric(side=7, zones=4))))
+
+
+@pytest.fixture(scope="module")
+def _cluster():
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    ray.init("local", num_cpus=2, object_store_memory=100 * 2**20, include_dashboard=False, log_to_driver=False)
+    yield
+    ray.shutdown()
+    torch.set_num_threads(threads)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("_cluster")
+def test_a_team_trains_with_shared_parameters_as_the_readme_shows():
+    (snippet,) = (text for text in re.findall(r"```python\n(.*?)```", README, re.DOTALL) if "from ray" in text)
+    shown = {}
+    exec(compile(snippet, "README.md", "exec"), shown)
+    algorithm = shown["algorithm"]
+    try:
+        before = algorithm.get_module("shared").get_state()
+        result = algorithm.train()
+        after = algorithm.get_module("shared").get_state()
+    finally:
+        algorithm.stop()
+    flown = result["env_runners"]
+    assert flown["num_env_steps_sampled_lifetime"] >= 2000
+    assert set(flown["agent_episode_returns_mean"]) == {"uav_0", "uav_1"}
+    assert np.isfinite([flown["episode_return_mean"], result["learners"]["shared"]["total_loss"]]).all()
+    assert any(not np.array_equal(before[name], after[name]) for name in after)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_rllib_sees_every_episode_end_for_all(seed):
+    """Also where some of the team end early and the others by the budget, which its wrapper only sees a step later."""
+    envs, rng = team(PLAYROOM.with_settings({"on_collision": "end"})), np.random.default_rng(seed)
+    observations, _ = envs.reset(seed=seed)
+    for _ in range(42):
+        assert all(envs.observation_space[agent].contains(seen) for agent, seen in observations.items())
+        moves = {agent: int(rng.choice([4, 4, 4, 0, 1])) for agent in envs.par_env.agents}
+        observations, _, terminated, truncated, _ = envs.step(moves)
+        if terminated["__all__"] or truncated["__all__"]:
+            break
+    assert not envs.par_env.agents

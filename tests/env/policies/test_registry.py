@@ -1,0 +1,130 @@
+"""Names to policies: declared ones, openers of paths, modules and classes, and what else a colon could mean."""
+
+import importlib.metadata
+import sys
+import types
+from dataclasses import dataclass
+
+import pytest
+
+from indoor_explorers.env import InputError, Pilot, Policy, make_policy
+from indoor_explorers.env.policies import registry
+from indoor_explorers.env.policies.registry import opener_entry_points
+
+
+class Idle(Pilot):
+    def act(self, view):
+        return 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Opened(Policy):
+    """Do nothing, as a path says."""
+
+    path: str
+    bold: bool = False
+
+    def pilot(self, briefing):
+        return Idle()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Named(Policy):
+    """Do nothing."""
+
+    def pilot(self, briefing):
+        return Idle()
+
+
+HERE = "tests.env.policies.test_registry"
+
+
+@pytest.fixture
+def declare(monkeypatch):
+    """Return what declares entry points of (group, name, value), and nothing else."""
+
+    def declared(*entries):
+        points = [importlib.metadata.EntryPoint(name, value, group) for group, name, value in entries]
+        monkeypatch.setattr(registry, "entry_points", lambda group: [point for point in points if point.group == group])
+
+    return declared
+
+
+OPENER = (registry.OPENERS, "box", f"{HERE}:Opened")
+
+
+@pytest.mark.parametrize("path", ["results/one", "/abs/one two", r"C:\results", "a:b:c", ".", "Opened"])
+def test_what_follows_an_opener_s_name_is_its_path(path, declare):
+    declare(OPENER)
+    policy = make_policy(f"box:{path}", bold=True)
+    assert (policy.path, policy.bold) == (path, True)
+
+
+def test_module_and_class_go_on_working(declare):
+    declare(OPENER)
+    assert make_policy(f"{HERE}:Named") == make_policy(f"{HERE}:Named")
+    assert make_policy(f"{HERE}:Opened", path="mine").path == "mine"
+
+
+def test_before_a_colon_an_opener_goes_before_a_module_of_its_name(declare, monkeypatch):
+    box = types.ModuleType("box")
+    box.Named = Named
+    monkeypatch.setitem(sys.modules, "box", box)
+    declare()
+    assert isinstance(make_policy("box:Named"), Named)
+    declare(OPENER)
+    assert make_policy("box:Named") == Opened(path="Named")
+
+
+def test_a_policy_may_be_called_like_an_opener(declare):
+    declare(OPENER, (registry.GROUP, "box", f"{HERE}:Named"))
+    assert make_policy("box") == Named()
+    assert make_policy("box:there") == Opened(path="there")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("box", "policy 'box': expected box:PATH, got no path"),
+        ("box:", "policy 'box:': expected box:PATH, got no path"),
+        ("bex", "unknown policy 'bex'; did you mean 'box'?"),
+        (":there", "expected module:Class, got no full module name"),
+        ("bex:there", "no module named 'bex'"),
+    ],
+)
+def test_what_is_none_of_them_is_one_line(name, message, declare):
+    declare(OPENER)
+    with pytest.raises(InputError) as caught:
+        make_policy(name)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_path_is_given_once(declare):
+    declare(OPENER)
+    with pytest.raises(InputError, match="multiple values for keyword argument 'path'"):
+        make_policy("box:there", path="elsewhere")
+
+
+@pytest.mark.parametrize("name", ["a.box", "a:box"])
+def test_an_opener_cannot_be_called_like_a_path_of_modules(name, declare):
+    declare((registry.OPENERS, name, f"{HERE}:Opened"))
+    with pytest.raises(InputError, match="expected a name without a dot or colon"):
+        make_policy("random")
+
+
+def test_an_opener_declared_twice_is_refused(declare):
+    declare(OPENER, (registry.OPENERS, "box", f"{HERE}:Named"))
+    with pytest.raises(InputError, match="opener 'box' is declared twice"):
+        make_policy("box:there")
+
+
+def test_the_project_s_own_openers_are_declared():
+    assert {"dddqn", "sb3", "rllib"} <= set(opener_entry_points())
+
+
+@pytest.mark.parametrize(("module", "extra"), [("stable_baselines3", "sb3"), ("ray", "ray"), ("torch", "rl")])
+def test_a_missing_library_is_told_with_its_extra(module, extra):
+    error = ModuleNotFoundError(name=f"{module}.inner")
+    assert registry.missing_module(error) == f"no module named '{module}.inner'; install indoor-explorers[{extra}]"
+    assert "install" not in registry.missing_module(ModuleNotFoundError(name="thing"))

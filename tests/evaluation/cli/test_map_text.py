@@ -1,0 +1,116 @@
+"""Maps in the terminal: pictures that fit and show what matters, and the facts; the command ``maps``."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from indoor_explorers.env.grid.cells import FREE, connected_parts
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.sources import MazeMaps, OfficesMaps
+from indoor_explorers.evaluation.cli.map_text import _coarse, facts, picture
+from indoor_explorers.evaluation.cli.parser import main
+
+
+def plan(text, **more):
+    free = np.array([[char != "#" for char in line] for line in text.split()])
+    starts = [(row, line.index("S")) for row, line in enumerate(text.split()) if "S" in line]
+    return Floorplan.from_free(free, "plan", start=starts[0] if starts else None, **more)
+
+
+def test_a_small_map_is_drawn_cell_by_cell():
+    assert picture(plan("##### #...# #.#.# #...# #####"), 80) == "█▀▀▀█\n█ ▀ █\n▀▀▀▀▀"
+    assert picture(plan("##### #...# #.#S# #...# #####"), 80) == "█▀▀▀█\n█ ▀S█\n▀▀▀▀▀"
+
+
+def test_a_wider_map_is_drawn_dot_by_dot():
+    assert picture(plan("######## #......# #.####.# #......# ########"), 4) == "⡏⠭⠭⢹\n⠉⠉⠉⠉"
+    assert picture(plan("######## #......# #.####.# #.....S# ########"), 4) == "⡏⠭⠭S\n⠉⠉⠉⠉"
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(1, 300), st.integers(1, 300), st.integers(1, 130), st.integers(0, 99))
+def test_every_picture_fits_and_shows_the_start(height, width, columns, seed):
+    free = np.random.default_rng(seed).random((height, width)) < 0.7
+    free[height // 2, width // 2] = True
+    start = tuple(int(place) for place in np.argwhere(free)[seed % free.sum()])
+    lines = picture(Floorplan.from_free(free, "noise", start=start), columns).split("\n")
+    assert len({len(line) for line in lines}) == 1
+    assert len(lines[0]) <= columns
+    assert "".join(lines).count("S") == 1
+
+
+def test_doors_of_large_maps_stay_open():
+    office = OfficesMaps(height=200, width=700, door=(3, 4)).floorplan(0, 0)
+    coarse = _coarse(office, 3)
+    assert coarse.shape == (67, 234)
+    assert len(connected_parts(coarse)[1]) == 2
+    assert coarse.sum() * 9 > 0.5 * (office.truth == FREE).sum()
+    lines = picture(office, 120).split("\n")
+    assert (len(lines), len(lines[0])) == (17, 117)
+
+
+@pytest.mark.parametrize("corridor", [1, 3])
+def test_the_largest_maze_is_drawn_though_its_corridors_are_finer_than_dots(corridor):
+    lines = picture(MazeMaps(height=2048, width=2048, corridor=corridor).floorplan(0, 0), 120).split("\n")
+    assert (len(lines[0]), len(lines)) == (114, 57)
+
+
+def test_the_facts_of_a_map():
+    assert facts(plan("#### #..# #### #.##", resolution=0.5, kept=0.75)) == (
+        "plan: 4 x 4 cells, 0.5 m a cell, 3 free (0.8 m2), 66.7% of them connected; "
+        "75.0% of the source's free area kept"
+    )
+    assert facts(plan("#S.")).startswith("plan: 1 x 3 cells, no scale, 2 free, 100.0% of them connected; ")
+    assert facts(plan("#S.")).endswith("% of the source's free area kept; start at (0, 1)")
+
+
+def printed(capsys, *words):
+    status = main([str(word) for word in words])
+    out, errors = capsys.readouterr()
+    return status, out, errors
+
+
+@pytest.mark.parametrize("name", ["thesis-obstacles", "office", "rooms", "offices", "cave", "maze"])
+def test_the_maps_of_a_scenario_are_shown(capsys, name):
+    status, out, errors = printed(capsys, "maps", "--scenario", name)
+    assert (status, errors) == (0, "")
+    assert "% of them connected" in out
+    assert (printed(capsys, "maps", "--scenario", name, "--seed", 1)[1] == out) == (name == "office")
+    assert printed(capsys, "maps", "--scenario", name, "--seed", 0)[1] == out
+
+
+def test_settings_of_the_scenario_count(capsys):
+    words = ["maps", "--scenario", "maze", "--set", "map.height=21", "map.width=37", "map.corridor=1"]
+    assert "maze: 21 x 37 cells" in printed(capsys, *words)[1]
+
+
+def test_files_of_every_kind_are_shown(capsys, tmp_path):
+    np.save(tmp_path / "a.npy", np.zeros((3, 4), np.uint8))
+    (tmp_path / "b.map").write_text("type octile\nheight 2\nwidth 3\nmap\n...\n.@.\n")
+    (tmp_path / "c.json").write_text('{"verts": [[0, 0], [2, 0], [2, 1], [0, 1]]}')
+    status, out, _ = printed(capsys, "maps", *(tmp_path / name for name in ("a.npy", "b.map", "c.json")))
+    assert status == 0
+    for line in ("a: 3 x 4 cells, 1 m a cell, 12 free", "b: 2 x 3 cells", "c: 12 x 22 cells, 0.1 m a cell, 200 free"):
+        assert line in out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "expected the paths of map files or a --scenario, got neither"),
+        (["a.png", "--scenario", "maze"], "got both"),
+        (["a.png", "--seed", "3"], "expected --scenario with --seed and --set"),
+        (["a.png", "--set", "map.height=5"], "expected --scenario with --seed and --set"),
+        (["--scenario", "maez"], "did you mean 'maze'"),
+        (["--scenario", "maze", "--resolution", "2"], "expected map files with --resolution, got --scenario"),
+        (["--scenario", "maze", "--set", "map.corridr=2"], "did you mean 'corridor'"),
+        (["--scenario", "maze", "--set", "map.height=9999"], "less than or equal to 2048"),
+        (["nowhere.map"], "nowhere.map: expected a file"),
+    ],
+)
+def test_what_cannot_be_shown_is_said_in_one_line(capsys, words, message):
+    status, out, errors = printed(capsys, "maps", *words)
+    assert (status, out) == (2, "")
+    assert message in errors
+    assert errors.count("\n") == 1

@@ -1,0 +1,176 @@
+"""A policy that breaks, in whatever way, costs its own episodes and nothing else."""
+
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import PRESETS
+from indoor_explorers.env.errors import RunError
+from indoor_explorers.evaluation.engines.limits import Limits
+from indoor_explorers.evaluation.engines.supervisor import Supervisor
+from indoor_explorers.evaluation.engines.worker_handle import Child
+from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
+from indoor_explorers.evaluation.episodes.record import Outcome
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice, Task
+from tests.evaluation.plugins import WAYS, Wander
+
+TEAM = PRESETS["thesis-team-2"].for_evaluation().with_settings({"radio.model": "unlimited", "budget": 60})
+LIMITS = Limits(decision_timeout=1.0, memory=1_000_000_000)
+GUILTY = 1
+
+
+def job(policy, seeds=(1, 0, 2), **parameters):
+    use = f"tests.evaluation.plugins:{policy}"
+    return Job(
+        PolicyChoice(use=use, name=policy, parameters=parameters), TEAM, tuple(Task(TEAM.name, 0, s) for s in seeds)
+    )
+
+
+def facts(record):
+    kept = {name: value for name, value in record.metrics.items() if name not in OF_THE_MACHINE}
+    arrays = record.covered, record.cells, record.actions, record.sent
+    return record.task, record.outcome, record.reason, kept, [array.tolist() for array in arrays]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def plugins_found():
+    """Let worker processes import the plug-ins by the path that they inherit."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "path", [*sys.path, str(Path(__file__).resolve().parents[3])])
+        yield
+
+
+@pytest.fixture(scope="module")
+def supervisor(plugins_found):
+    supervisor = Supervisor(LIMITS)
+    yield supervisor
+    supervisor.close()
+
+
+@pytest.fixture(scope="module")
+def honest():
+    """What an honest policy does on the same tasks, by seed."""
+    return {record.task.seed: record for record in fly(Wander(), "w", TEAM, job("Wander", range(4)).tasks)}
+
+
+def check(records, honest, reason, steps):
+    """Only the guilty episode failed, and everything in the records is as an honest policy's up to there."""
+    assert [record.task.seed for record in sorted(records, key=lambda r: r.task)] == [0, 1, 2]
+    for record in records:
+        undisturbed = honest[record.task.seed]
+        if record.task.seed != GUILTY:
+            assert facts(record) == facts(undisturbed)
+            continue
+        assert record.outcome is Outcome.FAILED
+        assert reason in record.reason
+        assert record.steps == steps
+        for name in ("covered", "cells", "sent", "actions"):
+            np.testing.assert_array_equal(
+                getattr(record, name), getattr(undisturbed, name)[: steps + (name != "actions")]
+            )
+        assert record.metrics["path_length"] == record.distance[-1]
+        assert record.metrics["messages_bytes"] == undisturbed.sent[steps]
+
+
+OVERDUE = "decision took longer than 1 s (--decision-timeout)"
+
+
+@pytest.mark.parametrize(
+    ("policy", "reason"),
+    [
+        ("ReturnsNothing", "InputError: expected an action from 0 to 4, got 'up'"),
+        ("ExitsPython", "SystemExit: enough"),
+        ("HangsInSleep", OVERDUE),
+        ("HangsInPython", OVERDUE),
+        ("HangsTogether", OVERDUE),
+        ("HangsForGood", OVERDUE),
+        ("HangsInC", OVERDUE),
+        ("Exits", "the process of the policy ended with exit code 3"),
+        ("KillsItself", "the process of the policy was killed by signal 9 (SIGKILL)"),
+        ("Segfaults", "the process of the policy was killed by signal 11 (SIGSEGV)"),
+    ],
+)
+def test_a_policy_that_breaks_costs_only_its_own_episode(policy, reason, supervisor, honest):
+    check(supervisor.fly(job(policy)), honest, reason, steps=5)
+
+
+def test_a_leak_is_stopped(honest):
+    supervisor = Supervisor(Limits(None, LIMITS.memory))  # taking memory takes time
+    try:
+        records = supervisor.fly(job("LeaksAtOnce"))
+    finally:
+        supervisor.close()
+    (failed,) = [record for record in records if record.outcome is Outcome.FAILED]
+    assert failed.steps > 5
+    check(records, honest, "worker used more than 1 GB of memory (--memory-limit)", failed.steps)
+
+
+def test_a_slow_leak_of_a_whole_job_is_nobodys_fault(supervisor, honest):
+    records = supervisor.fly(job("LeaksSlowly", [0, 2, 100, 101, 102]))
+    assert {record.outcome for record in records} <= {Outcome.BUDGET, Outcome.COMPLETE}
+    assert facts(records[0]) == facts(honest[0])
+
+
+def test_a_pilot_that_never_comes_about(supervisor, honest):
+    check(supervisor.fly(job("HangsAtTheStart")), honest, OVERDUE, steps=0)
+
+
+def test_a_policy_that_dies_always_fails_always(supervisor):
+    records = supervisor.fly(job("Dies"))
+    assert [(record.outcome, record.steps) for record in records] == [(Outcome.FAILED, 0)] * 3
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_what_a_uav_knows_cannot_be_written_to(way, supervisor, honest):
+    records = supervisor.fly(job("Vandal", way=way))
+    check(records, honest, "Error: ", steps=5)
+    assert not any("that worked" in record.reason for record in records)
+
+
+def test_prints_do_not_disturb(supervisor, honest, capfd):
+    records = supervisor.fly(job("Prints"))
+    assert [facts(record) for record in records] == [facts(honest[seed]) for seed in (1, 0, 2)]
+    assert capfd.readouterr().out == ""
+
+
+def test_an_honest_policy_after_all_that(supervisor, honest):
+    assert [facts(record) for record in supervisor.fly(job("Batched"))] == [facts(honest[s]) for s in (1, 0, 2)]
+
+
+def test_closing_ends_a_flight_at_once():
+    supervisor = Supervisor(Limits(None, LIMITS.memory))
+    raised = []
+
+    def fly_on():
+        try:
+            supervisor.fly(job("HangsInC"))
+        except RunError as error:
+            raised.append(str(error))
+
+    thread = threading.Thread(target=fly_on)
+    thread.start()
+    time.sleep(1.0)
+    supervisor.close()
+    thread.join(10.0)
+    assert not thread.is_alive()
+    assert raised == ["the supervisor of these workers was closed"]
+
+
+@pytest.mark.usefixtures("plugins_found")
+def test_the_steps_of_a_flight_are_forgotten_with_the_next_job():
+    child = Child(Limits(None, LIMITS.memory))
+    try:
+        assert child.hear() is None
+        child.send(job("Wander", [2]))
+        (record,) = iter(child.hear, None)
+        assert len(child.steps(2).actions) == record.steps
+        child.send(job("Wander", [2, 3]))
+        assert len(list(iter(child.hear, None))) == 2
+        assert len(child.steps(2).actions) == 0
+    finally:
+        child.close()

@@ -1,0 +1,137 @@
+"""No team beats the lower bound, not even one that knows the map."""
+
+from collections import deque
+from itertools import product
+
+import networkx as nx
+import numpy as np
+import pytest
+
+from indoor_explorers.env import PRESETS, World, make_policy
+from indoor_explorers.env.grid.cells import distance_field
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.search.visibility import sights_of
+from indoor_explorers.env.sensing.lidar import optics, scan
+from indoor_explorers.evaluation.episodes import lower_bounds
+from indoor_explorers.evaluation.episodes.lower_bounds import least_steps
+from indoor_explorers.evaluation.episodes.metrics import first_step
+from indoor_explorers.evaluation.episodes.mst_bound import _between, _spanning_tree, steps_by_witnesses
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
+
+MOVES = ((1, 0), (0, -1), (-1, 0), (0, 1))
+SHARES = (0.5, 0.9, 0.99, 1.0)
+
+
+def fewest_steps(truth, starts, reach, shares, model="exact"):
+    """Search all ways of a team breadth-first: the fewest steps to each share of the free cells.
+
+    UAVs may share a cell here, which can only be quicker.
+    """
+    total = int((truth == 1).sum())
+
+    def seen(cell):
+        return frozenset(np.flatnonzero(scan(truth, cell, reach, model) == 1).tolist())
+
+    def onward(cell):
+        around = [(cell[0] + row, cell[1] + column) for row, column in MOVES]
+        inside = [(r, c) for r, c in around if 0 <= r < truth.shape[0] and 0 <= c < truth.shape[1]]
+        return [cell, *(there for there in inside if truth[there] == 1)]
+
+    shows = {cell: seen(cell) for cell in map(tuple, np.argwhere(truth == 1).tolist())}
+    first = (tuple(sorted(starts)), frozenset().union(*(shows[cell] for cell in starts)))
+    queue, known, found = deque([(first, 0)]), {first}, {}
+    while queue:
+        (cells, covered), steps = queue.popleft()
+        for share in shares:
+            if share not in found and len(covered) >= share * total - 1e-9:
+                found[share] = steps
+        if len(found) == len(shares):
+            return found
+        for there in product(*map(onward, cells)):
+            state = (tuple(sorted(there)), covered.union(*(shows[cell] for cell in there)))
+            if state not in known:
+                known.add(state)
+                queue.append((state, steps + 1))
+    raise AssertionError("the map is not connected")
+
+
+def begun(truth, starts, reach, model="exact"):
+    settings = {"lidar.range": reach, "lidar.model": model, "team": len(starts)}
+    world = World(PRESETS["thesis-open"].for_evaluation().with_settings(settings))
+    world.begin(0, 0, floorplan=Floorplan(truth, "small"), spawns=starts)
+    return world
+
+
+def connected_map(seed, shape, share):
+    rng = np.random.default_rng(seed)
+    free = Floorplan(np.where(rng.random(shape) < share, 2, 1).astype(np.uint8), "noise").main_part
+    return np.where(free, 1, 2).astype(np.uint8), [tuple(cell) for cell in rng.permutation(np.argwhere(free)).tolist()]
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize(("reach", "model"), [(1.0, "exact"), (2.0, "exact"), (1.5, "marsexplorer")])
+def test_the_best_way_there_is_takes_no_less(seed, reach, model):
+    truth, cells = connected_map(seed, (5, 5), 0.35)
+    best = fewest_steps(truth, cells[:1], reach, SHARES, model)
+    world = begun(truth, cells[:1], reach, model)
+    for share in SHARES:
+        assert least_steps(world, 0, share) <= best[share]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_best_ways_of_two_take_no_less(seed):
+    truth, cells = connected_map(seed, (4, 4), 0.3)
+    best = fewest_steps(truth, cells[:2], 1.0, SHARES)
+    world = begun(truth, cells[:2], 1.0)
+    for share in SHARES:
+        assert least_steps(world, 0, share) <= best[share]
+
+
+def test_the_bound_is_met_in_corridors_and_stars():
+    corridor = np.ones((1, 12), np.uint8)
+    for share in SHARES:
+        best = fewest_steps(corridor, [(0, 0)], 2.0, [share])[share]
+        assert least_steps(begun(corridor, [(0, 0)], 2.0), 0, share) == best
+    cross = np.full((9, 9), 2, np.uint8)
+    cross[4] = cross[:, 4] = 1
+    assert least_steps(begun(cross, [(4, 4), (4, 5)], 1.0), 0, 1.0) >= 6
+    assert least_steps(begun(cross, [(4, 4)], 1.0), 0, 1.0) >= 12
+
+
+@pytest.mark.parametrize("policy", ["reference", "frontier-nearest", "frontier-minpos", "random"])
+@pytest.mark.parametrize("scenario", ["thesis-obstacles", "thesis-team-4"])
+def test_nobody_flies_below_the_bound(policy, scenario):
+    task = PRESETS[scenario].for_evaluation()
+    world = World(task)
+    for record in fly(make_policy(policy), policy, task, [Task(scenario, 0, seed) for seed in range(5)]):
+        world.begin(0, record.task.seed)
+        for share in SHARES:
+            reached = first_step(record.coverage("team"), share)
+            assert reached is None or reached >= least_steps(world, 0, share) > 0
+
+
+def test_an_open_hall_is_worked_out_by_hand():
+    world = begun(np.ones((16, 16), np.uint8), [(8, 8)], 3.0)
+    assert least_steps(world, 0, 0.9) == -(-(231 - 29) // 7) == 29
+    assert least_steps(world, 0, 0.05) == 0
+
+
+def test_where_looking_would_take_too_long_range_alone_counts(monkeypatch):
+    world = begun(np.ones((16, 16), np.uint8), [(8, 8)], 3.0)
+    full = least_steps(world, 0, 1.0)
+    monkeypatch.setattr(lower_bounds, "EFFORT", 0)
+    assert 0 < least_steps(world, 0, 1.0) <= full
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_regions_and_their_tree_are_those_of_plain_searches(seed):
+    truth, cells = connected_map(seed, (14, 17), 0.35)
+    sights = sights_of(truth, cells[:1], optics(3.0), whole=False)
+    between = _between(sights, 17, 1, 1, 5)
+    graph = nx.from_numpy_array(between + 1)  # an edge of no length would be none
+    assert _spanning_tree(between) == nx.minimum_spanning_tree(graph).size("weight") - len(between) + 1
+    field = distance_field(truth, cells[0])
+    entered = [field[scan(truth, cell, 3.0) == 1].min() for cell in cells]
+    assert between[0, 1] == max(entered)
+    assert steps_by_witnesses(sights, 17, 1, len(cells)) == 0

@@ -1,0 +1,133 @@
+"""Episodes flown by the runner."""
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import PRESETS
+from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
+from indoor_explorers.evaluation.episodes.record import AXES, Outcome
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
+from tests.evaluation.plugins import Batched, Raises, Wander, Wanderer, WrongAction
+
+TEAM = PRESETS["thesis-team-2"].for_evaluation()
+
+
+def tasks(count, start=0):
+    return [Task(TEAM.name, 0, seed) for seed in range(start, start + count)]
+
+
+def facts(record):
+    kept = {name: value for name, value in record.metrics.items() if name not in OF_THE_MACHINE}
+    return record.task, record.outcome, record.steps, kept, record.covered.tolist(), record.cells.tolist()
+
+
+def test_an_episode_is_the_same_alone_in_a_batch_and_in_a_batched_policy():
+    together = [facts(record) for record in fly(Wander(), "w", TEAM, tasks(5))]
+    alone = [facts(record) for task in tasks(5) for record in fly(Wander(), "w", TEAM, [task])]
+    batched = [facts(record) for record in fly(Batched(), "w", TEAM, tasks(5))]
+    assert together == alone == batched
+
+
+def test_a_record_is_consistent():
+    for record in fly(Wander(), "w", TEAM, tasks(6)):
+        assert record.covered.shape == (record.steps + 1, 3)
+        assert record.cells.shape == (record.steps + 1, 2, 2)
+        assert (np.diff(record.covered, axis=0) >= 0).all()
+        assert (record.covered[:, 0] >= record.covered[:, 1:].max(axis=1)).all()
+        moved = np.abs(np.diff(record.cells.astype(int), axis=0)).sum()
+        assert record.metrics["path_length"] == moved
+        assert (record.outcome is Outcome.COMPLETE) == (record.curve[-1] == 1.0)
+        assert record.steps <= record.budget
+        assert record.metrics["pilot_draws"] == 7.0
+        t90 = record.metrics["t90"]
+        assert t90 is None or (record.curve[int(t90)] >= 0.9 > record.curve[int(t90) - 1])
+        assert np.isfinite([value for value in record.metrics.values() if value is not None]).all()
+
+
+def test_a_policy_that_raises_costs_only_its_own_episodes():
+    healthy = {record.task: facts(record) for record in fly(Wander(), "w", TEAM, tasks(12))}
+    records = list(fly(Raises(), "w", TEAM, tasks(12)))
+    failed = [record for record in records if record.outcome is Outcome.FAILED]
+    assert 0 < len(failed) < 12
+    for record in records:
+        if record in failed:
+            assert record.reason == "RuntimeError: motor</script> failure"
+            assert record.steps == 5
+            assert record.covered.tolist() == healthy[record.task][4][:6]
+        else:
+            assert facts(record) == healthy[record.task]
+
+
+def test_a_wrong_action_fails_the_episode_and_says_why():
+    (record,) = fly(WrongAction(), "w", TEAM, tasks(1))
+    assert record.outcome is Outcome.FAILED
+    assert "expected an action from 0 to 4, got 5" in record.reason
+    assert record.steps == 0
+
+
+def test_crashed_uavs_end_the_episode():
+    class Blind(Wander):
+        class Mind(Wanderer):
+            def act(self, view):
+                return int(self.rng.integers(4))
+
+        def pilot(self, briefing):
+            return self.Mind(briefing)
+
+    records = list(fly(Blind(), "w", TEAM, tasks(10)))
+    assert {record.outcome for record in records} == {Outcome.ENDED}
+    assert all("collision" in record.reason or "out of bounds" in record.reason for record in records)
+    assert all(record.metrics["collisions"] == 2 for record in records)
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_engines_fly_the_same_episodes(workers):
+    from indoor_explorers.evaluation.engines.limits import limits_for
+    from indoor_explorers.evaluation.engines.local import fly_jobs
+    from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice
+
+    choice = PolicyChoice.model_validate("random")
+    jobs = [Job(choice, TEAM, tuple(tasks(3, start))) for start in (0, 3, 6)]
+    flown = [record for records in fly_jobs(jobs, workers, limits_for(2, None, None)) for record in records]
+    expected = [facts(record) for record in fly(choice.make(), "random", TEAM, tasks(9))]
+    assert sorted((facts(record) for record in flown), key=lambda f: f[0]) == expected
+
+
+def test_what_was_spent_is_logged_step_by_step():
+    linked = TEAM.with_settings({"radio.model": "unlimited", "budget": 400})
+    for record in fly(Wander(), "w", linked, tasks(3)):
+        for axis in AXES:
+            spent = record.spent(axis)
+            assert spent.shape == (record.steps + 1,)
+            assert (np.diff(spent) >= 0).all()
+        assert record.spent("distance")[-1] == record.metrics["path_length"]
+        assert record.spent("bytes")[-1] == record.metrics["messages_bytes"] > 0
+        assert record.spent("seconds")[-1] == record.metrics["latency_total_s"] > 0
+        assert record.metrics["age_of_information"] == 0.0
+    (silent,) = fly(Wander(), "w", TEAM.with_settings({"radio.model": "none"}), tasks(1))
+    assert silent.metrics["age_of_information"] == pytest.approx(silent.steps / 2)
+    assert silent.metrics["auc_worst"] <= silent.metrics["auc_mean"] <= silent.metrics["auc"]
+
+
+def test_a_tally_that_breaks_fails_the_episode():
+    class Miscounts(Wander):
+        class Mind(Wanderer):
+            def tally(self):
+                return {"draws": "many"}
+
+        def pilot(self, briefing):
+            return self.Mind(briefing)
+
+    (record,) = fly(Miscounts(), "w", TEAM, tasks(1))
+    assert record.outcome is Outcome.FAILED
+    assert record.covered.shape[0] == record.steps + 1
+
+
+def test_first_decisions_in_a_process_are_left_out_of_the_latencies():
+    at_once = TEAM.with_settings({"budget": 1})
+    (cold,), (warm,) = (fly(Wander(), "w", at_once, tasks(1), cold=cold) for cold in (True, False))
+    assert cold.metrics["latency_p50_us"] is None
+    assert warm.metrics["latency_p50_us"] > 0
+    assert cold.metrics["latency_total_s"] > 0
+    assert facts(cold) == facts(warm)

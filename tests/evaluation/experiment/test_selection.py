@@ -1,0 +1,128 @@
+"""What of an experiment file is flown."""
+
+from pathlib import Path
+
+import pytest
+
+from indoor_explorers.env import PRESETS, InputError, Scenario
+from indoor_explorers.env.scenarios.scenario import Radio
+from indoor_explorers.evaluation.compare import plan
+from indoor_explorers.evaluation.experiment.experiment import Experiment
+from indoor_explorers.evaluation.experiment.selection import DEFAULT_POLICIES
+
+EXPERIMENTS = Path(__file__).parents[3] / "evaluation" / "experiments"
+FILE = """
+policies = [
+    "random", {use = "pso", name = "dddqn, no guard", parameters = {candidates = 8}}, {use = "pso", name = "pso "},
+]
+episodes = 4
+seed = 9
+scenarios = [
+    "thesis-open", "far.toml", {preset = "office", name = "office, far", lidar.range = 20.0, goal = 0.95},
+    {name = "pso", team = 3, spawn = [[0, 0], [0, 1], [0, 2]]},
+]
+"""
+
+
+@pytest.fixture
+def file(tmp_path):
+    (tmp_path / "far.toml").write_text('preset = "thesis-open"\nname = "a far one"\nlidar.range = 5.0\n')
+    (tmp_path / "plan.toml").write_text(FILE)
+    return tmp_path / "plan.toml"
+
+
+def test_everything_that_the_file_lists_is_flown(file):
+    planned = plan(experiment=file)
+    assert [choice.name for choice in planned.policies] == ["random", "dddqn, no guard", "pso "]
+    assert [task.name for task in planned.scenarios] == ["thesis-open", "a far one", "office, far", "pso"]
+
+
+def test_names_of_entries_are_those_entries(file):
+    planned = plan(experiment=file, policies=["dddqn, no guard", "frontier-nearest", "pso"], scenario=["office, far"])
+    assert [(choice.use, choice.name) for choice in planned.policies] == [
+        *[("pso", "dddqn, no guard"), ("frontier-nearest", "frontier-nearest"), ("pso", "pso ")]
+    ]
+    assert planned.policies[0].parameters == {"candidates": 8}
+    assert planned.scenarios[0].lidar.range == 20.0
+    assert (planned.episodes, planned.seed) == (4, 9)
+
+
+def test_other_names_are_presets_files_and_policies(file, monkeypatch):
+    assert plan(experiment=file, scenario="maze").scenarios[0] == PRESETS["maze"].for_evaluation()
+    monkeypatch.chdir(file.parent)
+    assert plan(experiment=file, scenario=["far.toml"]).scenarios[0].name == "a far one"
+    with pytest.raises(InputError, match=r"unknown scenario 'offic' \(expected a preset or a .toml file\)"):
+        plan(experiment=file, scenario=["offic"])
+    assert tuple(choice.use for choice in plan().policies) == DEFAULT_POLICIES
+
+
+def test_a_table_is_flown_as_it_says_and_else_as_comparisons_are(file):
+    told, untold = plan(experiment=file, scenario=["office, far", "pso"]).scenarios
+    assert (told.goal, told.goal_of, told.denominator, told.budget) == (0.95, "team", "reachable", 1500)
+    assert (untold.goal, untold.goal_of, untold.stuck.rule, untold.budget) == (1.0, "team", "off", None)
+    assert untold.spawn == ((0, 0), (0, 1), (0, 2))
+    assert plan(experiment=file, scenario="a far one", settings={"goal": 0.5}).scenarios[0].goal == 0.5
+
+
+def test_an_experiment_printed_is_the_same_experiment(file, tmp_path):
+    for settings in ({}, {"goal": 0.9, "goal_of": "agent", "denominator": "map", "stuck.rule": "oscillation"}):
+        planned = plan(experiment=file, settings=settings)
+        (tmp_path / "again.toml").write_text(planned.to_toml())
+        again = plan(experiment=tmp_path / "again.toml")
+        assert isinstance(again, Experiment)
+        assert again == planned
+        assert [task.fingerprint for task in again.scenarios] == [task.fingerprint for task in planned.scenarios]
+
+
+def test_map_files_stay_where_they_are(tmp_path, monkeypatch):
+    (tmp_path / "floor.png").write_bytes(b"")
+    monkeypatch.chdir(tmp_path)
+    planned = plan(maps=["floor.png"], policies=["random"])
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "plan.toml").write_text(planned.to_toml())
+    again = plan(experiment=tmp_path / "other" / "plan.toml")
+    assert again.scenarios[0].map.paths == (str(tmp_path / "floor.png"),)
+    assert again.scenarios[0].name == planned.scenarios[0].name == "floor"
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("3", "expected scenarios to list presets, .toml files or tables of settings, got 3"),
+        ('{name = "x", lidra.range = 3}', "scenario 'x' of the experiment: unknown key 'lidra'; did you mean 'lidar'"),
+        ('{preset = "ofice"}', "unknown scenario 'ofice'; did you mean 'office'"),
+        ("{preset = 3}", "expected preset to be the name of a scenario, got 3"),
+    ],
+)
+def test_entries_that_are_no_scenario_are_refused(entry, message, tmp_path):
+    (tmp_path / "plan.toml").write_text(f"scenarios = [{entry}]\n")
+    with pytest.raises(InputError) as caught:
+        plan(experiment=tmp_path / "plan.toml")
+    assert message in str(caught.value)
+
+
+def test_a_scenario_of_ones_own_is_flown_as_comparisons_are():
+    own = Scenario(name="own", team=2)
+    assert plan(scenario=own).scenarios == (own.for_evaluation(),)
+
+
+@pytest.mark.parametrize("path", sorted(EXPERIMENTS.glob("*.toml")), ids=lambda path: path.stem)
+def test_shipped_experiments_can_be_planned(path):
+    experiment = plan(experiment=path)
+    assert len(experiment.policies) >= 3
+    assert all(scenario.goal_of == "team" for scenario in experiment.scenarios)
+    told = 0.9 if path.stem.endswith("-90") else 1.0
+    assert {scenario.goal for scenario in experiment.scenarios} == {told}
+
+
+def test_the_buildings_differ_in_team_and_radio_alone():
+    experiment = plan(experiment=EXPERIMENTS / "planners-buildings.toml")
+    assert len(experiment.scenarios) == 20
+    assert len({scenario.fingerprint for scenario in experiment.scenarios}) == 20
+    for kind in ("rooms", "offices", "cave", "maze"):
+        mine = [scenario for scenario in experiment.scenarios if scenario.name.startswith(kind)]
+        alike = [scenario.model_copy(update={"name": "", "team": 1, "radio": Radio()}) for scenario in mine]
+        assert all(each == alike[0] for each in alike)
+        assert [(each.team, each.radio.model) for each in mine] == [
+            *((1, "unlimited"), (2, "unlimited"), (2, "disc"), (4, "unlimited"), (4, "disc"))
+        ]

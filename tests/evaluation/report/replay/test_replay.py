@@ -1,0 +1,208 @@
+"""What the page's replays are made from: the page's own merging, repeated here, gives the recorded flight."""
+
+import base64
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import PRESETS
+from indoor_explorers.env.grid.cells import OCCUPIED
+from indoor_explorers.evaluation.episodes.record import Outcome
+from indoor_explorers.evaluation.episodes.resimulate import refly
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.replay.packed_flight import (
+    first_of_group,
+    flown_again,
+    frame_steps,
+    pack_flight,
+)
+from indoor_explorers.evaluation.report.replay.selection import chosen, notable_tasks, replay_data
+from indoor_explorers.evaluation.report.style.packing import folded, packed, runs, unfolded, unpacked
+from indoor_explorers.evaluation.report.style.palette import styles
+from indoor_explorers.evaluation.results.results import Results
+from tests.evaluation.plugins import Raises, Wander
+
+LOSSY = (
+    PRESETS["thesis-team-4"]
+    .for_evaluation()
+    .with_settings({"radio.model": "disc", "radio.range": 5.0, "radio.loss": 0.4, "budget": 60})
+)
+
+
+def results_of(scenario, maps=1, seeds=4):
+    tasks = [Task(scenario.name, index, seed) for index in range(maps) for seed in range(seeds)]
+    policies = {"wander": Wander(), "raises": Raises()}
+    records = [record for name, policy in policies.items() for record in fly(policy, name, scenario, tasks)]
+    settings = {scenario.name: {"fingerprint": scenario.fingerprint, **scenario.model_dump(mode="json")}}
+    return Results({name: {} for name in policies}, settings, [], records)
+
+
+@pytest.fixture(scope="module")
+def results():
+    return results_of(LOSSY)
+
+
+@pytest.fixture(scope="module")
+def comparison(results):
+    return Comparison(results, LOSSY.name)
+
+
+class Reader:
+    """Unpacks a stream as the page does."""
+
+    def __init__(self, stream, team, size, own=True):
+        self.numbers = unpacked(stream)
+        self.team, self.own = team, own
+        self.cells, self.spent = np.zeros(2 * team, int), np.zeros(2, int)
+        self.pairs = list(zip(*np.triu_indices(team, 1), strict=True))
+        self.linked = np.eye(team, dtype=bool)
+        self.known = np.zeros((team if own else 1, size), bool)
+
+    def places(self):
+        place, found = 0, []
+        for _ in range(next(self.numbers)):
+            place += next(self.numbers)
+            length = next(self.numbers) + 1
+            found += range(place, place + length)
+            place += length
+        return found
+
+    def frame(self):
+        self.cells += [unfolded(next(self.numbers)) for _ in self.cells]
+        self.spent += [next(self.numbers) for _ in self.spent]
+        for pair in self.places():
+            row, column = self.pairs[pair]
+            self.linked[row, column] = self.linked[column, row] = not self.linked[row, column]
+        groups = first_of_group(self.linked[None])[0] if self.own else np.zeros(1, int)
+        for first in np.unique(groups):
+            members = groups == first
+            self.known[members] = self.known[members].any(axis=0)
+            for place in self.places():
+                self.known[members, place] = True
+
+
+@pytest.mark.parametrize("stride", [1, 7])
+def test_a_replay_is_the_recorded_flight_with_what_each_uav_knew(results, stride):
+    for record in results.records:
+        reader = Reader(pack_flight(flown_again(record, LOSSY), stride), 4, record.floorplan.truth.size)
+        shown = frame_steps(record.steps, stride)
+        for step, world in enumerate(refly(record, LOSSY)):
+            if step not in shown:
+                continue
+            reader.frame()
+            assert (reader.cells.reshape(-1, 2) == record.cells[step]).all()
+            assert reader.spent.tolist() == [record.distance[step], record.sent[step]]
+            assert (reader.linked == world.state.linked[0] | np.eye(4, dtype=bool)).all()
+            assert (reader.known == (world.state.belief[0] > 0).reshape(4, -1)).all()
+        assert next(reader.numbers, None) is None
+
+
+def test_without_own_maps_the_team_knows_what_it_knew(results):
+    record = results.records[0]
+    flight = flown_again(record, LOSSY)
+    reader = Reader(pack_flight(flight, 3, own=False), 4, record.floorplan.truth.size, own=False)
+    for step in frame_steps(record.steps, 3):
+        reader.frame()
+        assert (reader.known[0] & flight.counted).sum() == record.covered[step, 0]
+    assert next(reader.numbers, None) is None
+
+
+def test_data_name_the_episodes_and_their_maps(results, comparison):
+    data = replay_data(comparison, styles(results.policies), 1_000_000)
+    assert data["range"] == 3.0
+    assert data["tasks"] == 4
+    for episode in data["episodes"]:
+        index, seed = episode["task"]
+        record = next(r for r in results.records if r.task == Task(LOSSY.name, index, seed))
+        for name, cells in (
+            ("walls", record.floorplan.truth == OCCUPIED),
+            ("counted", flown_again(record, LOSSY).counted),
+        ):
+            found = np.unpackbits(np.frombuffer(base64.b64decode(episode[name]), np.uint8))[:256]
+            assert (found == cells.ravel()).all()
+        assert episode["own"]
+        assert episode["total"] == record.reachable
+        assert {flight["policy"] for flight in episode["flights"]} == {0, 1}
+    assert [policy["name"] for policy in data["policies"]] == ["wander", "raises"]
+    assert data["episodes"][0]["label"] == "median"
+    assert any("policy failed" in flight["end"] for episode in data["episodes"] for flight in episode["flights"])
+
+
+def test_the_most_telling_episodes_come_first(results):
+    records = [
+        replace(
+            record,
+            task=Task("s", record.task.seed // 2, record.task.seed),
+            metrics={"t99": [9.0, 40.0, 5.0, 50.0, 30.0, 31.0, 8.0, 20.0][record.task.seed], "auc": 0.5},
+            outcome=Outcome.BUDGET,
+        )
+        for record in results_of(LOSSY, seeds=8).records
+    ]
+    found = Results(results.policies, {"s": {}}, [], records)
+    comparison = Comparison(found, "s")
+    assert [(pick.label, pick.task.seed) for pick in notable_tasks(comparison)] == [
+        ("median", 7), ("fastest", 2), ("slowest", 3),
+    ]  # fmt: skip
+    assert [(pick.label, pick.task.seed) for pick in chosen(comparison)][3:] == [
+        ("median of its map", 0), ("median of its map", 4),
+    ]  # fmt: skip
+    assert len(chosen(comparison, everything=True)) == 8
+
+
+def test_fewer_bytes_give_less_detail_then_fewer_policies_then_nothing(results, comparison):
+    looks = styles(results.policies)
+    found = [replay_data(comparison, looks, limit) for limit in range(0, 15_000, 250)]
+    for limit, data in zip(range(0, 15_000, 250), found, strict=True):
+        flights = [flight for episode in data["episodes"] for flight in episode["flights"]] if data else []
+        assert sum(len(flight["stream"]) for flight in flights) <= limit
+    first = [
+        (len(data["episodes"][0]["flights"]), data["episodes"][0]["own"]) if data else (0, False) for data in found
+    ]
+    assert first == sorted(first)
+    assert set(first) == {(0, False), (1, False), (2, False), (2, True)}
+
+
+def test_as_many_as_asked_for_are_replayed_whatever_their_size(results, comparison):
+    assert replay_data(comparison, styles(results.policies), 10, count=0) is None
+    every = replay_data(comparison, styles(results.policies), 10, count=4)
+    assert sorted(tuple(episode["task"]) for episode in every["episodes"]) == [(0, seed) for seed in range(4)]
+
+
+def test_a_flight_of_another_world_is_not_shown(results, comparison):
+    record = results.records[0]
+    moved = replace(record, cells=record.cells + np.int16(1))
+    assert flown_again(record, LOSSY).faithful
+    assert not flown_again(moved, LOSSY).faithful
+    others = [r if r is not record else moved for r in results.records]
+    data = replay_data(
+        Comparison(Results(results.policies, results.scenarios, [], others), LOSSY.name), styles(results.policies), 0, 4
+    )
+    shown = {tuple(e["task"]): [flight["policy"] for flight in e["flights"]] for e in data["episodes"]}
+    assert shown.pop((0, record.task.seed)) == [1]
+    assert all(sorted(policies) == [0, 1] for policies in shown.values())
+
+
+def test_groups_are_chains_of_contacts():
+    linked = np.zeros((2, 4, 4), bool)
+    linked[1, [0, 2, 2, 3], [2, 0, 3, 2]] = True
+    assert first_of_group(linked).tolist() == [[0, 1, 2, 3], [0, 1, 0, 0]]
+
+
+def test_packing():
+    numbers = [0, 1, 127, 128, 300, 2**31, 2**60]
+    assert list(unpacked(packed(numbers))) == numbers
+    assert packed([]) == b""
+    signed = np.array([0, -1, 1, -2, 2, -300])
+    assert [unfolded(number) for number in folded(signed).tolist()] == signed.tolist()
+
+
+def test_runs_are_listed_by_key():
+    keys, places = np.array([2, 0, 0, 0, 0, 0, 0]), np.array([4, 7, 20, 0, 1, 5, 6])
+    found = runs(keys, places, np.arange(3))
+    assert found.keys.tolist() == [0] * 7 + [1] + [2] * 3
+    assert found.numbers.tolist() == [3, 0, 1, 3, 2, 12, 0, 0, 1, 4, 0]
+    nothing = np.array([], np.int64)
+    assert runs(nothing, nothing, np.arange(2)).numbers.tolist() == [0, 0]

@@ -1,0 +1,116 @@
+"""Several scenarios in one training: what each flies is what it would fly alone, and all that follows from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingConfig
+from indoor_explorers.learners.dddqn.learning.evaluation import Trial, mean_trial
+from indoor_explorers.learners.dddqn.learning.multi_task_flight import Flocks, shares
+from indoor_explorers.learners.dddqn.learning.training import Training
+from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
+from indoor_explorers.learners.dddqn.observation.scales import sensor
+from indoor_explorers.learners.dddqn.train import CHECKPOINT, train
+from indoor_explorers.learners.sessions.tensors import read_tensors
+from tests.learners.dddqn.rooms import TINY, small_room
+
+SIGHT = ObservationConfig(layers=("unknown", "free", "mates"), tours=False)
+
+
+def hall() -> Scenario:
+    """A wider room for two, with another lidar and radio."""
+    return small_room().with_settings(
+        {"map.width": 13, "team": 2, "lidar.range": 6.5, "radio.model": "square", "radio.range": 4, "budget": 30}
+    )
+
+
+def numbers() -> Callable[[], int]:
+    seeds = count(100)
+    return lambda: next(seeds)
+
+
+def with_hall(tmp_path: Path) -> TrainingConfig:
+    path = tmp_path / "hall.toml"
+    path.write_text(hall().to_toml())
+    return TINY.model_copy(update={"observation": SIGHT, "also": (str(path),), "environments": 8})
+
+
+def test_environments_are_shared_out() -> None:
+    assert shares(2, 1) == [2]
+    assert shares(16, 3) == [5, 5, 6]
+    assert shares(6, 2) == [4, 4]
+
+
+def test_flocks_fly_like_each_alone() -> None:
+    tasks, rng = [TINY.task(small_room()), TINY.task(hall())], np.random.default_rng(1)
+    together, seeds = Flocks(tasks, SIGHT, no_prior(), 8, numbers()), numbers()
+    alone = [Flock(task, SIGHT, no_prior(), 4, seeds) for task in tasks]
+    assert together.columns == 4 + 8
+    for _ in range(12):
+        together.observe()
+        for flock in alone:
+            flock.observe(np.arange(flock.columns))
+        for name in ("scene", "scenes", "moves", "over", "terminal", "age", "coverage"):
+            expected = np.concatenate([getattr(flock, name) for flock in alone])
+            assert np.array_equal(getattr(together, name), expected), name
+        actions = (rng.random((12, 4)) - together.moves[:, :, 0]).argmax(axis=1)
+        rewards = [flock.step(part) for flock, part in zip(alone, (actions[:4], actions[4:]), strict=True)]
+        assert np.array_equal(together.step(actions), np.concatenate(rewards))
+    assert together.repeat([1.0, 2.0]).tolist() == 4 * [1.0] + 8 * [2.0]
+
+
+def test_only_episodes_that_all_have_ended_begin_anew() -> None:
+    flocks = Flocks([small_room(), hall()], SIGHT, no_prior(), 8, numbers())
+    flocks.observe()
+    flocks.step(flocks.moves[:, :, 0].argmin(axis=1))
+    over = np.zeros(12, np.bool_)
+    over[[1, 4, 6, 7]] = True  # one of the first two of the hall flies on
+    assert flocks.renew(over) == [1, 1]
+    assert np.flatnonzero(flocks.age == 0).tolist() == [1, 6, 7]
+
+
+def test_a_training_on_several_scenarios_resumes_bit_for_bit(tmp_path: Path) -> None:
+    config = with_hall(tmp_path)
+    whole = train(config, small_room(), tmp_path / "whole", seed=1)
+    cut = tmp_path / "cut"
+    cut.mkdir()
+    training = Training(config, small_room(), 1)
+    while training.steps < config.total_steps // 2:
+        training.tick()
+        if training.steps >= config.evaluation_every > training.steps - training.flock.columns:
+            training.take_trial()
+    training.save(cut / CHECKPOINT)
+    assert train(config, small_room(), cut, seed=1, resume=True).read_bytes() == whole.read_bytes()
+    first, second = (read_tensors(tmp_path / name / CHECKPOINT) for name in ("whole", "cut"))
+    assert first[1] == second[1]
+    for name, array in first[0].items():
+        assert np.array_equal(array, second[0][name]), name
+    with pytest.raises(InputError, match="expected task"):
+        train(config.model_copy(update={"also": ()}), small_room(), cut, seed=1, resume=True)
+
+
+def test_a_scenario_that_there_is_not_is_refused() -> None:
+    with pytest.raises(InputError, match="unknown scenario 'maize'"):
+        Training(TINY.model_copy(update={"also": ("maize",)}), small_room(), 1)
+
+
+def test_rewards_are_scaled_by_the_lidar() -> None:
+    plain, scaled = TINY, TINY.model_copy(update={"scale_rewards": True})
+    assert scaled.task(small_room()) == plain.task(small_room())
+    assert scaled.early_step(small_room()) == plain.early_step(small_room()) == plain.reward_early_step
+    rewards, lens = scaled.task(hall()).rewards, sensor(6.5)
+    assert rewards.discovered == pytest.approx(0.1 * sensor(3.0).disc / lens.disc)
+    assert rewards.step == pytest.approx(-0.1 * 3 / 6.5)
+    assert scaled.early_step(hall()) == pytest.approx(-0.1 * 3 / 6.5)
+    assert rewards.goal == plain.reward_goal
+
+
+def test_trials_are_averaged() -> None:
+    assert mean_trial([Trial(7, 10.0, 20.0, 0.0, 0.5), Trial(7, 30.0, 50.0, 0.5, 1.0)]) == (7, 20.0, 35.0, 0.25, 0.75)

@@ -1,0 +1,233 @@
+"""Training: reproducible, resumable, kept apart from evaluation, and of use."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from indoor_explorers.env import PRESETS, InputError
+from indoor_explorers.env.simulation.state import End
+from indoor_explorers.evaluation.training import nested
+from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig, TrainingConfig
+from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
+from indoor_explorers.learners.dddqn.learning.learner import Learner
+from indoor_explorers.learners.dddqn.learning.tensorboard import FOLDER
+from indoor_explorers.learners.dddqn.learning.training import Training
+from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
+from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
+from indoor_explorers.learners.dddqn.train import CHECKPOINT, RECORD, Progress, train
+from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
+from indoor_explorers.learners.sessions.tensors import read_tensors
+from tests.learners.dddqn.rooms import TINY, small_room
+
+
+def interrupt_at(steps: int) -> tuple[list[Progress], object]:
+    seen: list[Progress] = []
+
+    def report(progress: Progress) -> None:
+        seen.append(progress)
+        if progress.steps >= steps and len(seen) == 1:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    return seen, report
+
+
+def test_the_same_seed_gives_the_same_weights(tmp_path: Path) -> None:
+    first, second, other = (
+        train(TINY, small_room(), tmp_path / name, seed=seed).read_bytes()
+        for name, seed in (("a", 1), ("b", 1), ("c", 2))
+    )
+    assert first == second
+    assert first != other
+
+
+@pytest.mark.parametrize("team", [1, 2])
+def test_a_resumed_training_equals_an_uninterrupted_one_bit_for_bit(team: int, tmp_path: Path) -> None:
+    scenario = small_room().with_settings({"team": team, "radio.model": "square", "radio.range": 3})
+    train(TINY, scenario, tmp_path / "whole", seed=1)
+    _, report = interrupt_at(1)
+    with pytest.raises(KeyboardInterrupt):
+        train(TINY, scenario, tmp_path / "cut", seed=1, report=report)  # type: ignore[arg-type]
+    _, notes = read_tensors(tmp_path / "cut" / CHECKPOINT)
+    assert 0 < json.loads(notes["training"])["steps"] < TINY.total_steps
+    train(TINY, scenario, tmp_path / "cut", seed=1, resume=True)
+    whole, cut = (read_tensors(tmp_path / name / CHECKPOINT) for name in ("whole", "cut"))
+    assert whole[1] == cut[1]
+    assert whole[0].keys() == cut[0].keys()
+    for name, array in whole[0].items():
+        assert np.array_equal(array, cut[0][name]), name
+
+
+def test_the_record_tells_how_the_weights_were_made(tmp_path: Path) -> None:
+    scenario = small_room()
+    seen: list[Progress] = []
+    path = train(TINY, scenario, tmp_path / "out", seed=5, report=seen.append)
+    record = json.loads((path.parent / RECORD).read_text())
+    assert record["config"] == TINY.model_dump(mode="json")
+    assert (record["seed"], record["fingerprint"]) == (5, scenario.fingerprint)
+    assert [trial["steps"] >= 300 for trial in record["evaluations"]] == [True, True]
+    assert seen[-1].steps >= seen[-1].total_steps == TINY.total_steps
+    assert seen[-1].trial is not None
+    assert {"numpy", "torch", "python"} <= record["versions"].keys()
+
+
+def test_a_resumed_training_records_each_commit_that_it_ran_under(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    commits = iter(["first", "second", "second", "third"])
+    monkeypatch.setattr("indoor_explorers.learners.dddqn.train.source_commit", lambda: next(commits))
+    longer = TINY.model_copy(update={"total_steps": 1600})
+    for _ in range(3):
+        _, report = interrupt_at(1)
+        with pytest.raises(KeyboardInterrupt):
+            train(longer, small_room(), tmp_path, seed=1, resume=True, report=report)  # type: ignore[arg-type]
+    train(longer, small_room(), tmp_path, seed=1, resume=True)
+    record = json.loads((tmp_path / RECORD).read_text())
+    assert record["commit"] == "first"
+    assert record["commits"] == ["first", "second", "third"]
+
+
+def test_another_training_in_the_folder_is_refused(tmp_path: Path) -> None:
+    train(TINY, small_room(), tmp_path, seed=1)
+    with pytest.raises(InputError, match=r"already holds a training; give --resume"):
+        train(TINY, small_room(), tmp_path, seed=1)
+    with pytest.raises(InputError, match="expected seed 2, got 1"):
+        train(TINY, small_room(), tmp_path, seed=2, resume=True)
+    with pytest.raises(InputError, match="expected batch 8, got 16"):
+        train(TINY.model_copy(update={"batch": 8}), small_room(), tmp_path, seed=1, resume=True)
+    with pytest.raises(InputError, match="expected task"):
+        train(TINY, small_room(3), tmp_path, seed=1, resume=True)
+    (tmp_path / CHECKPOINT).write_bytes(b"nonsense")
+    with pytest.raises(InputError, match="expected a safetensors file"):
+        train(TINY, small_room(), tmp_path, seed=1, resume=True)
+
+
+def test_too_short_a_replay_is_refused() -> None:
+    with pytest.raises(InputError, match="raise replay_steps or lower environments"):
+        Training(TINY.model_copy(update={"replay_steps": 40}), small_room(), 1)
+
+
+def test_a_negative_seed_is_refused() -> None:
+    with pytest.raises(InputError, match="expected a seed from 0 to 1048575, got -1"):
+        Training(TINY, small_room(), -1)
+
+
+def test_goals_are_terminal_and_budgets_are_not() -> None:
+    training = Training(TINY.model_copy(update={"total_steps": 10**6, "goal": 0.5}), small_room(), 1)
+    ends = []
+    for _ in range(150):
+        training.tick()
+        slot = (training.replay.written - 1) % len(training.replay.data.action)
+        end = training.flock.flocks[0].world.state.end.ravel()
+        data = training.replay.data
+        ends += end[~data.over[slot]].tolist()
+        assert np.array_equal(data.terminal[slot], (end == End.GOAL) & ~data.over[slot])
+    assert {End.GOAL, End.FLYING} <= set(ends)
+
+
+def test_a_cut_episode_leaves_its_final_state_and_then_begins_anew() -> None:
+    scenario = small_room().with_settings({"budget": 5})
+    training = Training(TINY, scenario, 1)
+    for _ in range(12):
+        training.tick()
+    data = training.replay.data
+    assert np.flatnonzero(data.over[:12, 0]).tolist() == [5, 11]
+    assert not data.terminal[:12].any()
+    assert np.array_equal(data.over[:12], np.repeat(data.over[:12, :1], 4, axis=1))
+
+
+def test_exploratory_moves_are_legal_and_marked() -> None:
+    training = Training(TINY.model_copy(update={"epsilon_first": 1.0, "epsilon_last": 1.0}), small_room(4), 1)
+    for _ in range(60):
+        training.tick()
+    assert training.replay.data.explored[:60].all()
+    assert training.flock.flocks[0].world.state.collisions.sum() == 0
+
+
+def test_training_and_evaluation_never_share_an_episode() -> None:
+    training = Training(TINY, small_room(), 3)
+    for _ in range(200):
+        training.tick()
+    seeds = np.array(training.flock.flocks[0].world.seeds)
+    assert ((seeds > 7 * SEED_BLOCK) & (seeds < 8 * SEED_BLOCK)).all()
+    before = training.flock.tensors()
+    copies = {name: array.copy() for name, array in before.items()}
+    training.take_trial()
+    assert all(np.array_equal(copies[name], array) for name, array in before.items())
+
+
+def test_the_schedules_end_where_they_say() -> None:
+    config = TrainingConfig()
+    assert (config.epsilon(0.0), config.gamma(0.0), config.rate(0.0)) == (0.25, 0.97, 5e-4)
+    assert config.epsilon(0.35) == pytest.approx(0.01)
+    assert config.gamma(0.5) == config.gamma(1.0) == pytest.approx(0.999)
+    assert config.rate(1.0) == pytest.approx(2.5e-5)
+
+
+def test_the_task_is_the_scenario_with_the_training_rewards() -> None:
+    task = TrainingConfig().task(PRESETS["thesis-obstacles"])
+    assert (task.goal, task.goal_of, task.denominator, task.stuck.rule) == (0.99, "team", "reachable", "off")
+    assert (task.rewards.step, task.rewards.discovered, task.rewards.goal) == (-0.1, 0.1, 1.0)
+
+
+def test_a_flock_goes_on_from_its_tensors() -> None:
+    def fresh() -> Flock:
+        seeds = iter(range(100, 200))
+        return Flock(small_room(), ObservationConfig(frames=2), no_prior(), 3, lambda: next(seeds))
+
+    first, second = fresh(), fresh()
+    for _ in range(9):
+        first.observe(np.arange(3))
+        first.step(first.moves[:, :, 0].argmin(axis=1))
+    second.restore({name: array.copy() for name, array in first.tensors().items()})
+    for flock in (first, second):
+        flock.observe(np.arange(3))
+    assert np.array_equal(first.scenes, second.scenes)
+    assert np.array_equal(first.moves, second.moves)
+
+
+def test_a_short_training_explores_better_than_none(tmp_path: Path) -> None:
+    threads = torch.get_num_threads()
+    config = TrainingConfig(
+        network=NetworkConfig(tour_cost=0.0),
+        prior_notes=2_000,
+        total_steps=24_000,
+        environments=16,
+        warmup_steps=800,
+        batch=64,
+        replay_steps=16_000,
+        average_rate=0.01,
+        target_rate=0.02,
+        evaluation_every=12_000,
+        evaluation_episodes=40,
+    )
+    scenario = small_room(0)
+    train(config, scenario, tmp_path, seed=1)
+    trained = json.loads((tmp_path / RECORD).read_text())["evaluations"][-1]
+    untrained = evaluate(Learner(config.observation, config, 1), config.task(scenario), no_prior(), 40, 5, 0)
+    assert trained["t_goal"] < 0.6 * untrained.t_goal
+    assert torch.get_num_threads() == threads
+
+
+def test_scalars_are_written_for_tensorboard(tmp_path: Path) -> None:
+    train(TINY, small_room(), tmp_path, seed=1)
+    files = list((tmp_path / FOLDER).iterdir())
+    assert len(files) == 1
+    written = files[0].read_bytes()
+    for name in (b"training/loss", b"training/episode_steps", b"evaluation/t_goal"):
+        assert name in written
+
+
+@pytest.mark.parametrize("name", LEARNED)
+def test_presets_are_trainings(name: str) -> None:
+    preset = LEARNED[name]
+    config = TrainingConfig.model_validate(nested(preset.settings))
+    assert config != TrainingConfig()
+    assert PRESETS[preset.scenario]

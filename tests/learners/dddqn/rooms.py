@@ -1,0 +1,117 @@
+"""Maps, beliefs and settings that the learners' tests share."""
+
+from __future__ import annotations
+
+from collections import deque
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from indoor_explorers.env import PRESETS, Policy, Scenario, World
+from indoor_explorers.env.grid.arrays import Belief, Mask
+from indoor_explorers.env.maps import Floorplan
+from indoor_explorers.env.sensing.lidar import scan
+from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig, TrainingConfig
+from indoor_explorers.learners.dddqn.network.model import arrays, new_network
+from indoor_explorers.learners.dddqn.observation.layout import layout
+from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, prior_arrays, prior_from
+from indoor_explorers.learners.dddqn.weights import write_weights
+
+#: A network that is quick to make.
+NARROW = NetworkConfig(width=32, move_width=4)
+
+#: A training of a few seconds.
+TINY = TrainingConfig(
+    network=NARROW,
+    device="cpu",
+    prior_notes=2_000,
+    total_steps=600,
+    environments=4,
+    warmup_steps=40,
+    batch=16,
+    replay_steps=400,
+    evaluation_every=300,
+    evaluation_episodes=3,
+    checkpoint_every=200,
+)
+
+
+def small_room(obstacles: int = 2) -> Scenario:
+    """An 8x8 room with a short budget."""
+    return PRESETS["thesis-open"].with_settings(
+        {"map.height": 8, "map.width": 8, "map.obstacles": obstacles, "budget": 60}
+    )
+
+
+def random_belief(rng: np.random.Generator, height: int = 13, width: int = 18) -> tuple[Belief, tuple[int, int]]:
+    """What three scans from the same part of a random map tell, and one of their cells."""
+    truth = np.where(rng.random((height, width)) < 0.2, 2, 1).astype(np.uint8)
+    cells = [tuple(cell) for cell in rng.permutation(np.argwhere(truth == 1))[:3].tolist()]
+    belief = np.maximum.reduce([scan(truth, cell, 3.0) for cell in cells])
+    return belief, cells[0]
+
+
+def maze(rng: np.random.Generator, rooms: int = 8) -> Mask:
+    """A maze of corridors one cell wide, (2 rooms + 1) cells a side, without loops."""
+    free = np.zeros((2 * rooms + 1, 2 * rooms + 1), np.bool_)
+    free[1, 1] = True
+    trail = deque([(1, 1)])
+    while trail:
+        row, col = trail[-1]
+        ways = [(2, 0), (-2, 0), (0, 2), (0, -2)]
+        ways = [
+            (r, c)
+            for r, c in ways
+            if 0 < row + r < len(free) and 0 < col + c < len(free) and not free[row + r, col + c]
+        ]
+        if not ways:
+            trail.pop()
+            continue
+        r, c = ways[rng.integers(len(ways))]
+        free[row + r // 2, col + c // 2] = free[row + r, col + c] = True
+        trail.append((row + r, col + c))
+    return free
+
+
+def fly(policy: Policy, scenario: Scenario, seed: int, free: Mask | None = None) -> World:
+    """Fly one episode to its end."""
+    world = World(scenario)
+    plan = None if free is None else Floorplan.from_free(free, "test")
+    world.begin(0, seed, floorplan=plan)
+    team = range(scenario.team)
+    pilots = [policy.pilot(world.briefing(0, n)) for n in team]
+    actions: NDArray[np.int64] = np.full((1, scenario.team), 4)
+    while world.flying.any():
+        flying = np.flatnonzero(world.flying[0])
+        actions[0, flying] = policy.act([pilots[n] for n in flying], [world.view(0, int(n)) for n in flying])
+        world.step(actions)
+    return world
+
+
+def some_prior(seed: int = 0) -> MapPrior:
+    """A map prior that says something about every patch."""
+    rng = np.random.default_rng(seed)
+    return prior_from(
+        {
+            "prior.hidden": rng.normal(size=(147, 16)),
+            "prior.hidden_bias": rng.normal(size=16),
+            "prior.out": rng.normal(size=16),
+            "prior.out_bias": rng.normal(size=1),
+        }
+    )
+
+
+def write_network(path: Path, seed: int, observation: ObservationConfig | None = None) -> str:
+    """Write the weights of an untrained network."""
+    sight = observation or ObservationConfig()
+    network = new_network(layout(sight), NARROW, seed)
+    write_weights(path, arrays(network), prior_arrays(some_prior(seed)), sight, NARROW)
+    return str(path)
+
+
+@pytest.fixture
+def untrained(tmp_path: Path) -> str:
+    """The path of the weights of an untrained network."""
+    return write_network(tmp_path / "untrained.safetensors", 3)

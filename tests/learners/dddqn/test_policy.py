@@ -1,0 +1,198 @@
+"""The policy: batched, deterministic, picklable, and with clear errors."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
+from indoor_explorers.learners.dddqn.config import LAYERS, ObservationConfig
+from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.policy import Dddqn, DddqnPilot
+from indoor_explorers.learners.dddqn.weights import load_weights, shipped
+from tests.learners.dddqn.rooms import fly, small_room, some_prior, write_network
+
+
+def path_flown(policy: Dddqn, seeds: list[int], *, together: bool) -> NDArray[np.int64]:
+    world = World(PRESETS["thesis-team-2"].for_evaluation().with_settings({"budget": 60}), len(seeds))
+    world.reset(seeds)
+    keys = [(b, n) for b in range(len(seeds)) for n in range(2)]
+    pilots = [policy.pilot(world.briefing(*key)) for key in keys]
+    cells = []
+    for _ in range(60):
+        views = [world.view(*key) for key in keys]
+        if together:
+            actions = policy.act(pilots, views)
+        else:
+            actions = [pilot.act(view) for pilot, view in zip(pilots, views, strict=True)]
+        world.step(np.array(actions).reshape(len(seeds), 2))
+        cells.append(world.state.cell.copy())
+    return np.array(cells)
+
+
+@pytest.mark.parametrize("guard", [True, False])
+def test_acting_together_equals_acting_alone(untrained: str, guard: bool) -> None:
+    policy = Dddqn(weights=untrained, guard=guard)
+    together = path_flown(policy, [1, 2, 3, 4], together=True)
+    assert np.array_equal(together, path_flown(policy, [1, 2, 3, 4], together=False))
+    assert np.array_equal(together[:, 1:2], path_flown(policy, [2], together=True))
+
+
+def test_a_copy_from_another_process_acts_the_same(untrained: str) -> None:
+    policy = Dddqn(weights=untrained)
+    copy = pickle.loads(pickle.dumps(policy))
+    assert copy == policy
+    assert len(pickle.dumps(policy)) < 1000
+    assert np.array_equal(path_flown(policy, [5], together=True), path_flown(copy, [5], together=True))
+
+
+def test_the_policy_passes_the_conformance_suite(untrained: str) -> None:
+    check_policy(Dddqn(weights=untrained))
+
+
+def test_the_guarded_share_is_tallied(untrained: str) -> None:
+    world = World(small_room())
+    world.reset([1])
+    for guard in (True, False):
+        pilot = Dddqn(weights=untrained, guard=guard).pilot(world.briefing(0, 0))
+        pilot.act(world.view(0, 0))
+        assert pilot.tally() == ({"guarded_share": 0.0} if guard else {})
+
+
+def test_it_never_flies_into_a_wall(untrained: str) -> None:
+    scenario = PRESETS["thesis-obstacles"].for_evaluation().with_settings({"budget": 20_000})
+    world = fly(Dddqn(weights=untrained), scenario, 3)
+    assert world.state.collisions.sum() == 0
+    assert world.team_coverage[0] == 1.0
+
+
+def test_missing_weights_are_told_in_one_line(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none\.safetensors: expected a safetensors file, found none") as error:
+        Dddqn(weights=str(tmp_path / "none.safetensors"))
+    assert "\n" not in str(error.value)
+
+
+def test_weights_written_anew_are_read_anew(tmp_path: Path) -> None:
+    path = tmp_path / "weights.safetensors"
+    policy = Dddqn(weights=write_network(path, 1))
+    first = path_flown(policy, [1], together=True)
+    write_network(path, 2)
+    assert not np.array_equal(first, path_flown(policy, [1], together=True))
+
+
+def test_other_files_are_refused_in_one_line(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.safetensors"
+    bad.write_bytes(b"\x80\x04pickled")
+    with pytest.raises(InputError, match="expected a safetensors file, got something else") as error:
+        Dddqn(weights=str(bad))
+    assert "\n" not in str(error.value)
+
+
+def test_the_shipped_weights_explore_unseen_rooms_well() -> None:
+    scenario = PRESETS["thesis-obstacles"].for_evaluation().with_settings({"goal": 0.99})
+    worlds = [fly(Dddqn(), scenario, seed) for seed in range(12)]
+    assert all(world.team_coverage[0] >= 0.99 for world in worlds)
+    assert np.mean([world.state.step[0] for world in worlds]) < 85
+
+
+def test_results_can_tell_which_weights_were_flown(untrained: str) -> None:
+    own, all_of_them = Dddqn(weights=untrained).provenance(), Dddqn().provenance()
+    assert len(own["weights_sha256"]) == 64
+    assert {f"weights_{name}_sha256" for name in shipped()} < all_of_them.keys()
+    one = next(iter(shipped()))
+    assert Dddqn(weights=one).provenance()["weights_sha256"] == all_of_them[f"weights_{one}_sha256"]
+
+
+def test_unknown_weights_are_told_in_one_line() -> None:
+    with pytest.raises(
+        InputError, match=r"unknown weights 'generel' \(expected a name or a path\); did you mean 'general'"
+    ):
+        Dddqn(weights="generel")
+
+
+def test_the_weights_suit_the_scenario() -> None:
+    def flown(name: str, **settings: object) -> str:
+        world = World(PRESETS[name].with_settings(settings))
+        world.reset([1])
+        return Dddqn().suited(world.briefing(0, 0))
+
+    assert flown("office") == flown("thesis-obstacles", **{"lidar.range": 9}) == "general"
+    alone = {name: flown(name) for name in ("thesis-open", "thesis-obstacles")}
+    assert alone == {name: name for name in alone}
+    teams = [flown(f"thesis-team-{team}-radio-{radio}") for team in (2, 4) for radio in (0, 3, "unlimited")]
+    assert teams == 2 * ["thesis-obstacles", "thesis-obstacles", "thesis-team"]
+    assert {*alone, *teams} <= shipped().keys()
+
+
+def test_weights_that_see_the_map_alone_are_for_small_rooms() -> None:
+    def flown(name: str, **settings: object) -> str:
+        world = World(PRESETS[name].with_settings(settings))
+        world.reset([1])
+        return Dddqn(map_alone=True).suited(world.briefing(0, 0))
+
+    names = {name: flown(name) for name in ("thesis-open", "thesis-obstacles", "thesis-team-2")}
+    assert list(names.values()) == ["thesis-open-map", "thesis-obstacles-map", "thesis-obstacles-map"]
+    assert {*names.values()} <= shipped().keys()
+    for name in names.values():
+        seen = load_weights(shipped()[name]).observation
+        assert (seen.gains, seen.tours, seen.prospects) == (False, False, False)
+    for settings in ({"lidar.range": 9}, {"map.width": 17}):
+        with pytest.raises(InputError, match=r"expected a map of up to 16x16 cells and a lidar range of 3 for we"):
+            flown("thesis-obstacles", **settings)
+    with pytest.raises(InputError, match=r"expected weights or map_alone, got both: 'general'; leave one of them out"):
+        Dddqn(weights="general", map_alone=True)
+
+
+def test_tours_are_searched_as_wide_as_asked(tmp_path: Path) -> None:
+    """The same width, asked of the policy or written in the weights, is the same flight; another is another."""
+    room = small_room().with_settings({"map.height": 12, "map.width": 12})
+
+    def seen(policy: Dddqn) -> list[bytes]:
+        world = World(room)
+        world.reset([3])
+        pilot = policy.pilot(world.briefing(0, 0))
+        looks = []
+        for _ in range(8):
+            world.step(np.array([[pilot.act(world.view(0, 0))]]))
+            looks.append(pilot.moves.tobytes())
+        return looks
+
+    plain, wide = (
+        write_network(tmp_path / f"{width}.safetensors", 1, ObservationConfig(tour_width=width)) for width in (1, 64)
+    )
+    assert seen(Dddqn(weights=plain, tour_width=64)) == seen(Dddqn(weights=wide)) != seen(Dddqn(weights=plain))
+    for wrong in (0, -3, 2000, 2.5, "wide"):
+        with pytest.raises(InputError, match=r"expected tour_width from 1 to 1024, got"):
+            Dddqn(weights=plain, tour_width=wrong)  # type: ignore[arg-type]
+
+
+def test_a_trainings_folder_is_opened(tmp_path: Path) -> None:
+    write_network(tmp_path / "weights.safetensors", 1)
+    policy = make_policy(f"dddqn:{tmp_path}", guard=False)
+    assert policy == Dddqn(weights=str(tmp_path), guard=False)
+    assert len(policy.provenance()["weights_sha256"]) == 64
+    assert make_policy("dddqn:general") == Dddqn(weights="general")
+    with pytest.raises(InputError, match=r"weights\.safetensors: expected a safetensors file, found none"):
+        make_policy(f"dddqn:{tmp_path.parent}")
+
+
+@pytest.mark.parametrize("frames", [1, 3])
+def test_a_pilot_sees_what_the_training_saw(tmp_path: Path, frames: int) -> None:
+    sight = ObservationConfig(layers=LAYERS, identity=True, progress=True, frames=frames)
+    policy = Dddqn(weights=write_network(tmp_path / "weights.safetensors", 1, sight), guard=False)
+    scenario = small_room().with_settings({"team": 3, "radio.model": "square", "radio.range": 3})
+    flock = Flock(scenario, sight, some_prior(1), 1, lambda: 7)
+    pilots = [policy.pilot(flock.world.briefing(0, n)) for n in range(3)]
+    actions = np.zeros(3, np.int64)
+    for _ in range(25):
+        flock.observe(np.arange(3))
+        for n, pilot in enumerate(pilots):
+            assert isinstance(pilot, DddqnPilot)
+            actions[n] = pilot.act(flock.world.view(0, n))
+            assert np.array_equal(pilot.scenes, flock.scenes[n : n + 1])
+            assert np.array_equal(pilot.moves, flock.moves[n : n + 1])
+        flock.step(actions)
