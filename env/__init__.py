@@ -10,6 +10,7 @@ from indoor_explorers.env.observations.incremental import LivePlanes
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.registry import make_policy, policy_names
 from indoor_explorers.env.policies.view import Briefing, Mate, Message, View
+from indoor_explorers.env.scenarios.loading import load_scenario
 from indoor_explorers.env.scenarios.presets import PRESETS, scenario
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.world import World
@@ -34,6 +35,7 @@ __all__ = [
     "World",
     "check_policy",
     "env",
+    "load_scenario",
     "make_policy",
     "parallel_env",
     "policy_names",

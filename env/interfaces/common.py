@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env.errors import InputError, did_you_mean
-from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.env.simulation.world import World

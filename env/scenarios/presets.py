@@ -36,15 +36,6 @@ def scenario(name: str) -> Scenario:
     return PRESETS[name]
 
 
-def named_scenario(name: str, folder: Path | None = None) -> Scenario:
-    """Return a preset by name, or the scenario of a ``.toml`` file, whose path may be relative to ``folder``."""
-    if name.endswith(".toml"):
-        return Scenario.load((folder or Path()) / name)
-    if name not in PRESETS:
-        raise InputError(f"unknown scenario {name!r} (expected a preset or a .toml file){did_you_mean(name, PRESETS)}")
-    return PRESETS[name]
-
-
 def _thesis(
     name: str,
     *,

@@ -6,7 +6,6 @@ import hashlib
 import json
 from collections.abc import Mapping
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -25,7 +24,7 @@ from indoor_explorers.env.maps.sources import (
     MapSource,
     ThesisMaps,
 )
-from indoor_explorers.env.scenarios.validation import read_toml, validated
+from indoor_explorers.env.scenarios.validation import validated
 
 #: Steps that an episode without a budget has at least.
 LEAST_BUDGET = 200
@@ -177,66 +176,11 @@ class Scenario(_Part):
             place[leaf] = value
         return validated(Scenario, data, "scenario")
 
-    @classmethod
-    def load(cls, path: str | Path) -> Scenario:
-        """Read a scenario from a TOML file; it may name a ``preset`` to start from.
-
-        Paths of map files in it are relative to the file.
-        """
-        path = Path(path)
-        return cls.from_table({"name": path.stem} | read_toml(path), str(path), path.parent)
-
-    @classmethod
-    def for_comparison(cls, table: Mapping[str, Any], where: str, folder: Path) -> Scenario:
-        """Return a scenario as a table of an experiment says it is flown.
-
-        What the table states holds; of :data:`COMPARED`, what it leaves out is set as comparisons do.
-        """
-        stated = _flattened(table)
-        task = cls.from_table(table, where, folder).for_evaluation()
-        return task.with_settings({key: stated[key] for key in COMPARED if key in stated})
-
-    @classmethod
-    def from_table(cls, table: Mapping[str, Any], where: str, folder: Path) -> Scenario:
-        """Build a scenario from a TOML table, which may name a ``preset`` to start from.
-
-        Args:
-            table: the settings; what is left out is the preset's, or the default.
-            where: what errors call the table.
-            folder: what paths of map files are relative to.
-
-        """
-        data = dict(table)
-        maps = data.get("map")
-        if isinstance(maps, dict) and isinstance(maps.get("paths"), list):
-            data["map"] = maps | {"paths": [str(folder / str(one)) for one in maps["paths"]]}
-        from indoor_explorers.env.scenarios.presets import scenario
-
-        base = data.pop("preset", None)
-        if base is None:
-            return validated(cls, data, where)
-        if not isinstance(base, str):
-            raise InputError(f"{where}: expected preset to be the name of a scenario, got {base!r}")
-        try:
-            return scenario(base).with_settings(_flattened(data))
-        except InputError as error:
-            raise InputError(f"{where}: {error}") from error
-
     def to_toml(self) -> str:
-        """Print the scenario as TOML that :meth:`load` reads back."""
+        """Return the scenario as TOML; :func:`~indoor_explorers.env.scenarios.loading.load_scenario` reads it back."""
         import tomli_w
 
         return tomli_w.dumps(self.model_dump(mode="json", exclude_none=True))
-
-
-def _flattened(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for key, value in data.items():
-        if isinstance(value, dict) and "source" not in value:  # a map table that names its source is whole
-            flat |= _flattened(value, f"{prefix}{key}.")
-        else:
-            flat[prefix + key] = value
-    return flat
 
 
 def _defaults_of(source: str) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 from rich.console import Console
 
 from indoor_explorers.env import InputError, Scenario
-from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.evaluation.ablation.drawing import write_figure
 from indoor_explorers.evaluation.ablation.running import Failure, train_all
 from indoor_explorers.evaluation.ablation.runs import Order, orders_of

@@ -10,7 +10,7 @@ from typing import Any
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.ablation.runs import NOTE, Order, read_note
 from indoor_explorers.evaluation.training import find_learner, nested

@@ -16,7 +16,7 @@ from indoor_explorers.env import PRESETS, InputError, make_policy, run_checks
 from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.registry import missing_module, opener_entry_points, policy_entry_points
-from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation import bench
 from indoor_explorers.evaluation.ablation import run_ablation

@@ -8,7 +8,7 @@ from typing import Any
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import did_you_mean
-from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.loading import named_scenario, scenario_for_comparison
 
 #: Compared when nothing else is asked for: chance and the four families.
 DEFAULT_POLICIES = ("random", "frontier-nearest", "frontier", "rrt", "pso", "dddqn")
@@ -64,7 +64,7 @@ def _asked_scenario(asked: str | Scenario, entries: Mapping[str, Scenario]) -> S
 
 def _listed_scenario(entry: Any, folder: Path) -> Scenario:
     if isinstance(entry, Mapping):
-        return Scenario.for_comparison(entry, f"scenario {entry.get('name', '')!r} of the experiment", folder)
+        return scenario_for_comparison(entry, f"scenario {entry.get('name', '')!r} of the experiment", folder)
     if not isinstance(entry, str):
         raise InputError(f"expected scenarios to list presets, .toml files or tables of settings, got {entry!r}")
     return named_scenario(entry, folder).for_evaluation()

@@ -9,7 +9,7 @@ from typing import Any
 from rich.console import Console
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.thesis.drawing import write_figures
 from indoor_explorers.evaluation.thesis.experiments import Experiment, chosen, versions

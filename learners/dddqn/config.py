@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from indoor_explorers.env.scenarios.presets import named_scenario
+from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE, sensor
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from indoor_explorers.env import PRESETS, InputError, Scenario, scenario
+from indoor_explorers.env import PRESETS, InputError, load_scenario, scenario
 from indoor_explorers.env.maps.sources import RoomsMaps
 
 
@@ -10,7 +10,7 @@ from indoor_explorers.env.maps.sources import RoomsMaps
 def test_a_preset_prints_itself_and_is_read_back(name, tmp_path):
     path = tmp_path / "task.toml"
     path.write_text(PRESETS[name].to_toml())
-    again = Scenario.load(path)
+    again = load_scenario(path)
     assert again == PRESETS[name]
     assert again.fingerprint == PRESETS[name].fingerprint
 
@@ -20,7 +20,7 @@ def test_a_file_may_start_from_a_preset(tmp_path):
     path.write_text(
         'preset = "thesis-team-2"\nteam = 3\n[radio]\nrange = 6.0\n[map]\nsource = "thesis"\nobstacles = 9\n'
     )
-    task = Scenario.load(path)
+    task = load_scenario(path)
     assert (task.name, task.team, task.radio.range, task.radio.model) == ("far", 3, 6.0, "square")
     assert task.map.obstacles == 9
     assert task.stuck == PRESETS["thesis-team-2"].stuck
@@ -55,7 +55,7 @@ def test_bad_files_give_one_clear_line(toml, message, tmp_path):
     path = tmp_path / "bad.toml"
     path.write_text(toml)
     with pytest.raises(InputError, match=message) as caught:
-        Scenario.load(path)
+        load_scenario(path)
     assert "\n" not in str(caught.value)
     assert "bad.toml" in str(caught.value)
 
@@ -124,4 +124,4 @@ def test_the_thesis_s_experiments_are_presets():
 
 def test_map_files_are_looked_for_beside_the_scenario(tmp_path):
     (tmp_path / "task.toml").write_text('team = 2\n[map]\nsource = "files"\npaths = ["floor.png"]\n')
-    assert Scenario.load(tmp_path / "task.toml").map.paths == (str(tmp_path / "floor.png"),)
+    assert load_scenario(tmp_path / "task.toml").map.paths == (str(tmp_path / "floor.png"),)
