@@ -7,7 +7,8 @@ the others still see the episode. A policy that raises, or changes what it was o
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,27 +22,25 @@ from indoor_explorers.env.conformance.contract import (
 )
 from indoor_explorers.env.conformance.findings import CannotFly, calling, shown
 from indoor_explorers.env.conformance.traces import Decision, Setup, Trace, digest_of
-from indoor_explorers.env.grid.cells import UNKNOWN, Action
+from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.rollout import Uav, rollout
 from indoor_explorers.env.simulation.world import World
 
-#: A UAV of a batch: (episode, agent).
-Asked = tuple[int, int]
 
-
-def together(asked: list[Asked]) -> list[list[Asked]]:
+def together(asked: list[Uav]) -> list[list[Uav]]:
     """Ask all UAVs in one call, as the harness does."""
     return [asked]
 
 
-def backwards(asked: list[Asked]) -> list[list[Asked]]:
+def backwards(asked: list[Uav]) -> list[list[Uav]]:
     """Ask all UAVs in one call, the last one first."""
     return [asked[::-1]]
 
 
-def one_by_one(asked: list[Asked]) -> list[list[Asked]]:
+def one_by_one(asked: list[Uav]) -> list[list[Uav]]:
     """Ask each UAV in a call of its own."""
     return [[one] for one in asked]
 
@@ -69,7 +68,7 @@ class Flight:
         scenario: Scenario,
         setups: Sequence[Setup],
         *,
-        ask: Callable[[list[Asked]], list[list[Asked]]] = together,
+        ask: Callable[[list[Uav]], list[list[Uav]]] = together,
         changed: Changed | None = None,
     ) -> None:
         self._policy = policy
@@ -108,31 +107,24 @@ class Flight:
             CannotFly: the policy raises, answers for another number of UAVs, or changes a view.
 
         """
-        world = self._world
-        for _ in range(steps):
-            asked = [(b, n) for b, n in np.argwhere(world.flying).tolist()]
-            if not asked:
-                break
-            for b in sorted({b for b, _ in asked}):
-                self._traces[b].steps.append({})
-                self._traces[b].unseen.append((world.state.union[b] == UNKNOWN).tobytes())
-            world.step(self._decided(asked))
+        for _ in islice(rollout(self._world, self._decided), steps):
+            pass
         self._debrief()
         return self._traces
 
-    def _decided(self, asked: list[Asked]) -> np.ndarray:
-        """Ask the UAVs in turn and return the actions (B, N)."""
-        actions = np.full(self._world.state.end.shape, int(Action.STAY))
-        present = [(b, n) for b, n in asked if self._changed != Changed(n, wanders=False)]
+    def _decided(self, flying: list[Uav]) -> Iterator[tuple[Uav, int]]:
+        """Ask the UAVs in turn; a wandering one's answer is replaced."""
+        for b in sorted({b for b, _ in flying}):
+            self._traces[b].steps.append({})
+            self._traces[b].unseen.append((self._world.state.union[b] == UNKNOWN).tobytes())
+        present = [(b, n) for b, n in flying if self._changed != Changed(n, wanders=False)]
         for group in filter(None, self._ask(present)):
-            for (b, n), action in zip(group, self._answers(group), strict=True):
-                actions[b, n] = action
-        for b, n in asked:
+            yield from zip(group, self._answers(group), strict=True)
+        for b, n in flying:
             if self._changed == Changed(n, wanders=True):
-                actions[b, n] = self._rngs[b].choice(np.flatnonzero(self._world.state.legal[b, n]))
-        return actions
+                yield (b, n), int(self._rngs[b].choice(np.flatnonzero(self._world.state.legal[b, n])))
 
-    def _answers(self, group: list[Asked]) -> list[int]:
+    def _answers(self, group: list[Uav]) -> list[int]:
         """Ask some UAVs in one call and record what they chose."""
         state = self._world.state
         pilots, views = [self._pilots[one] for one in group], [self._world.view(b, n) for b, n in group]

@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 
 from indoor_explorers.env.conformance.findings import Breach
-from indoor_explorers.env.conformance.flying import Asked, Changed, Flight, together
+from indoor_explorers.env.conformance.flying import Changed, Flight, together
 from indoor_explorers.env.conformance.traces import Setup, Trace
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.scenarios.presets import PRESETS
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.rollout import Uav
 
 #: Steps flown in each check.
 STEPS = 60
@@ -54,7 +55,7 @@ class Subject:
         steps: int = STEPS,
         *,
         policy: Policy | None = None,
-        ask: Callable[[list[Asked]], list[list[Asked]]] = together,
+        ask: Callable[[list[Uav]], list[list[Uav]]] = together,
         changed: Changed | None = None,
     ) -> list[Trace]:
         """Fly episodes side by side, with the policy or a copy of it.

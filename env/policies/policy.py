@@ -41,6 +41,11 @@ class Policy(ABC):
     #: True for a yardstick that is given the true map; it is marked so wherever it appears.
     privileged: ClassVar[bool] = False
 
+    #: True where :meth:`act` chooses for many UAVs at less cost than one by one, such as with one forward pass. Such a
+    #: policy is asked for all UAVs of a batch at once, and a decision's time is its share of the batch's; any other
+    #: is asked, and timed, for one UAV after the other.
+    batched: ClassVar[bool] = False
+
     @abstractmethod
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV for one episode."""
@@ -50,7 +55,7 @@ class Policy(ABC):
         return {}
 
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> Sequence[int]:
-        """Choose for many UAVs at once; a learned policy overrides this with one forward pass.
+        """Choose for one UAV, or for many at once where the policy is ``batched``; each as it would be chosen alone.
 
         Pilots may belong to different episodes; nothing may pass between them.
         """

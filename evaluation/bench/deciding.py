@@ -7,7 +7,7 @@ does not count them, every decision is taken to make one.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from typing import NamedTuple
 
@@ -18,6 +18,7 @@ from indoor_explorers.env import Scenario, World, make_policy
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.policies.registry import policy_entry_points
 from indoor_explorers.env.scenarios.scenario import Radio
+from indoor_explorers.env.simulation.rollout import Uav, make_pilots, rollout
 from indoor_explorers.evaluation.bench.worlds import square
 
 #: Steps of the flight that warms up.
@@ -68,18 +69,21 @@ def _flight(name: str, task: Scenario, seed: int, pockets: bool) -> list[tuple[f
     world.reset([seed])
     if pockets:
         _reveal(world)
-    pilots = [policy.pilot(world.briefing(0, agent, privileged=policy.privileged)) for agent in range(task.team)]
-    timed = []
-    while world.flying[0].any():
-        actions = np.full((1, task.team), 4)
-        for agent in np.flatnonzero(world.flying[0]).tolist():
-            view, plans = world.view(0, agent), pilots[agent].tally().get("plans")
+    pilots, timed = make_pilots(policy, world), []
+
+    def ask(flying: list[Uav]) -> Iterator[tuple[Uav, int]]:
+        for uav in flying:
+            view, pilot = world.view(*uav), pilots[uav]
+            plans = pilot.tally().get("plans")
             start = time.perf_counter()
-            actions[0, agent] = policy.act([pilots[agent]], [view])[0]
+            action = policy.act([pilot], [view])[0]
             seconds = time.perf_counter() - start
-            timed.append((seconds, plans is None or pilots[agent].tally()["plans"] > plans))
-            world.post(0, agent, pilots[agent].message)
-        world.step(actions)
+            timed.append((seconds, plans is None or pilot.tally()["plans"] > plans))
+            world.post(*uav, pilot.message)
+            yield uav, action
+
+    for _ in rollout(world, ask):
+        pass
     return timed
 
 

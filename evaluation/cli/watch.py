@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from indoor_explorers.env import Action, InputError, Pilot, Policy, World
+from indoor_explorers.env import Policy, World
 from indoor_explorers.env.errors import RunError
-from indoor_explorers.env.policies.policy import is_action
 from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
 from indoor_explorers.env.rendering.video_writer import FPS, Film
 from indoor_explorers.env.rendering.window import Window
+from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.experiment.experiment import Experiment
 
@@ -56,37 +56,11 @@ def flight(policy: Policy, world: World, last: int) -> Iterator[bool]:
     Yields whether the episode goes on. It is flown as :mod:`indoor_explorers.evaluation.episodes.runner` flies a batch
     of one.
     """
-    team = range(world.scenario.team)
-    with _told(world):
-        pilots = [policy.pilot(world.briefing(0, agent, privileged=policy.privileged)) for agent in team]
-    going = last > 0
-    yield going
-    while going:
-        with _told(world):
-            actions = _decide(policy, pilots, world)
-        world.step(actions)
-        going = bool(world.flying[0].any()) and int(world.state.step[0]) < last
-        yield going
-
-
-def _decide(policy: Policy, pilots: Sequence[Pilot], world: World) -> NDArray[np.int64]:
-    """Return the (1, N) actions of the UAVs that fly, and post what their pilots say."""
-    actions = np.full((1, len(pilots)), int(Action.STAY))
-    asked = np.flatnonzero(world.flying[0]).tolist()
-    chosen = policy.act([pilots[agent] for agent in asked], [world.view(0, agent) for agent in asked])
-    for agent, action in zip(asked, chosen, strict=True):
-        if not is_action(action):
-            raise InputError(f"expected an action from 0 to 4, got {action!r}")
-        world.post(0, agent, pilots[agent].message)
-        actions[0, agent] = action
-    return actions
-
-
-@contextmanager
-def _told(world: World) -> Iterator[None]:
-    """Turn whatever a policy raises into one line."""
+    yield last > 0
     try:
-        yield
+        asks = ask_pilots(policy, make_pilots(policy, world), world)
+        for _ in islice(rollout(world, asks), last):
+            yield bool(world.flying[0].any()) and int(world.state.step[0]) < last
     except Exception as error:
         raise RunError(f"policy failed at step {world.state.step[0]}: {type(error).__name__}: {error}") from error
 

@@ -8,9 +8,10 @@ from itertools import groupby
 
 import numpy as np
 
-from indoor_explorers.env import Action, InputError, Policy, Scenario, View, World
+from indoor_explorers.env import InputError, Policy, Scenario, World
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.policy import is_action
+from indoor_explorers.env.simulation.rollout import Uav, rollout
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.recorder import Log
@@ -95,7 +96,6 @@ class _Batch:
         self._flights = flights
         self._clock = Clock() if spool is None else spool.clock
         self._spool = spool if world.batch == 1 else None
-        self._actions = np.empty(world.state.end.shape, np.int64)
         self._seconds = np.zeros(world.batch)
         self._cold = cold
 
@@ -105,21 +105,15 @@ class _Batch:
             self._spool.begin()
         for flight in self._flights:
             self._brief(flight)
-        while self.log.running.any():
-            self._actions[:] = Action.STAY
-            self._seconds[:] = 0.0
-            self._decide()
-            if self.log.running.any():
-                self._step()
+        for actions in rollout(self._world, self._ask):
+            if not self.log.running.any():  # the last one failed at this step
+                break
+            self._cold = False
+            self.log.add(actions, self._seconds)
+            if self._spool is not None:
+                self._spool.add(actions[0], self._seconds[0], int(self._world.state.sent_bytes[0].sum()))
         for flight in self._flights:
             self._tally(flight)
-
-    def _step(self) -> None:
-        self._cold = False
-        self._world.step(self._actions)
-        self.log.add(self._actions, self._seconds)
-        if self._spool is not None:
-            self._spool.add(self._actions[0], self._seconds[0], int(self._world.state.sent_bytes[0].sum()))
 
     def _brief(self, flight: Flight) -> None:
         try:
@@ -148,62 +142,46 @@ class _Batch:
         flight.failure = told(error)
         self.log.running[flight.place] = False
 
-    def _decide(self) -> None:
-        """Ask every flying UAV's pilot; fills the actions and the outboxes."""
-        flying = self._world.flying & self.log.running[:, None]
-        places, agents = np.nonzero(flying)
-        asked = [(self._flights[b], agent) for b, agent in zip(places.tolist(), agents.tolist(), strict=True)]
-        if type(self._policy).act is Policy.act:
-            for flight, agent in asked:
-                if self.log.running[flight.place]:
-                    self._ask_one(flight, agent)
-        elif asked:
-            self._ask_together(asked)
+    def _ask(self, flying: list[Uav]) -> Iterator[tuple[Uav, int]]:
+        """Ask one UAV after the other, or all at once where the policy is batched; failed episodes are left out."""
+        self._seconds[:] = 0.0
+        asked = [uav for uav in flying if self.log.running[uav[0]]]
+        for group in [asked] if self._policy.batched else [[uav] for uav in asked]:
+            if group and self.log.running[group[0][0]]:
+                yield from self._decide(group)
 
-    def _ask_one(self, flight: Flight, agent: int) -> None:
-        view = self._world.view(flight.place, agent)
+    def _decide(self, group: Sequence[Uav]) -> list[tuple[Uav, int]]:
+        """Ask some UAVs in one call; returns the actions of those whose decision is in order."""
+        pilots = [self._flights[episode].pilots[agent] for episode, agent in group]
+        views = [self._world.view(*uav) for uav in group]
         try:
             with self._clock:
                 start = time.perf_counter()
-                action = flight.pilots[agent].act(view)
-                self._enter(flight, agent, action, time.perf_counter() - start)
+                actions = list(self._policy.act(pilots, views))
+                share = (time.perf_counter() - start) / len(group)
+                if len(actions) != len(group):
+                    raise ValueError(f"act returned {len(actions)} actions for {len(group)} pilots")
+                return [(uav, a) for uav, a in zip(group, actions, strict=True) if self._is_accepted(uav, a, share)]
         except BREAKING as error:
-            self._fail(flight, error)
-
-    def _ask_together(self, asked: Sequence[tuple[Flight, int]]) -> None:
-        pilots = [flight.pilots[agent] for flight, agent in asked]
-        views: list[View] = [self._world.view(flight.place, agent) for flight, agent in asked]
-        try:
-            with self._clock:
-                start = time.perf_counter()
-                chosen = list(self._policy.act(pilots, views))
-                share = (time.perf_counter() - start) / len(asked)
-                if len(chosen) != len(asked):
-                    raise ValueError(f"act returned {len(chosen)} actions for {len(asked)} pilots")
-                self._enter_all(asked, chosen, share)
-        except BREAKING as error:
-            first = asked[0][0]
-            if any(flight is not first for flight, _ in asked):
+            if len({episode for episode, _ in group}) > 1:
                 raise _Undivided from error
-            self._fail(first, error)
+            self._fail(self._flights[group[0][0]], error)
+            return []
 
-    def _enter_all(self, asked: Sequence[tuple[Flight, int]], chosen: Sequence[object], seconds: float) -> None:
-        """Enter what was decided together; what is wrong with one decision fails its own episode."""
-        for (flight, agent), action in zip(asked, chosen, strict=True):
-            try:
-                self._enter(flight, agent, action, seconds)
-            except (Exception, SystemExit) as error:
-                self._fail(flight, error)
-
-    def _enter(self, flight: Flight, agent: int, action: object, seconds: float) -> None:
-        """Check one decision and put action and message where the world finds them."""
+    def _is_accepted(self, uav: Uav, action: object, seconds: float) -> bool:
+        """Check one decision and post its message; what is wrong with it fails its own episode."""
+        episode, agent = uav
+        flight = self._flights[episode]
         if not self._cold:
             flight.latencies.append(seconds)
-        self._seconds[flight.place] += seconds
-        if not is_action(action):
-            raise InputError(f"expected an action from 0 to 4, got {action!r}")
-        self._world.post(flight.place, agent, flight.pilots[agent].message)
-        self._actions[flight.place, agent] = action
+        self._seconds[episode] += seconds
+        try:
+            if not is_action(action):
+                raise InputError(f"expected an action from 0 to 4, got {action!r}")
+            self._world.post(episode, agent, flight.pilots[agent].message)
+        except (Exception, SystemExit) as error:
+            self._fail(flight, error)
+        return not flight.failure
 
 
 def told(error: BaseException) -> str:

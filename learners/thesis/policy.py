@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
+from typing import ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,8 @@ class DddqnThesis(Policy):
     """Choose among legal moves alone, so that no wall is hit; the thesis: no."""
     guard: bool = False
     """Hand over to the nearest frontier while the network goes nowhere; the thesis: no."""
+
+    batched: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         trained(self._path)

@@ -38,6 +38,10 @@ class Wander(Policy):
 
 
 class Batched(Wander):
+    """Choose for all UAVs in one call."""
+
+    batched = True
+
     def act(self, pilots, views):
         return np.array([pilot.act(view) for pilot, view in zip(pilots, views, strict=True)])
 
@@ -172,7 +176,7 @@ class HangsInC(Breaks):
 class HangsTogether(Breaks):
     """One forward pass for all, which hangs as soon as a guilty UAV takes part in it."""
 
-    act = Batched.act
+    batched, act = True, Batched.act
 
     def break_down(self, view):
         while True:

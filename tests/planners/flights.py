@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from indoor_explorers.env import Policy, World, scenario
 from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.policies.view import MESSAGE_LIMIT
+from indoor_explorers.env.simulation.rollout import Uav, ask_pilots, make_pilots, rollout
 
 
 @dataclass
@@ -61,25 +61,32 @@ def fly(
     task = scenario("thesis-open").with_settings(settings).for_evaluation().with_settings({"goal_of": goal_of})
     world = World(task)
     world.begin(0, seed, floorplan=Floorplan.from_free(free, "test"), spawns=spawns)
-    pilots = [policy.pilot(world.briefing(0, k, privileged=policy.privileged)) for k in range(team)]
+    pilots = make_pilots(policy, world)
     tracks: list[list[Cell]] = [[] for _ in range(team)]
     actions: list[list[int]] = []
-    while world.flying[0].any():
-        for agent, step in (ends or {}).items():
-            if world.state.step[0] >= step:
-                world.state.end[0, agent] = 2
-        flying = np.flatnonzero(world.flying[0]).tolist()
-        chosen = np.full(team, 4)
-        chosen[flying] = policy.act([pilots[k] for k in flying], [world.view(0, k) for k in flying])
-        for k in flying:
+    asks = ask_pilots(policy, pilots, world)
+
+    def ask(flying: list[Uav]) -> Iterator[tuple[Uav, int]]:
+        for _, k in flying:
             tracks[k].append(world.view(0, k).cell)
-            message = pilots[k].message
-            assert message is None or (len(message) <= MESSAGE_LIMIT and all(np.isfinite(message)))
-            world.post(0, k, message)
-        actions.append(chosen.tolist())
-        world.step(chosen[None])
+        for uav, action in asks(flying):
+            message = pilots[uav].message
+            assert message is None or all(np.isfinite(message))
+            yield uav, action
+
+    _end(world, ends)
+    for chosen in rollout(world, ask):
+        actions.append(chosen[0].tolist())
+        _end(world, ends)
     assert world.state.collisions.sum() == 0
-    return Flight(world.team_coverage[0] >= 1.0, int(world.state.step[0]), tracks, actions, world, pilots)
+    complete, steps = world.team_coverage[0] >= 1.0, int(world.state.step[0])
+    return Flight(complete, steps, tracks, actions, world, list(pilots.values()))
+
+
+def _end(world: World, ends: dict[int, int] | None) -> None:
+    for agent, step in (ends or {}).items():
+        if world.state.step[0] >= step:
+            world.state.end[0, agent] = 2
 
 
 def maze(rows: int, cols: int, seed: int) -> Mask:
