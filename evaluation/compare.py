@@ -1,270 +1,60 @@
-"""Run a comparison: fly what is missing, store it, and write the table, the figures and the report."""
+"""The function behind the compare command."""
 
 from __future__ import annotations
 
-import dataclasses
-import hashlib
-import json
-import math
-import os
-from collections.abc import Iterator, Mapping, Sequence
+import inspect
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from indoor_explorers.env import InputError, Policy, Scenario
-from indoor_explorers.env.scenarios.presets import on_files
-from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
-from indoor_explorers.evaluation.engines.factory import make_engine
-from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT
-from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.experiment.experiment import Experiment, Job, Task, build_experiment, read_experiment
-from indoor_explorers.evaluation.experiment.provenance import run_facts
-from indoor_explorers.evaluation.experiment.selection import chosen_baselines, chosen_policies, chosen_scenarios
-from indoor_explorers.evaluation.results.store import Store
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from indoor_explorers.evaluation.results.results import Results
-
-#: The most episodes of a job, and its most cells x steps x UAVs: what a worker loses at most when a run is killed.
-#: Learned policies decide for a whole job at once; of fifty episodes each costs a sixth less than of ten.
-JOB_EPISODES, JOB_WORK = 50, 40_000_000
-#: The fewest jobs that each worker gets, as long as there are episodes: so that all end at about the same time.
-JOBS_EACH = 4
-#: Workers that jobs are cut for where nobody knows how many there will be.
-CLUSTER = 32
+    from indoor_explorers.evaluation.driver import Watcher
 
 
-class Watcher(Protocol):
-    """Is told about the progress of a run."""
-
-    def begin(self, total: int, missing: int) -> None:
-        """Be told how many episodes there are, and how many of them are not in the store yet."""
-
-    def flown(self, records: Sequence[Record]) -> None:
-        """Be told of newly stored episodes."""
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Execution:
-    """How episodes are flown; see :func:`compare`."""
-
-    workers: int | None = None
-    engine: str = "local"
-    address: str | None = None
-    decision_timeout: float | None = DECISION_TIMEOUT
-    memory_limit: float | None = None
-    retry_failed: bool = False
-    watcher: Watcher | None = None
-    command: str = ""
-    """What was typed, for the provenance."""
-
-    @property
-    def crew(self) -> int:
-        """The workers that jobs are cut for."""
-        if self.workers is not None:
-            return self.workers
-        return CLUSTER if self.engine == "ray" else os.cpu_count() or 1
-
-
-def compare(
-    out: str | Path,
-    *,
-    policies: Sequence[Any] | None = None,
-    scenario: str | Scenario | Sequence[str | Scenario] | None = None,
-    experiment: str | Path | None = None,
-    maps: Sequence[str | Path] = (),
-    resolution: float | None = None,
-    team: int | None = None,
-    episodes: int | None = None,
-    seed: int | None = None,
-    workers: int | None = None,
-    engine: str = "local",
-    address: str | None = None,
-    decision_timeout: float | None = DECISION_TIMEOUT,
-    memory_limit: float | None = None,
-    retry_failed: bool = False,
-    settings: Mapping[str, Any] | None = None,
-    ratio_to: Sequence[str] | None = None,
-    watcher: Watcher | None = None,
-    command: str = "",
-) -> pd.DataFrame:
+def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "", **options: Any) -> pd.DataFrame:
     """Compare policies and return the summary as a table with the columns of ``summary.csv``.
 
-    Takes the arguments of ``indoor-explorers compare``. Writes ``out/results.db``, ``report.html``, and what
-    :func:`~indoor_explorers.evaluation.exports.write_exports` does; episodes that ``out/results.db`` holds already are
-    not flown again, but for failed ones with ``retry_failed``. ``decision_timeout`` (seconds, None for none) and
-    ``memory_limit`` (GB a worker, None for its share of four fifths of the machine's memory) bound what a policy may
-    take before its episode fails. ``ratio_to`` names policies whose steps those of all are divided by in tables and
-    page, by default the usual ones, see :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`. A
-    policy that breaks in any way costs only its own episodes; without workers (0) it is flown in this process, and what
-    hangs, leaks or dies there is not caught.
+    Writes ``out/results.db``, ``report.html``, and what :func:`~indoor_explorers.evaluation.exports.write_exports`
+    does. Episodes that ``out/results.db`` holds already are not flown again, but for failed ones with
+    ``retry_failed``. A policy that breaks in any way costs only its own episodes; without workers (0) it is flown in
+    this process, and what hangs, leaks or dies there is not caught.
+
+    Args:
+        out: the folder of the results; it is made where there is none.
+        watcher: is told about the progress.
+        command: what was typed, for the record of where results come from.
+        **options: those of ``indoor-explorers compare``, which are the fields of
+            :class:`~indoor_explorers.evaluation.experiment.request.ComparisonRequest`: ``policies``, ``scenario``,
+            ``experiment``, ``maps``, ``resolution``, ``team``, ``episodes``, ``seed``, ``settings``, ``workers``,
+            ``engine``, ``address``, ``decision_timeout`` (seconds, None for none), ``memory_limit`` (GB per worker),
+            ``retry_failed``, ``ratio_to``.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
         RunError: the disk is full, or no worker can be started; what was stored before stays, and is not flown again.
 
     """
-    planned = plan(
-        policies=policies,
-        scenario=scenario,
-        experiment=experiment,
-        maps=maps,
-        resolution=resolution,
-        team=team,
-        episodes=episodes,
-        seed=seed,
-        settings=settings,
-    )
-    execution = Execution(
-        workers=workers,
-        engine=engine,
-        address=address,
-        decision_timeout=decision_timeout,
-        memory_limit=memory_limit,
-        retry_failed=retry_failed,
-        watcher=watcher,
-        command=command,
-    )
-    return run(planned, Path(out), execution, ratio_to=ratio_to).summary()
+    # imported here, since the command line shows its help without the world
+    from indoor_explorers.evaluation.driver import run
+    from indoor_explorers.evaluation.experiment.planning import plan
+
+    request = ComparisonRequest.of(**options)
+    return run(plan(request), Path(out), request, watcher=watcher, command=command).summary()
 
 
-def plan(
-    *,
-    policies: Sequence[Any] | None = None,
-    scenario: str | Scenario | Sequence[str | Scenario] | None = None,
-    experiment: str | Path | None = None,
-    maps: Sequence[str | Path] = (),
-    resolution: float | None = None,
-    team: int | None = None,
-    episodes: int | None = None,
-    seed: int | None = None,
-    settings: Mapping[str, Any] | None = None,
-) -> Experiment:
-    """Put an experiment together from a file and what overrides it; see :func:`compare`.
-
-    Of the policies and scenarios asked for, those named like an entry of the file are that entry.
-    """
-    base = read_experiment(Path(experiment)) if experiment is not None else {}
-    listed = base.get("scenarios")
-    chosen = _scenarios(scenario, listed, _folder(experiment), tuple(str(path) for path in maps), resolution)
-    overrides = dict(base.get("set", {})) | dict(settings or {}) | ({"team": team} if team is not None else {})
-    return build_experiment(
-        chosen_policies(policies, base.get("policies")),
-        chosen,
-        episodes=episodes if episodes is not None else base.get("episodes", 30),
-        seed=seed if seed is not None else base.get("seed", 0),
-        settings=overrides,
-    )
-
-
-def _folder(experiment: str | Path | None) -> Path:
-    return Path(experiment).parent if experiment is not None else Path()
-
-
-def _scenarios(
-    asked: Any, listed: Sequence[Any] | None, folder: Path, maps: tuple[str, ...], resolution: float | None
-) -> list[Scenario]:
-    if resolution is not None and not maps:
-        raise InputError("expected --maps with --resolution, got none; name the map files to resample")
-    if not maps:
-        return chosen_scenarios(asked, listed, folder)
-    files = on_files(maps, resolution).for_evaluation()
-    if asked is None and listed is None:
-        return [files]
-    return [
-        each.model_copy(update={"name": f"{each.name} on {files.name}", "map": files.map, "budget": None})
-        for each in chosen_scenarios(asked, listed, folder)
+def _signature() -> inspect.Signature:
+    """Return the signature of :func:`compare` with every option in it, for ``help``."""
+    own = inspect.signature(compare)
+    first, *named = (part for part in own.parameters.values() if part.kind is not inspect.Parameter.VAR_KEYWORD)
+    fields = ComparisonRequest.model_fields
+    options = [
+        part.replace(annotation=fields[name].annotation)
+        for name, part in ComparisonRequest.__signature__.parameters.items()
     ]
+    return own.replace(parameters=[first, *options, *named])
 
 
-def run(
-    experiment: Experiment, out: Path, execution: Execution | None = None, *, ratio_to: Sequence[str] | None = None
-) -> Results:
-    """Fly what ``out`` does not hold yet and write everything that is made from it; see :func:`compare`."""
-    fly_missing(experiment, out, execution or Execution(), ratio_to=ratio_to)
-    return write_outputs(out, ratio_to)
-
-
-def fly_missing(
-    experiment: Experiment, out: Path, execution: Execution, *, ratio_to: Sequence[str] | None = None
-) -> None:
-    """Fly what ``out/results.db`` does not hold yet, and write nothing else; see :func:`compare`."""
-    how, watcher = execution, execution.watcher
-    fly_jobs = make_engine(how.engine, how.workers, how.address, how.decision_timeout, how.memory_limit)
-    about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
-    for scenario in experiment.scenarios:
-        for index in range(scenario.map.count):
-            draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
-    _make_folder(out)
-    with Store(out / "results.db") as store:
-        chosen_baselines([*store.policies(), *about], [], ratio_to)  # refuses unknown ones before anything is flown
-        number = store.begin_run(experiment, about, run_facts(how.command, how.engine, how.workers))
-        finished = store.finished(failed=not how.retry_failed)
-        jobs = list(missing_jobs(experiment, finished, how.crew))
-        if watcher is not None:
-            missing = sum(len(job.tasks) for job in jobs)
-            watcher.begin(len(experiment.policies) * len(experiment.tasks()), missing)
-        for records in fly_jobs(jobs) if jobs else ():
-            for record in records:
-                store.add(record, number, replace_failed=how.retry_failed)
-            if watcher is not None:
-                watcher.flown(records)
-
-
-def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]], workers: int) -> Iterator[Job]:
-    """Yield the episodes that are not finished, in jobs of one policy and one scenario."""
-    tasks = experiment.tasks()
-    missing = {
-        choice.name: [task for task in tasks if (choice.name, task) not in finished] for choice in experiment.policies
-    }
-    share = math.ceil(sum(map(len, missing.values())) / (JOBS_EACH * max(1, workers)))
-    for scenario in experiment.scenarios:
-        size = max(1, min(share, episodes_per_job(scenario, experiment.seed)))
-        for choice in experiment.policies:
-            of_both = [task for task in missing[choice.name] if task.scenario == scenario.name]
-            for start in range(0, len(of_both), size):
-                yield Job(choice, scenario, tuple(of_both[start : start + size]))
-
-
-def episodes_per_job(scenario: Scenario, seed: int) -> int:
-    """Return how many episodes make a job: fewer where they are long, so that progress shows and little is lost."""
-    cells = draw_floorplan(scenario, seed).truth.size
-    work = cells * scenario.budget_for(cells) * scenario.team
-    return max(1, min(JOB_EPISODES, JOB_WORK // work))
-
-
-def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
-    """Return what results say about a policy: where it comes from, its parameters, its weights, and a hash of all."""
-    parameters: dict[str, Any] = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
-    facts = {
-        "use": use,
-        "class": f"{type(policy).__module__}:{type(policy).__qualname__}",
-        "privileged": policy.privileged,
-        "parameters": {name: repr(value) for name, value in parameters.items()},
-        **policy.provenance(),
-    }
-    return facts | {"hash": hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]}
-
-
-def _make_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{out}: the folder cannot be made: {error.strerror}; choose another --out") from error
-    if not os.access(out, os.W_OK):
-        raise InputError(f"{out}: expected a folder that can be written, got a read-only one; choose another --out")
-
-
-def write_outputs(out: Path, ratio_to: Sequence[str] | None = None) -> Results:
-    """Write the exports and the report from ``out/results.db``."""
-    # imported here, as they take longer than everything else together and worker processes do without
-    from indoor_explorers.evaluation.exports import write_exports
-    from indoor_explorers.evaluation.report import write_report
-    from indoor_explorers.evaluation.results.results import Results
-
-    results = Results.load(out)
-    write_exports(results, out, ratio_to=ratio_to)
-    write_report(results, out / "report.html", ratio_to=ratio_to)
-    return results
+compare.__signature__ = _signature()  # type: ignore[attr-defined]

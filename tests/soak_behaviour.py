@@ -26,11 +26,12 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env.policies.registry import policy_names
-from indoor_explorers.evaluation.compare import plan
 from indoor_explorers.evaluation.episodes.metrics import WASTED, excused
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.experiment.planning import plan
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 
 #: A preset, or the path of a map file, and settings.
 World = tuple[str, dict[str, Any]]
@@ -92,12 +93,14 @@ class Case:
         """Fly it."""
         of_files = "." in self.preset
         planned = plan(
-            policies=[self.policy],
-            scenario=None if of_files else self.preset,
-            maps=[self.preset] if of_files else (),
-            resolution=self.resolution,
-            team=self.team,
-            settings=self.settings,
+            ComparisonRequest(
+                policies=[self.policy],
+                scenario=None if of_files else self.preset,
+                maps=[self.preset] if of_files else (),
+                resolution=self.resolution,
+                team=self.team,
+                settings=self.settings,
+            )
         )
         (choice,), (scenario,) = planned.policies, planned.scenarios
         (record,) = fly(choice.make(), choice.name, scenario, [Task(scenario.name, 0, self.seed)])

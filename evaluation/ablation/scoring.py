@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.evaluation.ablation.runs import Order, read_note
-from indoor_explorers.evaluation.compare import Execution, fly_missing
+from indoor_explorers.evaluation.driver import fly_missing
 from indoor_explorers.evaluation.experiment.experiment import build_experiment
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Estimate, difference_of_seeds, mean_of_seeds
 from indoor_explorers.evaluation.training import find_learner
@@ -71,7 +72,7 @@ def judge(
     module, task = find_learner(orders[0].learner), scenario.for_evaluation()
     policies = [module.flown(_weights(order)) | {"name": order.title} for order in finished]
     experiment = build_experiment(policies, [task], episodes=episodes, seed=FIRST_SEED, settings={})
-    fly_missing(experiment, out / FLIGHTS, Execution(workers=workers, command=command))
+    fly_missing(experiment, out / FLIGHTS, ComparisonRequest(workers=workers), command=command)
     results = Results.load(out / FLIGHTS)
     names = dict.fromkeys(order.variant for order in orders)
     groups = [[order for order in finished if order.variant == name] for name in names]

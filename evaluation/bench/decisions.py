@@ -12,10 +12,12 @@ from indoor_explorers.env import make_policy
 from indoor_explorers.env.scenarios.presets import scenario
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.bench.figure import median_of, seconds_of
-from indoor_explorers.evaluation.compare import JOB_EPISODES, plan, run
+from indoor_explorers.evaluation.driver import JOB_EPISODES, run
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.experiment.planning import plan
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.training import find_learner, nested
 
 #: Moves of an episode that the DDDQN learns from, on average and rounded up.
@@ -41,9 +43,9 @@ def overhead(policy: str) -> float:
 
 def comparison_time(episodes: int) -> float:
     """Return the seconds of a whole comparison with ``frontier-nearest``: workers, store, table and report."""
-    planned = plan(policies=["frontier-nearest"], scenario=scenario("thesis-obstacles"), episodes=episodes)
+    request = ComparisonRequest(policies=["frontier-nearest"], scenario="thesis-obstacles", episodes=episodes)
     with tempfile.TemporaryDirectory() as folder:
-        return seconds_of(lambda: run(planned, Path(folder) / "out"))
+        return seconds_of(lambda: run(plan(request), Path(folder) / "out"))
 
 
 class Trained(NamedTuple):

@@ -24,7 +24,9 @@ from indoor_explorers.evaluation.cli.check_table import print_findings, print_he
 from indoor_explorers.evaluation.cli.map_text import facts, picture
 from indoor_explorers.evaluation.cli.progress import ProgressBar
 from indoor_explorers.evaluation.cli.watch import watch
-from indoor_explorers.evaluation.compare import Execution, plan, run
+from indoor_explorers.evaluation.driver import run
+from indoor_explorers.evaluation.experiment.planning import plan
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.report.changes.against import compare_with
@@ -52,32 +54,14 @@ def _console() -> Console:
 def run_compare(arguments: argparse.Namespace) -> int:
     """Fly what is missing and print the headline table."""
     console = _console()
-    experiment = plan(
-        policies=arguments.policies,
-        scenario=arguments.scenario,
-        experiment=arguments.experiment,
-        maps=arguments.maps,
-        resolution=arguments.resolution,
-        team=arguments.team,
-        episodes=arguments.episodes,
-        seed=arguments.seed,
-        settings=dict(arguments.settings),
-    )
+    given = {name: value for name, value in vars(arguments).items() if name in ComparisonRequest.model_fields}
+    request = ComparisonRequest.of(**given)
+    experiment = plan(request)
     levels = {scenario.name: level_of(scenario.goal) for scenario in experiment.scenarios}
     with ProgressBar(console, levels) as bar:
-        execution = Execution(
-            workers=arguments.workers,
-            engine=arguments.engine,
-            address=arguments.address,
-            decision_timeout=arguments.decision_timeout,
-            memory_limit=arguments.memory_limit,
-            retry_failed=arguments.retry_failed,
-            watcher=bar,
-            command=arguments.words,
-        )
-        results = run(experiment, arguments.out, execution, ratio_to=arguments.ratio_to)
+        results = run(experiment, arguments.out, request, watcher=bar, command=arguments.words)
     console.print(headline_table(results, console.width))
-    _print_ratios(results, arguments.ratio_to, console)
+    _print_ratios(results, request.ratio_to, console)
     console.print(f"Report: {arguments.out / 'report.html'}", highlight=False, soft_wrap=True)
     return _status(results, console)
 
@@ -104,16 +88,17 @@ def _status(results: Results, console: Console) -> int:
 
 def run_watch(arguments: argparse.Namespace) -> int:
     """Fly one episode in a window, or into a file."""
-    experiment = plan(
-        policies=[arguments.policy],
+    request = ComparisonRequest(
+        policies=(arguments.policy,),
         scenario=arguments.scenario,
-        maps=[arguments.maps] if arguments.maps is not None else [],
+        maps=() if arguments.maps is None else (arguments.maps,),
         resolution=arguments.resolution,
         team=arguments.team,
         episodes=1,
         seed=arguments.seed,
-        settings=dict(arguments.settings),
+        settings=arguments.settings,
     )
+    experiment = plan(request)
     watch(experiment, _console(), save=arguments.save, steps=arguments.steps, fps=arguments.fps)
     return 0
 

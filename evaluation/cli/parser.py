@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import errno
-import io
 import os
 import shlex
 import sys
-import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from indoor_explorers.env import InputError, PolicyError
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.evaluation.cli import commands
-from indoor_explorers.evaluation.engines.factory import ENGINES
-from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT
+from indoor_explorers.evaluation.cli.arguments import add_options
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.options import (
+    read_count,
+    read_metres,
+    read_names,
+    read_natural,
+    read_rate,
+    read_setting,
+)
 
 #: Exit statuses.
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -31,47 +36,6 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message}; see {self.prog} --help")
-
-
-def _setting(text: str) -> tuple[str, Any]:
-    """Read ``key=value``; the value is TOML where it is TOML, else a plain word."""
-    key, equals, value = text.partition("=")
-    if not equals or not key:
-        raise argparse.ArgumentTypeError(f"expected key=value such as goal=0.9, got {text!r}")
-    try:
-        return key, tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        return key, value
-
-
-def _names(text: str) -> list[str]:
-    """Read names separated by commas; one in double quotes may hold commas, as in CSV."""
-    rows = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
-    names = [name.strip() for row in rows for name in row if name.strip()]
-    if not names:
-        raise argparse.ArgumentTypeError("expected names separated by commas, got none")
-    return names
-
-
-def _number(kind: type, least: float, what: str) -> Callable[[str], Any]:
-    def read(text: str) -> Any:
-        try:
-            value = kind(text)
-        except ValueError:
-            value = None
-        if value is None or not least <= value < float("inf"):
-            raise argparse.ArgumentTypeError(f"expected {what}, got {text!r}")
-        return value
-
-    return read
-
-
-_count = _number(int, 1, "a whole number of at least 1")
-_natural = _number(int, 0, "a whole number of at least 0")
-_metres = _number(float, 1e-6, "a number of metres above 0")
-_seconds = _number(float, 0.01, "a number of seconds of at least 0.01")
-_gigabytes = _number(float, 0.01, "a number of gigabytes of at least 0.01")
-_rate = _number(float, 0.1, "a number of frames a second of at least 0.1")
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -98,56 +62,21 @@ def build_parser() -> argparse.ArgumentParser:
 
 def _add_settings(parser: argparse.ArgumentParser, about: str) -> None:
     parser.add_argument(
-        "--set", dest="settings", type=_setting, nargs="+", action="extend", default=[], metavar="key=value", help=about
+        "--set", dest="settings", type=read_setting, nargs="+", action="extend", default=[], metavar="key=value",
+        help=about,
     )  # fmt: skip
 
 
 def _add_ratio_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--ratio-to", type=_names, metavar="a,b,...",
+        "--ratio-to", type=read_names, metavar="a,b,...",
         help="""print steps as ratios to these policies' on the same tasks (tables and page have them in any case: to
         frontier-nearest, or else the first policy, and to policies that know the map)""",
     )  # fmt: skip
 
 
 def _add_compare(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--experiment", metavar="FILE.toml", help="policies, scenarios, episodes, seed and settings")
-    parser.add_argument(
-        "--policies", type=_names, metavar="a,b,...",
-        help="""names of entries of the experiment, of policies, NAME:PATH such as sb3:DIR, or module:Class; a name
-        with a comma in it stands in double quotes, which the shell is not to see: '"dddqn, no guard",pso'""",
-    )  # fmt: skip
-    parser.add_argument(
-        "--scenario", type=_names, metavar="PRESET|FILE.toml",
-        help="one, or several with commas: names of entries of the experiment, presets, or files",
-    )  # fmt: skip
-    parser.add_argument("--maps", nargs="+", default=[], metavar="PATH", help="map files to explore instead")
-    parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample maps to")
-    parser.add_argument("--team", type=_count, metavar="N", help="UAVs")
-    parser.add_argument("--episodes", type=_count, metavar="N", help="seeds flown on each map (default 30)")
-    parser.add_argument("--seed", type=_natural, metavar="S", help="first seed (default 0)")
-    parser.add_argument(
-        "--workers", type=_natural, metavar="N",
-        help="processes (default: all cores; 0: this one, where policies that hang or die are not caught)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--decision-timeout", type=_seconds, default=DECISION_TIMEOUT, metavar="SECONDS",
-        help=f"a decision that takes longer fails its episode (default {DECISION_TIMEOUT:g}; compiling does not count)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--memory-limit", type=_gigabytes, metavar="GB",
-        help="a policy whose process uses more fails its episode (default: four fifths of the machine's / workers)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--retry-failed", action="store_true",
-        help="fly failed episodes again and replace them; otherwise they count as finished",
-    )  # fmt: skip
-    parser.add_argument(
-        "--engine", choices=ENGINES, default=ENGINES[0], help="where: worker processes, or a Ray cluster"
-    )
-    parser.add_argument("--address", metavar="HOST:PORT", help="the Ray cluster's head (default: as Ray finds one)")
-    _add_settings(parser, "scenario settings such as goal=0.9 or radio.range=3")
-    _add_ratio_to(parser)
+    add_options(parser, ComparisonRequest)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="results; resumed when it exists")
     parser.set_defaults(run=commands.run_compare)
 
@@ -158,13 +87,15 @@ def _add_watch(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="the task (default thesis-obstacles)")
     parser.add_argument("--maps", metavar="PATH", help="a map file to explore instead")
-    parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample the map to")
-    parser.add_argument("--team", type=_count, metavar="N", help="UAVs")
-    parser.add_argument("--seed", type=_natural, default=0, metavar="S", help="the episode that compare flies for it")
+    parser.add_argument("--resolution", type=read_metres, metavar="METRES", help="metres a cell to resample to")
+    parser.add_argument("--team", type=read_count, metavar="N", help="UAVs")
+    parser.add_argument(
+        "--seed", type=read_natural, default=0, metavar="S", help="the episode that compare flies for it"
+    )
     _add_settings(parser, "scenario settings such as goal=0.9 or radio.range=3")
     parser.add_argument("--save", type=Path, metavar="FILE", help="write a .gif, an .mp4, or the last moment as a .png")
-    parser.add_argument("--steps", type=_count, metavar="N", help="stop after N steps")
-    parser.add_argument("--fps", type=_rate, metavar="N", help="frames a second (default 8; long videos up to 25)")
+    parser.add_argument("--steps", type=read_count, metavar="N", help="stop after N steps")
+    parser.add_argument("--fps", type=read_rate, metavar="N", help="frames a second (default 8; long videos up to 25)")
     parser.set_defaults(run=commands.run_watch, interrupted="nothing was written")
 
 
@@ -172,9 +103,9 @@ def _add_maps(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "paths", nargs="*", metavar="PATH", help="map files: .yaml, .png, .pgm, .bmp, .map, .npy, .json"
     )
-    parser.add_argument("--resolution", type=_metres, metavar="METRES", help="metres a cell to resample to")
+    parser.add_argument("--resolution", type=read_metres, metavar="METRES", help="metres a cell to resample to")
     parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="show the maps of this scenario instead")
-    parser.add_argument("--seed", type=_natural, metavar="S", help="makes the map of a scenario (default 0)")
+    parser.add_argument("--seed", type=read_natural, metavar="S", help="makes the map of a scenario (default 0)")
     _add_settings(parser, "scenario settings such as map.height=128")
     parser.set_defaults(run=commands.show_maps)
 
@@ -185,7 +116,7 @@ def _add_report(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--against", type=Path, metavar="OLD", help="say what changed since the results of this folder")
     _add_ratio_to(parser)
     parser.add_argument(
-        "--replays", type=_natural, metavar="N",
+        "--replays", type=read_natural, metavar="N",
         help="replay N episodes of each scenario (default: as many as keep the page under 10 MB)",
     )  # fmt: skip
     parser.add_argument(
@@ -204,7 +135,7 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--scenario", metavar="PRESET|FILE.toml", help="what to train on (default thesis-obstacles)")
     _add_settings(parser, "hyperparameters of the training, such as batch=512 or observation.tours=false")
-    parser.add_argument("--seed", type=_natural, metavar="S", help="makes the whole training (default 1)")
+    parser.add_argument("--seed", type=read_natural, metavar="S", help="makes the whole training (default 1)")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="checkpoints, weights and history")
     parser.add_argument("--resume", action="store_true", help="go on from the checkpoint in DIR")
     parser.set_defaults(run=commands.run_train)
@@ -214,13 +145,15 @@ def _add_ablate(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--learner", default="dddqn", metavar="NAME", help="what learns (default dddqn)")
     parser.add_argument("--scenario", default="thesis-obstacles", metavar="PRESET|FILE.toml", help="what to train on")
     parser.add_argument(
-        "--only", type=_names, nargs="+", default=[["*"]], metavar="PATTERN", help="these variants and the full one"
+        "--only", type=read_names, nargs="+", default=[["*"]], metavar="PATTERN", help="these variants and the full one"
     )
-    parser.add_argument("--seeds", type=_count, default=3, metavar="N", help="trainings of each variant (default 3)")
-    _add_settings(parser, "hyperparameters of all trainings, such as total_steps=2000000")
-    parser.add_argument("--jobs", type=_count, default=1, metavar="N", help="trainings at once (default 1)")
     parser.add_argument(
-        "--episodes", type=_count, default=200, metavar="N", help="unseen maps each is judged on (default 200)"
+        "--seeds", type=read_count, default=3, metavar="N", help="trainings of each variant (default 3)"
+    )
+    _add_settings(parser, "hyperparameters of all trainings, such as total_steps=2000000")
+    parser.add_argument("--jobs", type=read_count, default=1, metavar="N", help="trainings at once (default 1)")
+    parser.add_argument(
+        "--episodes", type=read_count, default=200, metavar="N", help="unseen maps each is judged on (default 200)"
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="trainings, table, figures; resumed")
     parser.set_defaults(run=commands.run_ablate)
@@ -228,18 +161,22 @@ def _add_ablate(parser: argparse.ArgumentParser) -> None:
 
 def _add_thesis(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--episodes", type=_count, default=10_000, metavar="N",
+        "--episodes", type=read_count, default=10_000, metavar="N",
         help="training episodes in the empty room, five times as many among obstacles (default 10000, the thesis's)",
     )  # fmt: skip
     parser.add_argument(
-        "--versions", type=_names, default=["thesis", "mended"], metavar="a,b,...",
+        "--versions", type=read_names, default=["thesis", "mended"], metavar="a,b,...",
         help="thesis: as it was; mended: every mistake mended; a switch's name: this one alone; each: all such",
     )  # fmt: skip
     parser.add_argument(
-        "--only", type=_names, default=["*"], metavar="PATTERN,...", help="of the experiments, those named so: 'team-*'"
+        "--only",
+        type=read_names,
+        default=["*"],
+        metavar="PATTERN,...",
+        help="these of the experiments: 'team-*'",
     )
     _add_settings(parser, "hyperparameters of all trainings, such as environments=16")
-    parser.add_argument("--seed", type=_natural, default=1, metavar="S", help="makes every training (default 1)")
+    parser.add_argument("--seed", type=read_natural, default=1, metavar="S", help="makes every training (default 1)")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="trainings, page, figures; resumed")
     parser.set_defaults(run=commands.run_thesis_experiments)
 
@@ -253,7 +190,7 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
         "--figures", type=Path, metavar="DIR", help="draw that, too: growth and decisions, .svg and .png"
     )
     parser.add_argument("--all", action="store_true", help="all there are, also those that take minutes")
-    parser.add_argument("--only", type=_names, metavar="PATTERN,...", help="of all, those named so: 'world-*-core'")
+    parser.add_argument("--only", type=read_names, metavar="PATTERN,...", help="of all, those named so: 'world-*-core'")
     parser.set_defaults(run=commands.run_bench, interrupted="nothing was written")
 
 

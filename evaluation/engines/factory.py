@@ -11,9 +11,8 @@ from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT, limits_
 from indoor_explorers.evaluation.engines.local import fly_jobs
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.experiment.experiment import Job
+from indoor_explorers.evaluation.experiment.request import ENGINES
 
-#: The engines by name, the default first.
-ENGINES = ("local", "ray")
 #: Flies jobs and yields the records of each as it finishes, in whatever order.
 Engine = Callable[[Sequence[Job]], Iterator[list[Record]]]
 

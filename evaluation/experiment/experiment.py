@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from indoor_explorers.env import InputError, Policy, Scenario, make_policy
-from indoor_explorers.env.errors import did_you_mean
-from indoor_explorers.env.scenarios.validation import read_toml, validated
+from indoor_explorers.env import Policy, Scenario, make_policy
+from indoor_explorers.env.scenarios.validation import validated
 
 
 class Task(NamedTuple):
@@ -106,7 +105,7 @@ class Experiment(BaseModel):
         return next(scenario for scenario in self.scenarios if scenario.name == name)
 
     def to_toml(self) -> str:
-        """Print the experiment as TOML that :func:`read_experiment` reads back, every setting of every scenario in it.
+        """Print the experiment as TOML that can be read back, every setting of every scenario in it.
 
         Paths of map files are written as absolute ones.
         """
@@ -130,33 +129,16 @@ def merged_experiments(texts: Sequence[str]) -> str:
     return tomli_w.dumps(runs[-1] | whole)
 
 
-#: Keys of an experiment file.
-KEYS = ("policies", "scenarios", "episodes", "seed", "set")
-
-
-def read_experiment(path: Path) -> dict[str, Any]:
-    """Read an experiment file into a mapping of :data:`KEYS`, not yet validated."""
-    data = read_toml(path)
-    for key in data:
-        if key not in KEYS:
-            raise InputError(f"{path}: unknown key {key!r}{did_you_mean(key, KEYS)}")
-    for key in ("policies", "scenarios"):
-        if key in data and not isinstance(data[key], list):
-            raise InputError(f"{path}: expected {key} to be a list, got {data[key]!r}")
-    if not isinstance(data.get("set", {}), dict):
-        raise InputError(f"{path}: expected [set] to be a table of settings, got {data['set']!r}")
-    return data
-
-
 def build_experiment(
     policies: Sequence[Any],
     scenarios: Sequence[Scenario],
     *,
-    episodes: int,
-    seed: int,
+    episodes: int | None = None,
+    seed: int | None = None,
     settings: Mapping[str, Any],
 ) -> Experiment:
     """Put an experiment together from scenarios as they are flown, and ``settings`` on each of them."""
-    flown = [scenario.with_settings(settings) for scenario in scenarios]
-    data = {"policies": tuple(policies), "scenarios": tuple(flown), "episodes": episodes, "seed": seed}
-    return validated(Experiment, data, "experiment")
+    flown = tuple(scenario.with_settings(settings) for scenario in scenarios)
+    numbers = {"episodes": episodes, "seed": seed}
+    given = {name: value for name, value in numbers.items() if value is not None}
+    return validated(Experiment, {"policies": tuple(policies), "scenarios": flown, **given}, "experiment")

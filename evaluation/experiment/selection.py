@@ -1,4 +1,4 @@
-"""What of an experiment file is flown, all of it or entries that were named, and whom its policies are set against."""
+"""What of an experiment file is flown, all of it or the entries named, and which policies are the baselines."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ def _policy_name(entry: Any) -> str:
     return str(name).strip()
 
 
-def chosen_scenarios(asked: Any, listed: Sequence[Any] | None, folder: Path) -> list[Scenario]:
+def chosen_scenarios(asked: Sequence[Any] | None, listed: Sequence[Any] | None, folder: Path) -> list[Scenario]:
     """Return the scenarios asked for in the form comparisons fly; the name of an entry of the file means that entry.
 
     Args:
-        asked: a preset's name, a ``.toml`` file or a scenario, or several; None asks for all that the file lists.
+        asked: presets' names, ``.toml`` files or scenarios; None asks for all that the file lists.
         listed: the entries of the experiment file: presets' names, ``.toml`` files, or tables of settings; None where
             there are none.
         folder: where the experiment file lies; paths in it are relative to it.
@@ -52,8 +52,7 @@ def chosen_scenarios(asked: Any, listed: Sequence[Any] | None, folder: Path) -> 
     if asked is None:
         return own
     entries = {scenario.name.strip(): scenario for scenario in own}
-    names = [asked] if isinstance(asked, (str, Scenario)) else list(asked)
-    return [_asked_scenario(name, entries) for name in names]
+    return [_asked_scenario(name, entries) for name in asked]
 
 
 def _asked_scenario(asked: str | Scenario, entries: Mapping[str, Scenario]) -> Scenario:

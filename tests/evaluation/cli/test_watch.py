@@ -11,8 +11,9 @@ from PIL import Image
 from indoor_explorers.env import World, make_policy
 from indoor_explorers.env.rendering.window import Window, load_pygame
 from indoor_explorers.evaluation.cli.watch import flight
-from indoor_explorers.evaluation.compare import plan
 from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.planning import plan
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from tests.evaluation.cli.test_cli import PLUGINS, run, start
 
 
@@ -28,7 +29,7 @@ WATCH = ["watch", "--policy", "frontier-minpos", "--scenario", "thesis-team-2"]
 @pytest.mark.parametrize("seed", [0, 5])
 def test_the_episode_is_the_one_that_compare_flies(policy, seed):
     """Messages and batched policies included."""
-    experiment = plan(policies=[policy], scenario="thesis-team-4", episodes=1, seed=seed)
+    experiment = plan(ComparisonRequest(policies=[policy], scenario="thesis-team-4", episodes=1, seed=seed))
     scenario = experiment.scenarios[0]
     (record,) = fly(make_policy(policy), policy, scenario, experiment.tasks())
     world, cells, covered = World(scenario), [], []

@@ -6,8 +6,9 @@ import pytest
 
 from indoor_explorers.env import PRESETS, InputError, Scenario
 from indoor_explorers.env.scenarios.scenario import Radio
-from indoor_explorers.evaluation.compare import plan
 from indoor_explorers.evaluation.experiment.experiment import Experiment
+from indoor_explorers.evaluation.experiment.planning import plan
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.experiment.selection import DEFAULT_POLICIES
 
 EXPERIMENTS = Path(__file__).parents[3] / "evaluation" / "experiments"
@@ -32,13 +33,14 @@ def file(tmp_path):
 
 
 def test_everything_that_the_file_lists_is_flown(file):
-    planned = plan(experiment=file)
+    planned = plan(ComparisonRequest(experiment=file))
     assert [choice.name for choice in planned.policies] == ["random", "dddqn, no guard", "pso "]
     assert [task.name for task in planned.scenarios] == ["thesis-open", "a far one", "office, far", "pso"]
 
 
 def test_names_of_entries_are_those_entries(file):
-    planned = plan(experiment=file, policies=["dddqn, no guard", "frontier-nearest", "pso"], scenario=["office, far"])
+    names = ["dddqn, no guard", "frontier-nearest", "pso"]
+    planned = plan(ComparisonRequest(experiment=file, policies=names, scenario=["office, far"]))
     assert [(choice.use, choice.name) for choice in planned.policies] == [
         *[("pso", "dddqn, no guard"), ("frontier-nearest", "frontier-nearest"), ("pso", "pso ")]
     ]
@@ -48,27 +50,28 @@ def test_names_of_entries_are_those_entries(file):
 
 
 def test_other_names_are_presets_files_and_policies(file, monkeypatch):
-    assert plan(experiment=file, scenario="maze").scenarios[0] == PRESETS["maze"].for_evaluation()
+    assert plan(ComparisonRequest(experiment=file, scenario="maze")).scenarios[0] == PRESETS["maze"].for_evaluation()
     monkeypatch.chdir(file.parent)
-    assert plan(experiment=file, scenario=["far.toml"]).scenarios[0].name == "a far one"
+    assert plan(ComparisonRequest(experiment=file, scenario=["far.toml"])).scenarios[0].name == "a far one"
     with pytest.raises(InputError, match=r"unknown scenario 'offic' \(expected a preset or a .toml file\)"):
-        plan(experiment=file, scenario=["offic"])
-    assert tuple(choice.use for choice in plan().policies) == DEFAULT_POLICIES
+        plan(ComparisonRequest(experiment=file, scenario=["offic"]))
+    assert tuple(choice.use for choice in plan(ComparisonRequest()).policies) == DEFAULT_POLICIES
 
 
 def test_a_table_is_flown_as_it_says_and_else_as_comparisons_are(file):
-    told, untold = plan(experiment=file, scenario=["office, far", "pso"]).scenarios
+    told, untold = plan(ComparisonRequest(experiment=file, scenario=["office, far", "pso"])).scenarios
     assert (told.goal, told.goal_of, told.denominator, told.budget) == (0.95, "team", "reachable", 1500)
     assert (untold.goal, untold.goal_of, untold.stuck.rule, untold.budget) == (1.0, "team", "off", None)
     assert untold.spawn == ((0, 0), (0, 1), (0, 2))
-    assert plan(experiment=file, scenario="a far one", settings={"goal": 0.5}).scenarios[0].goal == 0.5
+    (far,) = plan(ComparisonRequest(experiment=file, scenario="a far one", settings={"goal": 0.5})).scenarios
+    assert far.goal == 0.5
 
 
 def test_an_experiment_printed_is_the_same_experiment(file, tmp_path):
     for settings in ({}, {"goal": 0.9, "goal_of": "agent", "denominator": "map", "stuck.rule": "oscillation"}):
-        planned = plan(experiment=file, settings=settings)
+        planned = plan(ComparisonRequest(experiment=file, settings=settings))
         (tmp_path / "again.toml").write_text(planned.to_toml())
-        again = plan(experiment=tmp_path / "again.toml")
+        again = plan(ComparisonRequest(experiment=tmp_path / "again.toml"))
         assert isinstance(again, Experiment)
         assert again == planned
         assert [task.fingerprint for task in again.scenarios] == [task.fingerprint for task in planned.scenarios]
@@ -77,10 +80,10 @@ def test_an_experiment_printed_is_the_same_experiment(file, tmp_path):
 def test_map_files_stay_where_they_are(tmp_path, monkeypatch):
     (tmp_path / "floor.png").write_bytes(b"")
     monkeypatch.chdir(tmp_path)
-    planned = plan(maps=["floor.png"], policies=["random"])
+    planned = plan(ComparisonRequest(maps=["floor.png"], policies=["random"]))
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "plan.toml").write_text(planned.to_toml())
-    again = plan(experiment=tmp_path / "other" / "plan.toml")
+    again = plan(ComparisonRequest(experiment=tmp_path / "other" / "plan.toml"))
     assert again.scenarios[0].map.paths == (str(tmp_path / "floor.png"),)
     assert again.scenarios[0].name == planned.scenarios[0].name == "floor"
 
@@ -97,18 +100,18 @@ def test_map_files_stay_where_they_are(tmp_path, monkeypatch):
 def test_entries_that_are_no_scenario_are_refused(entry, message, tmp_path):
     (tmp_path / "plan.toml").write_text(f"scenarios = [{entry}]\n")
     with pytest.raises(InputError) as caught:
-        plan(experiment=tmp_path / "plan.toml")
+        plan(ComparisonRequest(experiment=tmp_path / "plan.toml"))
     assert message in str(caught.value)
 
 
 def test_a_scenario_of_ones_own_is_flown_as_comparisons_are():
     own = Scenario(name="own", team=2)
-    assert plan(scenario=own).scenarios == (own.for_evaluation(),)
+    assert plan(ComparisonRequest(scenario=own)).scenarios == (own.for_evaluation(),)
 
 
 @pytest.mark.parametrize("path", sorted(EXPERIMENTS.glob("*.toml")), ids=lambda path: path.stem)
 def test_shipped_experiments_can_be_planned(path):
-    experiment = plan(experiment=path)
+    experiment = plan(ComparisonRequest(experiment=path))
     assert len(experiment.policies) >= 3
     assert all(scenario.goal_of == "team" for scenario in experiment.scenarios)
     told = 0.9 if path.stem.endswith("-90") else 1.0
@@ -116,7 +119,7 @@ def test_shipped_experiments_can_be_planned(path):
 
 
 def test_the_buildings_differ_in_team_and_radio_alone():
-    experiment = plan(experiment=EXPERIMENTS / "planners-buildings.toml")
+    experiment = plan(ComparisonRequest(experiment=EXPERIMENTS / "planners-buildings.toml"))
     assert len(experiment.scenarios) == 20
     assert len({scenario.fingerprint for scenario in experiment.scenarios}) == 20
     for kind in ("rooms", "offices", "cave", "maze"):

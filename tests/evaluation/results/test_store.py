@@ -9,10 +9,11 @@ import pytest
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.evaluation.compare import plan
 from indoor_explorers.evaluation.episodes.record import Outcome
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task, build_experiment
+from indoor_explorers.evaluation.experiment.planning import plan
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.results.store import Store
 from tests.evaluation.plugins import Wander
 
@@ -164,7 +165,7 @@ def test_what_all_runs_flew_is_one_experiment(tmp_path):
     with Store(tmp_path / "results.db") as store:
         store.begin_run(other, about(other), {})
         (tmp_path / "all.toml").write_text(store.experiment())
-    planned = plan(experiment=tmp_path / "all.toml")
+    planned = plan(ComparisonRequest(experiment=tmp_path / "all.toml"))
     assert [choice.name for choice in planned.policies] == ["w", "v, w"]
     assert planned.policies[1] == other.policies[0]
     assert (planned.scenarios, planned.episodes, planned.seed) == (other.scenarios, 3, 5)

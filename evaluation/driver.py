@@ -1,0 +1,156 @@
+"""The driver of a comparison: fly what is missing, store it, and write the table, the figures and the report."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import math
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from indoor_explorers.env import InputError, Policy, Scenario
+from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
+from indoor_explorers.evaluation.engines.factory import make_engine
+from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.experiment.experiment import Experiment, Job, Task
+from indoor_explorers.evaluation.experiment.provenance import run_facts
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.experiment.selection import chosen_baselines
+from indoor_explorers.evaluation.results.store import Store
+
+if TYPE_CHECKING:
+    from indoor_explorers.evaluation.results.results import Results
+
+#: The most episodes of a job, and its most cells x steps x UAVs: what a worker loses at most when a run is killed.
+#: Learned policies decide for a whole job at once; of fifty episodes each costs a sixth less than of ten.
+JOB_EPISODES, JOB_WORK = 50, 40_000_000
+#: The fewest jobs that each worker gets, as long as there are episodes: so that all end at about the same time.
+JOBS_EACH = 4
+#: Workers that jobs are cut for where nobody knows how many there will be.
+CLUSTER = 32
+#: How episodes are flown where nothing else is asked for.
+DEFAULTS = ComparisonRequest()
+
+
+class Watcher(Protocol):
+    """Is told about the progress of a run."""
+
+    def begin(self, total: int, missing: int) -> None:
+        """Be told how many episodes there are, and how many of them are not in the store yet."""
+
+    def flown(self, records: Sequence[Record]) -> None:
+        """Be told of newly stored episodes."""
+
+
+def run(
+    experiment: Experiment,
+    out: Path,
+    request: ComparisonRequest = DEFAULTS,
+    *,
+    watcher: Watcher | None = None,
+    command: str = "",
+) -> Results:
+    """Fly what ``out`` does not hold yet and write everything that is made from it.
+
+    How it is flown is what ``request`` says; see :func:`~indoor_explorers.evaluation.compare.compare`.
+    """
+    fly_missing(experiment, out, request, watcher=watcher, command=command)
+    return write_outputs(out, request.ratio_to)
+
+
+def fly_missing(
+    experiment: Experiment,
+    out: Path,
+    request: ComparisonRequest = DEFAULTS,
+    *,
+    watcher: Watcher | None = None,
+    command: str = "",
+) -> None:
+    """Fly what ``out/results.db`` does not hold yet, and write nothing else; see :func:`run`."""
+    how = request
+    fly_jobs = make_engine(how.engine, how.workers, how.address, how.decision_timeout, how.memory_limit)
+    about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
+    for scenario in experiment.scenarios:
+        for index in range(scenario.map.count):
+            draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
+    _make_folder(out)
+    with Store(out / "results.db") as store:
+        chosen_baselines([*store.policies(), *about], [], how.ratio_to)  # refuses unknown ones before anything is flown
+        number = store.begin_run(experiment, about, run_facts(command, how.engine, how.workers))
+        finished = store.finished(failed=not how.retry_failed)
+        jobs = list(missing_jobs(experiment, finished, _crew(how)))
+        if watcher is not None:
+            missing = sum(len(job.tasks) for job in jobs)
+            watcher.begin(len(experiment.policies) * len(experiment.tasks()), missing)
+        for records in fly_jobs(jobs) if jobs else ():
+            for record in records:
+                store.add(record, number, replace_failed=how.retry_failed)
+            if watcher is not None:
+                watcher.flown(records)
+
+
+def _crew(request: ComparisonRequest) -> int:
+    """Return the number of workers that jobs are cut for."""
+    if request.workers is not None:
+        return request.workers
+    return CLUSTER if request.engine == "ray" else os.cpu_count() or 1
+
+
+def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]], workers: int) -> Iterator[Job]:
+    """Yield the episodes that are not finished, in jobs of one policy and one scenario."""
+    tasks = experiment.tasks()
+    missing = {
+        choice.name: [task for task in tasks if (choice.name, task) not in finished] for choice in experiment.policies
+    }
+    share = math.ceil(sum(map(len, missing.values())) / (JOBS_EACH * max(1, workers)))
+    for scenario in experiment.scenarios:
+        size = max(1, min(share, episodes_per_job(scenario, experiment.seed)))
+        for choice in experiment.policies:
+            of_both = [task for task in missing[choice.name] if task.scenario == scenario.name]
+            for start in range(0, len(of_both), size):
+                yield Job(choice, scenario, tuple(of_both[start : start + size]))
+
+
+def episodes_per_job(scenario: Scenario, seed: int) -> int:
+    """Return how many episodes make a job: fewer where they are long, so that progress shows and little is lost."""
+    cells = draw_floorplan(scenario, seed).truth.size
+    work = cells * scenario.budget_for(cells) * scenario.team
+    return max(1, min(JOB_EPISODES, JOB_WORK // work))
+
+
+def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
+    """Return what results say about a policy: where it comes from, its parameters, its weights, and a hash of all."""
+    parameters: dict[str, Any] = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
+    facts = {
+        "use": use,
+        "class": f"{type(policy).__module__}:{type(policy).__qualname__}",
+        "privileged": policy.privileged,
+        "parameters": {name: repr(value) for name, value in parameters.items()},
+        **policy.provenance(),
+    }
+    return facts | {"hash": hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]}
+
+
+def _make_folder(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{out}: the folder cannot be made: {error.strerror}; choose another --out") from error
+    if not os.access(out, os.W_OK):
+        raise InputError(f"{out}: expected a folder that can be written, got a read-only one; choose another --out")
+
+
+def write_outputs(out: Path, ratio_to: Sequence[str] | None = None) -> Results:
+    """Write the exports and the report from ``out/results.db``."""
+    # imported here, as they take longer than everything else together and worker processes do without
+    from indoor_explorers.evaluation.exports import write_exports
+    from indoor_explorers.evaluation.report import write_report
+    from indoor_explorers.evaluation.results.results import Results
+
+    results = Results.load(out)
+    write_exports(results, out, ratio_to=ratio_to)
+    write_report(results, out / "report.html", ratio_to=ratio_to)
+    return results

@@ -1,0 +1,66 @@
+"""From a request to an experiment, by way of the file that the request may name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.errors import did_you_mean
+from indoor_explorers.env.scenarios.presets import on_files
+from indoor_explorers.env.scenarios.validation import read_toml, validated
+from indoor_explorers.evaluation.experiment.experiment import Experiment, build_experiment
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.experiment.selection import chosen_policies, chosen_scenarios
+
+#: Keys of an experiment file, and the fields of a request that they fill.
+KEYS = {"policies": "policies", "scenarios": "scenario", "episodes": "episodes", "seed": "seed", "set": "settings"}
+
+
+def plan(request: ComparisonRequest) -> Experiment:
+    """Put an experiment together from a request and the file that it names.
+
+    Of the policies and scenarios asked for, those named like an entry of the file are that entry.
+
+    Raises:
+        InputError: something asked for does not exist or does not fit together.
+
+    """
+    file = ComparisonRequest() if request.experiment is None else read_experiment(request.experiment)
+    team = {} if request.team is None else {"team": request.team}
+    return build_experiment(
+        chosen_policies(request.policies, file.policies),
+        _scenarios(request, file),
+        episodes=file.episodes if request.episodes is None else request.episodes,
+        seed=file.seed if request.seed is None else request.seed,
+        settings={**file.settings, **request.settings, **team},
+    )
+
+
+def read_experiment(path: Path) -> ComparisonRequest:
+    """Read an experiment file; its policies and scenarios may be tables, which are not yet validated."""
+    data = read_toml(path)
+    for key in data:
+        if key not in KEYS:
+            raise InputError(f"{path}: unknown key {key!r}{did_you_mean(key, KEYS)}")
+    for key in ("policies", "scenarios"):
+        if key in data and not isinstance(data[key], list):
+            raise InputError(f"{path}: expected {key} to be a list, got {data[key]!r}")
+    if not isinstance(data.get("set", {}), dict):
+        raise InputError(f"{path}: expected [set] to be a table of settings, got {data['set']!r}")
+    return validated(ComparisonRequest, {KEYS[key]: value for key, value in data.items()}, str(path))
+
+
+def _scenarios(request: ComparisonRequest, file: ComparisonRequest) -> list[Scenario]:
+    """Return the scenarios asked for, on the map files asked for where there are any."""
+    if request.resolution is not None and not request.maps:
+        raise InputError("expected --maps with --resolution, got none; name the map files to resample")
+    folder = Path() if request.experiment is None else request.experiment.parent
+    if not request.maps:
+        return chosen_scenarios(request.scenario, file.scenario, folder)
+    files = on_files(request.maps, request.resolution).for_evaluation()
+    if request.scenario is None and file.scenario is None:
+        return [files]
+    return [
+        each.model_copy(update={"name": f"{each.name} on {files.name}", "map": files.map, "budget": None})
+        for each in chosen_scenarios(request.scenario, file.scenario, folder)
+    ]

@@ -1,0 +1,107 @@
+"""What a comparison is asked for: one request that the command line, an experiment file and Python all fill."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict
+
+from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT
+from indoor_explorers.evaluation.options import (
+    Option,
+    read_count,
+    read_gigabytes,
+    read_metres,
+    read_names,
+    read_natural,
+    read_seconds,
+    read_setting,
+)
+
+#: Where episodes can be flown, the default first.
+ENGINES = ("local", "ray")
+
+
+def _several(value: Any) -> Any:
+    """Return one entry as a tuple of one."""
+    one = isinstance(value, (str, Path, Mapping)) or not isinstance(value, Sequence)
+    return value if value is None else (value,) if one else tuple(value)
+
+
+def _paths(value: Any) -> Any:
+    return tuple(str(path) for path in _several(value) or ())
+
+
+def _settings(value: Any) -> Any:
+    """Return pairs of a key and a value as a mapping."""
+    return dict(value or {}) if value is None or isinstance(value, (Mapping, list, tuple)) else value
+
+
+SCENARIO = Option(metavar="PRESET|FILE.toml", read=read_names)
+RESOLUTION = Option(metavar="METRES", read=read_metres)
+TEAM = Option(metavar="N", read=read_count)
+SEED = Option(metavar="S", read=read_natural)
+SETTINGS = Option(metavar="key=value", read=read_setting, several=True, flag="--set")
+POLICIES = Option(metavar="a,b,...", read=read_names)
+#: Settings by dotted keys; pairs of a key and a value will do.
+Settings = Annotated[Mapping[str, Any], BeforeValidator(_settings), SETTINGS]
+
+
+class Request(BaseModel):
+    """A frozen set of options; their docstrings are the help of the command line."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, arbitrary_types_allowed=True)
+
+
+class ComparisonRequest(Request):
+    """What a comparison is asked for. A new option is a field here, and nothing else."""
+
+    experiment: Annotated[Path | None, Option(metavar="FILE.toml")] = None
+    """Policies, scenarios, episodes, seed and settings in a file; what is given beside it goes first."""
+    policies: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), POLICIES] = None
+    """Names of entries of the experiment, of policies, NAME:PATH such as sb3:DIR, or module:Class. A name with a comma
+    in it stands in double quotes, which the shell must not remove: '"dddqn, no guard",pso'."""
+    scenario: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), SCENARIO] = None
+    """One, or several with commas: names of entries of the experiment, presets, or files."""
+    maps: Annotated[tuple[str, ...], BeforeValidator(_paths), Option(metavar="PATH", several=True)] = ()
+    """Map files to explore instead."""
+    resolution: Annotated[float | None, RESOLUTION] = None
+    """Metres per cell to resample map files to."""
+    team: Annotated[int | None, TEAM] = None
+    """Number of UAVs."""
+    episodes: Annotated[int | None, Option(metavar="N", read=read_count)] = None
+    """Seeds flown on each map (default 30)."""
+    seed: Annotated[int | None, SEED] = None
+    """First seed (default 0)."""
+    settings: Settings = {}
+    """Scenario settings such as goal=0.9 or radio.range=3."""
+    workers: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
+    """Worker processes (default: all cores). 0 flies in this process, where policies that hang or die are not
+    caught."""
+    decision_timeout: Annotated[float | None, Option(metavar="SECONDS", read=read_seconds)] = DECISION_TIMEOUT
+    """A decision that takes longer fails its episode; compiling does not count."""
+    memory_limit: Annotated[float | None, Option(metavar="GB", read=read_gigabytes)] = None
+    """A policy whose process uses more fails its episode (default: four fifths of the machine's memory / workers)."""
+    retry_failed: Annotated[bool, Option()] = False
+    """Fly failed episodes again and replace them; otherwise they count as finished."""
+    engine: Annotated[str, Option(choices=ENGINES)] = ENGINES[0]
+    """Where episodes are flown: in worker processes of this machine, or on a Ray cluster."""
+    address: Annotated[str | None, Option(metavar="HOST:PORT")] = None
+    """The Ray cluster's head (default: as Ray finds one)."""
+    ratio_to: Annotated[tuple[str, ...] | None, BeforeValidator(_several), POLICIES] = None
+    """Print steps as ratios to these policies' on the same tasks. Tables and page have ratios in any case: to
+    frontier-nearest, or else the first policy, and to policies that know the map."""
+
+    @classmethod
+    def of(cls, **options: Any) -> ComparisonRequest:
+        """Return the request for some options.
+
+        Raises:
+            InputError: there is no such option, or it takes no such value.
+        """
+        # imported here, since the command line shows its help without the world
+        from indoor_explorers.env.scenarios.validation import validated
+
+        return validated(cls, options, "comparison")
