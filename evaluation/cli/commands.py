@@ -29,10 +29,9 @@ from indoor_explorers.evaluation.experiment.planning import plan
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.report import write_report
+from indoor_explorers.evaluation.report.analysis.failures import by_cause, failed
 from indoor_explorers.evaluation.report.changes.against import compare_with
 from indoor_explorers.evaluation.report.changes.against_table import against_lines
-from indoor_explorers.evaluation.report.panels.causes import alike
-from indoor_explorers.evaluation.report.tables.columns import failed
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
 from indoor_explorers.evaluation.results.combine import combined
@@ -74,7 +73,7 @@ def _print_ratios(results: Results, asked: Sequence[str] | None, console: Consol
 def _status(results: Results, console: Console) -> int:
     broken = failed(results.records)
     flown = Counter(record.policy for record in results.records)
-    for records in alike(broken):
+    for records in by_cause(broken):
         first = records[0]
         console.print(
             f"failed: {first.policy} in {len(records)} of {flown[first.policy]} episodes, first on "

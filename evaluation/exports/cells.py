@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import failed
+from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent
 from indoor_explorers.evaluation.report.summary.facts import denominator
-from indoor_explorers.evaluation.report.tables.columns import failed
 from indoor_explorers.evaluation.report.tables.headline_table import latency
 from indoor_explorers.evaluation.results.coverage_level import NEARLY_ALL, Level, tabled
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, contrasts
 
 
 @dataclass(frozen=True)
-class Cell:
+class ExportCell:
     """One figure."""
 
     text: str
@@ -26,35 +26,36 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Row:
+class ExportRow:
     """The figures of one policy, in the order of the headline table's ``headings``."""
 
     policy: str
     privileged: bool
-    cells: tuple[Cell, ...]
+    cells: tuple[ExportCell, ...]
 
 
-def table_rows(comparison: Comparison) -> list[Row]:
+def table_rows(comparison: Comparison) -> list[ExportRow]:
     """Return a row for each policy, in the experiment's order."""
     best = {metric: shown_best(comparison, metric) for metric in (*comparison.level.times, "auc")}
     return [
-        Row(policy, comparison.privileged(policy), _cells(comparison, policy, best)) for policy in comparison.groups
+        ExportRow(policy, comparison.privileged(policy), _cells(comparison, policy, best))
+        for policy in comparison.groups
     ]
 
 
-def _cells(comparison: Comparison, policy: str, best: dict[str, str | None]) -> tuple[Cell, ...]:
+def _cells(comparison: Comparison, policy: str, best: dict[str, str | None]) -> tuple[ExportCell, ...]:
     *times, auc = (
         replace(_measured(comparison, policy, metric, decimals), best=best.get(metric) == policy)
         for metric, decimals in (*((key, 1) for key in tabled([comparison.level])), ("auc", 3))
     )
-    reached = Cell(percent(comparison.reached(policy)))
-    failures = Cell(str(len(failed(comparison.groups[policy]))))
-    return *times, reached, failures, auc, Cell(latency(comparison.estimate(policy, "latency_p50_us").mean))
+    reached = ExportCell(percent(comparison.reached(policy)))
+    failures = ExportCell(str(len(failed(comparison.groups[policy]))))
+    return *times, reached, failures, auc, ExportCell(latency(comparison.estimate(policy, "latency_p50_us").mean))
 
 
-def _measured(comparison: Comparison, policy: str, metric: str, decimals: int) -> Cell:
+def _measured(comparison: Comparison, policy: str, metric: str, decimals: int) -> ExportCell:
     estimate = comparison.estimate(policy, metric)
-    return Cell(fixed(estimate.mean, decimals), interval(estimate, decimals))
+    return ExportCell(fixed(estimate.mean, decimals), interval(estimate, decimals))
 
 
 def shown_best(comparison: Comparison, metric: str) -> str | None:
@@ -63,7 +64,7 @@ def shown_best(comparison: Comparison, metric: str) -> str | None:
     A difference is shown where the sign-flip test's p-value, adjusted by Holm's method for the number of
     policies, is at most 0.05. Policies that know the map do not compete.
     """
-    common = Outcomes.of(comparison, metric).common()
+    common = TaskTimes.of(comparison, metric).common()
     if len(common.policies) < 2 or not common.tasks:
         return None
     values = dict(zip(common.policies, common.times.T, strict=True))

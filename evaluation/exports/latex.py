@@ -9,10 +9,9 @@ from __future__ import annotations
 import re
 import unicodedata
 
-from indoor_explorers.evaluation.exports.cells import Cell, Row, caption, table_rows
-from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.figures import slug
-from indoor_explorers.evaluation.report.style.formatting import EN_DASH, MINUS, THIN_SPACE
+from indoor_explorers.evaluation.exports.cells import ExportCell, ExportRow, caption, table_rows
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.style.formatting import EN_DASH, MINUS, THIN_SPACE, slug
 from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.results.results import Results
 
@@ -74,7 +73,7 @@ def _table(comparison: Comparison, number: str) -> str:
     return "\n".join(lines)
 
 
-def _row(row: Row) -> list[str]:
+def _row(row: ExportRow) -> list[str]:
     """Return a line of figures and, where there are any, one of their intervals; a group guards a leading bracket."""
     name = f"{{{escaped(row.policy)}}}" + (" (knows the map)" if row.privileged else "")
     lines = ["    " + " & ".join((name, *map(_figure, row.cells))) + r" \\"]
@@ -83,11 +82,11 @@ def _row(row: Row) -> list[str]:
     return lines
 
 
-def _figure(cell: Cell) -> str:
+def _figure(cell: ExportCell) -> str:
     return rf"\textbf{{{escaped(cell.text)}}}" if cell.best else escaped(cell.text)
 
 
-def _interval(cell: Cell) -> str:
+def _interval(cell: ExportCell) -> str:
     return rf"{{\scriptsize {escaped(cell.interval)}}}" if cell.interval else ""
 
 

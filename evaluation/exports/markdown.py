@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from indoor_explorers.evaluation.exports.cells import Cell, Row, caption, table_rows
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.exports.cells import ExportCell, ExportRow, caption, table_rows
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.report.tables.ratio_table import RatioTable, ratio_tables
 from indoor_explorers.evaluation.results.ratios import Ratios
@@ -40,11 +40,11 @@ def _line(cells: list[str]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def _name(row: Row) -> str:
+def _name(row: ExportRow) -> str:
     return escaped(row.policy) + (" (knows the map)" if row.privileged else "")
 
 
-def _figure(cell: Cell) -> str:
+def _figure(cell: ExportCell) -> str:
     text = f"**{cell.text}**" if cell.best else cell.text
     return f"{text} {cell.interval}".strip()
 

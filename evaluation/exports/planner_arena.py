@@ -20,9 +20,9 @@ from typing import Any
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
 from indoor_explorers.evaluation.episodes.record import Outcome
-from indoor_explorers.evaluation.report.charts.axes import coverage_at, sampled_steps
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, sampled_steps
 from indoor_explorers.evaluation.report.charts.interactive import WHO
-from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.summary.facts import denominator, setting_rows
 from indoor_explorers.evaluation.results.results import Results
 
@@ -44,7 +44,7 @@ CREATE TABLE progress (
     FOREIGN KEY (runid) REFERENCES runs (id) ON DELETE CASCADE
 );
 """
-#: What ``status`` counts, and whether the goal was reached: the outcomes of an episode.
+#: What ``status`` counts, and whether the goal was reached: the task_times of an episode.
 STATUSES = {
     Outcome.COMPLETE: "Goal coverage reached",
     Outcome.BUDGET: "Budget ran out",

@@ -8,8 +8,8 @@ from pathlib import Path
 import pandas as pd
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.charts.axes import coverage_at, sampled_steps
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, sampled_steps
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import curve_band
 

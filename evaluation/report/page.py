@@ -13,26 +13,28 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import ending
 from indoor_explorers.evaluation.report.changes.against import Against
-from indoor_explorers.evaluation.report.charts.dot_strips import swatch
+from indoor_explorers.evaluation.report.charts.dot_plots import swatch
 from indoor_explorers.evaluation.report.charts.small_multiples import scenario_multiples
-from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.panels import sweep_sections
-from indoor_explorers.evaluation.report.replay.selection import ending
 from indoor_explorers.evaluation.report.sections import section_of
 from indoor_explorers.evaluation.report.style.formatting import counted, percent
-from indoor_explorers.evaluation.report.style.palette import COLOURS, styles
+from indoor_explorers.evaluation.report.style.palette import COLOURS, policy_styles
 from indoor_explorers.evaluation.report.summary import facts
 from indoor_explorers.evaluation.report.summary.comparability import judged, on_common_tasks
 from indoor_explorers.evaluation.report.summary.definitions import definitions
 from indoor_explorers.evaluation.report.summary.overview import lead, line
 from indoor_explorers.evaluation.report.summary.reproduce import experiment_files, row_command
-from indoor_explorers.evaluation.report.tables.columns import LISTED
 from indoor_explorers.evaluation.report.tables.ratio_table import ratio_tables
 from indoor_explorers.evaluation.results.coverage_level import shared
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
+
+#: The most failed or early ended episodes that a scenario lists.
+LISTED = 60
 
 
 def write_report(
@@ -66,7 +68,7 @@ def render(
 ) -> str:
     """Return the page as text; its arguments are those of :func:`write_report`."""
     common = on_common_tasks(results)
-    looks = styles(results.policies)
+    styles = policy_styles(results.policies)
     comparisons = [(f"s{number}", Comparison(common, name)) for number, name in enumerate(results.scenarios, 1)]
     return (
         _environment()
@@ -81,11 +83,11 @@ def render(
             lead=lead([each for _, each in comparisons]),
             level=shared(results.levels),
             lines=[line(each, section_id) for section_id, each in comparisons],
-            panels=scenario_multiples(comparisons, looks),
-            sections=[section_of(each, section_id, looks, replays) for section_id, each in comparisons],
-            sweeps=sweep_sections(common, looks),
+            panels=scenario_multiples(comparisons, styles),
+            sections=[section_of(each, section_id, styles, replays) for section_id, each in comparisons],
+            sweeps=sweep_sections(common, styles),
             listed=LISTED,
-            swatches={name: swatch(look) for name, look in looks.items()},
+            swatches={name: swatch(style) for name, style in styles.items()},
             policies=results.policies,
             privileged=results.knowing,
             definitions=definitions(shared(results.levels)),

@@ -9,17 +9,18 @@ from typing import Any
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.episodes.record import AXES, Record
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import failed_or_ended
 from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, times_data
-from indoor_explorers.evaluation.report.charts.small_multiples import Multiples, map_multiples
-from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.panels import SectionPanels, section_panels
+from indoor_explorers.evaluation.report.charts.small_multiples import SmallMultiples, map_multiples
+from indoor_explorers.evaluation.report.panels import ScenarioPanels, scenario_panels
 from indoor_explorers.evaluation.report.replay.selection import replay_data
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.report.summary import facts
 from indoor_explorers.evaluation.report.summary.headline import headline
-from indoor_explorers.evaluation.report.tables.columns import Cell, Column, columns_of, results_table, troubles
 from indoor_explorers.evaluation.report.tables.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.report.tables.measures_table import MeasureRow, measures_table
+from indoor_explorers.evaluation.report.tables.results_table import Column, TableCell, columns_of, results_table
 from indoor_explorers.evaluation.results.coverage_level import Level
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
@@ -52,30 +53,28 @@ class Section:
     levels: list[tuple[str, str]]
     """Key and title of each time that its chart can show, that of its level first."""
     columns: tuple[Column, ...]
-    table: list[tuple[str, list[Cell]]]
+    table: list[tuple[str, list[TableCell]]]
     more: list[MeasureRow]
     baseline: str
     contrasts: list[ContrastRow]
     policies: list[str]
-    multiples: Multiples | None
+    multiples: SmallMultiples | None
     troubles: list[Record]
-    panels: SectionPanels
+    panels: ScenarioPanels
     setting_rows: list[tuple[str, str, str]]
     chart: dict[str, Any] | None
     times: dict[str, Any] | None
     replay: dict[str, Any] | None
 
 
-def section_of(
-    comparison: Comparison, section_id: str, looks: Mapping[str, Style], replays: int | None = None
-) -> Section:
+def section_of(comparison: Comparison, section_id: str, styles: Styles, replays: int | None = None) -> Section:
     """Gather what the page shows of a scenario, with so many ``replays`` or as many as fit."""
     results, name = comparison.results, comparison.scenario
     settings = results.scenarios[name]
     records = [record for group in comparison.groups.values() for record in group]
     flown = bool(records)
-    chart = chart_data(comparison, looks, _points(results)) if flown else None
-    times = times_data(comparison, looks) if flown else None
+    chart = chart_data(comparison, styles, _points(results)) if flown else None
+    times = times_data(comparison, styles) if flown else None
     return Section(
         id=section_id,
         name=name,
@@ -93,18 +92,18 @@ def section_of(
         axes=[(axis["key"], AXIS_NAMES[axis["key"]]) for axis in chart["axes"]] if chart else [],
         levels=[(level["key"], level["title"]) for level in times["levels"]] if times else [],
         columns=columns_of(comparison.level),
-        table=results_table(comparison, looks) if flown else [],
+        table=results_table(comparison, styles) if flown else [],
         more=measures_table(comparison),
-        baseline=comparison.contestants[0] if flown else "",
-        contrasts=contrast_table(comparison, looks),
+        baseline=comparison.ranked_policies[0] if flown else "",
+        contrasts=contrast_table(comparison, styles),
         policies=list(comparison.groups),
-        multiples=map_multiples(comparison, looks),
-        troubles=troubles(comparison),
-        panels=section_panels(comparison, looks),
+        multiples=map_multiples(comparison, styles),
+        troubles=failed_or_ended(records),
+        panels=scenario_panels(comparison, styles),
         setting_rows=facts.setting_rows(settings),
         chart=chart,
         times=times,
-        replay=replay_data(comparison, looks, REPLAY_BYTES // len(results.scenarios), replays) if flown else None,
+        replay=replay_data(comparison, styles, REPLAY_BYTES // len(results.scenarios), replays) if flown else None,
     )
 
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
-from indoor_explorers.evaluation.report.charts.axes import Axis, axes_of, coverage_at
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.coverage_axes import CoverageAxis, axes_of, coverage_at
 from indoor_explorers.evaluation.report.style.packing import shares
-from indoor_explorers.evaluation.report.style.palette import Style, crowded
+from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles, crowded
 from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_times
 
 #: Whose coverage a chart can show.
@@ -25,12 +24,12 @@ MOSTLY = 0.9
 CORNERS = 400
 
 
-def _about(comparison: Comparison, policy: str, look: Style) -> dict[str, Any]:
-    about = {"name": policy, **look._asdict(), "pattern": look.pattern}
+def _about(comparison: Comparison, policy: str, style: PolicyStyle) -> dict[str, Any]:
+    about = {"name": policy, **style._asdict(), "pattern": style.pattern}
     return about | {"privileged": comparison.privileged(policy)}
 
 
-def chart_data(comparison: Comparison, looks: Mapping[str, Style], points: int = 360) -> dict[str, Any]:
+def chart_data(comparison: Comparison, styles: Styles, points: int = 360) -> dict[str, Any]:
     """Return the coverage chart of a scenario as JSON data."""
     axes = axes_of(comparison, points)
     team = max(record.team for records in comparison.groups.values() for record in records)
@@ -40,20 +39,20 @@ def chart_data(comparison: Comparison, looks: Mapping[str, Style], points: int =
         "who": list(who),
         "bands": "hidden" if crowded(len(comparison.groups)) else "shown",
         "policies": [
-            _about(comparison, policy, looks[policy])
+            _about(comparison, policy, styles[policy])
             | {"curves": {axis.key: {each: _curves(comparison, policy, axis, each) for each in who} for axis in axes}}
             for policy in comparison.groups
         ],
     }
 
 
-def _axis_data(axis: Axis) -> dict[str, Any]:
+def _axis_data(axis: CoverageAxis) -> dict[str, Any]:
     amounts: list[float] = axis.amounts.tolist() if axis.log else axis.amounts.astype(np.int64).tolist()
     about = {"key": axis.key, "title": axis.title, "unit": axis.unit, "log": axis.log, "focus": axis.focus}
     return about | {"amounts": amounts}
 
 
-def _curves(comparison: Comparison, policy: str, axis: Axis, who: str) -> dict[str, Any]:
+def _curves(comparison: Comparison, policy: str, axis: CoverageAxis, who: str) -> dict[str, Any]:
     curves = coverage_at(comparison.groups[policy], axis.amounts, who, axis.key)
     if len(curves) < FEWEST:
         return {"mean": shares(curves.mean(axis=0)), "each": [shares(curve) for curve in curves]}
@@ -61,7 +60,7 @@ def _curves(comparison: Comparison, policy: str, axis: Axis, who: str) -> dict[s
     return {"mean": shares(mean), "low": shares(low), "high": shares(high)}
 
 
-def times_data(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, Any]:
+def times_data(comparison: Comparison, styles: Styles) -> dict[str, Any]:
     """Return, for every level and policy, the share of episodes that got there by each step, as JSON data."""
     records = [record for group in comparison.groups.values() for record in group]
     budget = max(record.budget for record in records)
@@ -71,7 +70,7 @@ def times_data(comparison: Comparison, looks: Mapping[str, Style]) -> dict[str, 
         "budget": budget,
         "focus": _last_time(comparison, budget),
         "policies": [
-            _about(comparison, policy, looks[policy])
+            _about(comparison, policy, styles[policy])
             | {"episodes": len(group), "times": {name: _times(comparison, policy, name, budget) for name in times}}
             for policy, group in comparison.groups.items()
         ],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,10 +12,10 @@ from markupsafe import Markup
 
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.charts.axes import coverage_at, focus_step, settled
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, focus_step, settled
 from indoor_explorers.evaluation.report.style.formatting import counted
-from indoor_explorers.evaluation.report.style.palette import DASHES, MARKER_PATHS, Style
+from indoor_explorers.evaluation.report.style.palette import DASHES, MARKER_PATHS, PolicyStyle, Styles
 from indoor_explorers.evaluation.results.coverage_level import Level
 
 #: The most panels; more maps than this are shown by folder, or the first of them.
@@ -44,7 +44,7 @@ class Panel:
 
 
 @dataclass(frozen=True)
-class Multiples:
+class SmallMultiples:
     """The panels of a section, and of how many maps they are."""
 
     panels: list[Panel]
@@ -54,7 +54,7 @@ class Multiples:
     """False where maps differ so much in size that each panel has its own range of steps."""
 
 
-def map_multiples(comparison: Comparison, looks: Mapping[str, Style]) -> Multiples | None:
+def map_multiples(comparison: Comparison, styles: Styles) -> SmallMultiples | None:
     """Return a panel for each map file, or for each folder where the files are many; None for one map."""
     indices = sorted({record.task.map_index for records in comparison.groups.values() for record in records})
     if len(indices) < 2:
@@ -69,11 +69,11 @@ def map_multiples(comparison: Comparison, looks: Mapping[str, Style]) -> Multipl
     same_axes = longest <= UNLIKE * min(limits.values())
     panels = [
         _map_panel(
-            groups, str(label) if by_folder else "", longest if same_axes else limits[label], looks, comparison.level
+            groups, str(label) if by_folder else "", longest if same_axes else limits[label], styles, comparison.level
         )
         for label, groups in parts.items()
     ]
-    return Multiples(panels, len(indices), by_folder, same_axes)
+    return SmallMultiples(panels, len(indices), by_folder, same_axes)
 
 
 def _folders(comparison: Comparison) -> dict[int, str]:
@@ -90,14 +90,14 @@ def _where(comparison: Comparison, indices: set[int]) -> Groups:
     return {policy: records for policy, records in kept.items() if records}
 
 
-def _map_panel(groups: Groups, folder: str, limit: int, looks: Mapping[str, Style], level: Level) -> Panel:
+def _map_panel(groups: Groups, folder: str, limit: int, styles: Styles, level: Level) -> Panel:
     task = _median_task(groups)
     records = [record for group in groups.values() for record in group]
     name = next(record.floorplan.name for record in records if record.task == task)
     shape = next(record.floorplan.shape for record in records if record.task == task)
     maps = len({record.task.map_index for record in records})
     detail = counted(maps, "map") if folder else f"{shape[0]} x {shape[1]}"
-    return Panel(folder or name, detail, _drawing(groups, limit, looks, level), (task.map_index, task.seed))
+    return Panel(folder or name, detail, _drawing(groups, limit, styles, level), (task.map_index, task.seed))
 
 
 def _median_task(groups: Groups) -> Task:
@@ -109,7 +109,7 @@ def _median_task(groups: Groups) -> Task:
     return sorted(steps, key=lambda task: (steps[task], task))[(len(steps) - 1) // 2]
 
 
-def scenario_multiples(sections: Sequence[tuple[str, Comparison]], looks: Mapping[str, Style]) -> list[Panel]:
+def scenario_multiples(sections: Sequence[tuple[str, Comparison]], styles: Styles) -> list[Panel]:
     """Return a panel for each scenario by its section, those of one kind of map side by side; none for one scenario."""
     flown = [(section, each) for section, each in sections if each.groups]
     if len(flown) < 2:
@@ -120,7 +120,7 @@ def scenario_multiples(sections: Sequence[tuple[str, Comparison]], looks: Mappin
         Panel(
             each.scenario,
             f"{family(each)}, {counted(each.results.scenarios[each.scenario]['team'], 'UAV')}",
-            _drawing(each.groups, focus_step(each), looks, each.level),
+            _drawing(each.groups, focus_step(each), styles, each.level),
             section=section,
         )
         for section, each in ordered
@@ -134,12 +134,12 @@ def family(comparison: Comparison) -> str:
     return " and ".join(folders) if 0 < len(folders) <= 2 else f"{source} maps"
 
 
-def _drawing(groups: Groups, limit: int, looks: Mapping[str, Style], level: Level) -> Markup:
+def _drawing(groups: Groups, limit: int, styles: Styles, level: Level) -> Markup:
     """Draw the mean coverage of each policy over 0 to ``limit`` steps, with a line at ``level``."""
     steps = np.unique(np.linspace(0, limit, POINTS).round()).astype(np.int64)
     x = LEFT + (RIGHT - LEFT) * steps / limit
     lines = [
-        _line(policy, x, _height(coverage_at(records, steps).mean(axis=0)), looks[policy])
+        _line(policy, x, _height(coverage_at(records, steps).mean(axis=0)), styles[policy])
         for policy, records in groups.items()
     ]
     ticks = Markup("").join(
@@ -160,7 +160,7 @@ def _height(share: Any) -> Any:
     return BOTTOM - (BOTTOM - TOP) * share
 
 
-def _line(policy: str, x: np.ndarray, y: np.ndarray, style: Style) -> Markup:
+def _line(policy: str, x: np.ndarray, y: np.ndarray, style: PolicyStyle) -> Markup:
     """Draw one curve with its dash, and its marker once at a place of its own."""
     path = "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
     dash = " ".join(f"{length:g}" for length in DASHES[style.dash]) or "none"

@@ -1,4 +1,4 @@
-"""The ladder: how often a policy beats the one ranked below it, and how often the best one beats it."""
+"""Rank plot: how often a policy beats the one ranked below it, and how often the best one beats it."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.report.charts.dot_strips import share_strip
-from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
+from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
+from indoor_explorers.evaluation.report.charts.dot_plots import share_dot_plot
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, percent
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import PolicyStyle
 from indoor_explorers.evaluation.statistics import Estimate, probability_of_improvement
 from indoor_explorers.evaluation.statistics.wins import win_scores
 
 
-class Chance(NamedTuple):
+class Improvement(NamedTuple):
     """The probability that one policy does better than another on a task."""
 
     policy: str
@@ -48,10 +48,10 @@ class Chance(NamedTuple):
             return "no spread to judge by"
         return "better on most" if low > 0.5 else "worse on most" if high < 0.5 else "not decided"
 
-    def strip(self, style: Style) -> Markup:
+    def dot_plot(self, style: PolicyStyle) -> Markup:
         """Draw it against one half, in the colour of the policy; without an interval, each task's score."""
         told = f"{self.policy} better than {self.other}: {self.text}"
-        return share_strip(self.scores, self.estimate, style, told)
+        return share_dot_plot(self.scores, self.estimate, style, told)
 
 
 def _clipped(share: float) -> str:
@@ -59,41 +59,41 @@ def _clipped(share: float) -> str:
     return percent(min(max(share, 0.0), 1.0))
 
 
-class Rung(NamedTuple):
-    """One policy of the ladder, best first."""
+class RankRow(NamedTuple):
+    """One policy of the rank plot, best first."""
 
     place: int
     policy: str
-    next: Chance | None
+    next: Improvement | None
     """Against the policy ranked next; None for the last."""
-    best: Chance | None
+    best: Improvement | None
     """Against the best; None for the best itself."""
     tasks: str
     """Tasks compared on: with the next, with the best."""
 
 
-def chance(outcomes: Outcomes, policy: str, other: str) -> Chance | None:
+def improvement(task_times: TaskTimes, policy: str, other: str) -> Improvement | None:
     """Compare two policies on the tasks that both flew; None without any."""
-    pair = outcomes.pair(policy, other)
+    pair = task_times.pair(policy, other)
     if not pair.tasks:
         return None
     scores = win_scores(pair.ours, pair.theirs)
-    return Chance(policy, other, probability_of_improvement(pair.ours, pair.theirs, maps=pair.maps), scores)
+    return Improvement(policy, other, probability_of_improvement(pair.ours, pair.theirs, maps=pair.maps), scores)
 
 
-def ladder(outcomes: Outcomes) -> list[Rung]:
-    """Return a rung for each policy by rank; empty when there are fewer than two with a task in common."""
-    names = outcomes.policies
-    below = [chance(outcomes, one, other) for one, other in pairwise(names)] + [None]
-    best = [None] + [chance(outcomes, name, names[0]) for name in names[1:]]
+def rank_rows(task_times: TaskTimes) -> list[RankRow]:
+    """Return a row for each policy by rank; empty when there are fewer than two with a task in common."""
+    names = task_times.policies
+    below = [improvement(task_times, one, other) for one, other in pairwise(names)] + [None]
+    best = [None] + [improvement(task_times, name, names[0]) for name in names[1:]]
     if not any([*below, *best]):
         return []
     return [
-        Rung(place, name, under, top, _counts(under, top))
+        RankRow(place, name, under, top, _counts(under, top))
         for place, (name, under, top) in enumerate(zip(names, below, best, strict=True), 1)
     ]
 
 
-def _counts(*chances: Chance | None) -> str:
-    counts = sorted({len(each.scores) for each in chances if each is not None})
+def _counts(*improvements: Improvement | None) -> str:
+    counts = sorted({len(each.scores) for each in improvements if each is not None})
     return EN_DASH.join(str(count) for count in counts)

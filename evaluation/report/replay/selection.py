@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from math import inf
 from typing import Any, NamedTuple
 
@@ -12,11 +12,11 @@ from indoor_explorers.env.grid.cells import OCCUPIED
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.episodes.resimulate import flown_scenario
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.replay.packed_flight import Flight, flown_again, pack_flight
-from indoor_explorers.evaluation.report.style.formatting import EN_DASH
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import ending
+from indoor_explorers.evaluation.report.replay.packed_episode import ReplayEpisode, pack_episode, resimulated
 from indoor_explorers.evaluation.report.style.packing import bits, text
-from indoor_explorers.evaluation.report.style.palette import DASHES, Style
+from indoor_explorers.evaluation.report.style.palette import DASHES, Styles
 from indoor_explorers.evaluation.results.coverage_level import Level
 
 
@@ -40,14 +40,12 @@ class Pick(NamedTuple):
     task: Task
 
 
-def replay_data(
-    comparison: Comparison, looks: Mapping[str, Style], limit: int, count: int | None = None
-) -> dict[str, Any] | None:
+def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int | None = None) -> dict[str, Any] | None:
     """Return the replays of a scenario as JSON data, None when there are none.
 
     Args:
         comparison: the scenario's results.
-        looks: the look of each policy.
+        styles: the look of each policy.
         limit: about how many bytes the data may take; the most telling episodes come first.
         count: replay so many episodes instead, whatever they take.
 
@@ -63,7 +61,7 @@ def replay_data(
     return {
         "range": float(settings["lidar"]["range"]),
         "policies": [
-            {"name": name, "colour": looks[name].colour, "dashes": DASHES[looks[name].dash]}
+            {"name": name, "colour": styles[name].colour, "dashes": DASHES[styles[name].dash]}
             for name in comparison.groups
         ],
         "tasks": len(comparison.results.tasks(comparison.scenario)),
@@ -136,7 +134,7 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
     """
     flown = {r.policy: r for records in comparison.groups.values() for r in records if r.task == pick.task}
     scenario = flown_scenario(comparison.results.scenarios[comparison.scenario])
-    again = [flown_again(flown[name], scenario) for name in comparison.ranking if name in flown]
+    again = [resimulated(flown[name], scenario) for name in comparison.ranking if name in flown]
     flights = [flight for flight in again if flight.faithful]
     if not flights:
         return None
@@ -144,7 +142,7 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
     walls, counted = bits(plan.truth == OCCUPIED), bits(flights[0].counted)
     for detail in DETAILS:
         stride = 1 + steps // detail.frames
-        streams = [text(pack_flight(flight, stride, own=detail.own)) for flight in flights]
+        streams = [text(pack_episode(flight, stride, own=detail.own)) for flight in flights]
         sizes = len(walls) + len(counted) + np.cumsum([len(stream) for stream in streams])
         if sizes[-1] <= share:
             break
@@ -168,7 +166,7 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
     }
 
 
-def _flight(comparison: Comparison, flight: Flight, stream: str) -> dict[str, Any]:
+def _flight(comparison: Comparison, flight: ReplayEpisode, stream: str) -> dict[str, Any]:
     record = flight.record
     return {
         "policy": list(comparison.groups).index(record.policy),
@@ -177,14 +175,3 @@ def _flight(comparison: Comparison, flight: Flight, stream: str) -> dict[str, An
         "end": ending(record),
         "stream": stream,
     }
-
-
-def ending(record: Record) -> str:
-    """Say in a few words how an episode ended."""
-    words = {
-        Outcome.COMPLETE: "goal reached",
-        Outcome.BUDGET: "budget spent",
-        Outcome.ENDED: "all UAVs ended",
-        Outcome.FAILED: "policy failed",
-    }[record.outcome]
-    return f"{words} {EN_DASH} {record.reason}" if record.reason else words

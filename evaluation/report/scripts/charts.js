@@ -29,7 +29,7 @@ class CoverageChart extends Chart {
   }
 
   traces(policy) {
-    const curves = policy.curves[this.axisKey][this.who], look = this.look(policy), x = this.along.amounts;
+    const curves = policy.curves[this.axisKey][this.who], style = this.style(policy), x = this.along.amounts;
     const mean = Packed.shares(curves.mean);
     const common = { x, visible: this.visibility.shows(policy.name) };
     const text = mean.map((value) => percent(value));
@@ -39,17 +39,17 @@ class CoverageChart extends Chart {
       low.forEach((value, k) => { text[k] += `  [${percent(value)}, ${percent(high[k])}]`; });
       if (this.bands === "shown") extra.push({
         ...common, x: x.concat(x.slice().reverse()), y: low.concat(high.reverse()), fill: "toself",
-        fillcolor: faded(look.color, 0.15), line: { width: 0 }, mode: "lines", hoverinfo: "skip",
+        fillcolor: faded(style.color, 0.15), line: { width: 0 }, mode: "lines", hoverinfo: "skip",
       });
     }
     for (const each of curves.each || []) {
       extra.push({
-        ...common, y: Packed.shares(each), mode: "lines", opacity: 0.45, hoverinfo: "skip", line: { color: look.color, width: 1 },
+        ...common, y: Packed.shares(each), mode: "lines", opacity: 0.45, hoverinfo: "skip", line: { color: style.color, width: 1 },
       });
     }
     const line = {
-      ...common, y: mean, text, meta: policy.name, name: this.name(policy), mode: "lines+markers", line: look.line,
-      marker: { ...look.marker, maxdisplayed: 9 }, hovertemplate: "%{text}",
+      ...common, y: mean, text, meta: policy.name, name: this.name(policy), mode: "lines+markers", line: style.line,
+      marker: { ...style.marker, maxdisplayed: 9 }, hovertemplate: "%{text}",
     };
     return { extra, line };
   }

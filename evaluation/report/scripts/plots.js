@@ -1,4 +1,4 @@
-/* What all charts share: packed numbers, colours, which policies are shown, and the look of axes. */
+/* What all charts share: packed numbers, colours, which policies are shown, and the style of axes. */
 "use strict";
 const Packed = {
   bytes(text) { return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)); },
@@ -98,7 +98,7 @@ class Chart {
 
   name(policy) { return escaped(policy.name) + (policy.privileged ? " (knows the map)" : ""); }
 
-  look(policy) {
+  style(policy) {
     const color = Theme.colour(`--c${policy.colour}`);
     return { color, line: { color, width: 2, dash: policy.pattern }, marker: { symbol: SYMBOLS[policy.marker], size: 7, color } };
   }

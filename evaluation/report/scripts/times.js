@@ -19,7 +19,7 @@ class TimesChart extends Chart {
   }
 
   reached(policy, grid) {
-    const times = policy.times[this.level], look = this.look(policy);
+    const times = policy.times[this.level], style = this.style(policy);
     let corner = 0;
     const share = grid.map((step) => {
       while (corner + 1 < times.steps.length && times.steps[corner + 1] <= step) corner++;
@@ -27,17 +27,17 @@ class TimesChart extends Chart {
     });
     return {
       x: grid, y: share, visible: this.visibility.shows(policy.name), name: this.name(policy), mode: "lines+markers",
-      line: { ...look.line, shape: "hv" }, marker: { ...look.marker, maxdisplayed: 9 },
+      line: { ...style.line, shape: "hv" }, marker: { ...style.marker, maxdisplayed: 9 },
       hovertemplate: share.map((value) => `${percent(value)} there (${Math.round(value * policy.episodes)}/${policy.episodes})`),
     };
   }
 
   never(policy, place) {
-    const share = policy.times[this.level].share, look = this.look(policy);
+    const share = policy.times[this.level].share, style = this.style(policy);
     const missed = 1 - share[share.length - 1];
     return {
       x: [place, place], y: [0, missed], xaxis: "x2", visible: this.visibility.shows(policy.name), name: this.name(policy),
-      mode: "lines+markers", line: { color: look.color, width: 3 }, marker: { ...look.marker, size: [0, 9], opacity: 1 },
+      mode: "lines+markers", line: { color: style.color, width: 3 }, marker: { ...style.marker, size: [0, 9], opacity: 1 },
       hovertemplate: ["", `${percent(missed)} never (${Math.round(missed * policy.episodes)}/${policy.episodes})`],
     };
   }

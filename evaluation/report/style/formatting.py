@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from indoor_explorers.evaluation.statistics import Estimate
 
@@ -55,3 +56,8 @@ def counted(number: int, noun: str) -> str:
     """Return ``1 episode``, ``2 episodes``."""
     plural = noun[:-1] + "ies" if noun.endswith("y") else noun + "s"
     return f"{number} {noun if number == 1 else plural}"
+
+
+def slug(name: str) -> str:
+    """Return a name as part of a file name: small letters, digits and hyphens."""
+    return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:60] or "scenario"

@@ -7,7 +7,7 @@ length, so that no two of the first 35 policies share colour and dash.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 #: (on white, on black), by name of the hue: blue, vermillion, green, purple, orange, sky, grey.
@@ -51,7 +51,7 @@ def crowded(policies: int) -> bool:
     return policies > len(COLOURS)
 
 
-class Style(NamedTuple):
+class PolicyStyle(NamedTuple):
     """The look of one policy, as places in the cycles above."""
 
     colour: int
@@ -74,9 +74,13 @@ class Style(NamedTuple):
         return ",".join(f"{length:g}px" for length in DASHES[self.dash]) or "solid"
 
 
-def styles(policies: Iterable[str]) -> dict[str, Style]:
+#: The style of each policy by name.
+Styles = Mapping[str, PolicyStyle]
+
+
+def policy_styles(policies: Iterable[str]) -> dict[str, PolicyStyle]:
     """Return the look of each policy, by its place in the experiment."""
     return {
-        name: Style(place % len(COLOURS), place % len(DASHES), place % len(MARKERS))
+        name: PolicyStyle(place % len(COLOURS), place % len(DASHES), place % len(MARKERS))
         for place, name in enumerate(policies)
     }

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.style.palette import DASHES, MARKERS, Style
+from indoor_explorers.evaluation.report.style.palette import DASHES, MARKERS, PolicyStyle
 
 FORMATS: Mapping[str, dict[str, Any]] = {
     "svg": {"metadata": {"Date": None}},
@@ -67,13 +67,13 @@ def plain(name: str, most: int = 40) -> str:
     return ("\u200a" if name.startswith("_") else "") + name.replace("\\", "\u29f5").replace("$", r"\$")
 
 
-def strokes(look: Style) -> dict[str, Any]:
+def strokes(style: PolicyStyle) -> dict[str, Any]:
     """Return a policy's line and marker; they differ in more than colour, so that a greyscale printer will do."""
     return {
-        "color": look.hex,
+        "color": style.hex,
         "linewidth": 1.4,
-        "linestyle": (0, tuple(0.6 * length for length in DASHES[look.dash])) if DASHES[look.dash] else "-",
-        "marker": MARKERS[look.marker][1],
+        "linestyle": (0, tuple(0.6 * length for length in DASHES[style.dash])) if DASHES[style.dash] else "-",
+        "marker": MARKERS[style.marker][1],
         "markersize": 4.2,
         "markeredgewidth": 0.0,
     }

@@ -10,7 +10,7 @@ import numpy as np
 
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import counted, percent
 from indoor_explorers.evaluation.results.coverage_level import shared
 from indoor_explorers.evaluation.results.results import Results

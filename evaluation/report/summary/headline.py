@@ -6,7 +6,7 @@ import math
 
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, p_value, percent, with_interval
 from indoor_explorers.evaluation.statistics import FEWEST, Contrast
 
@@ -17,10 +17,10 @@ def headline(comparison: Comparison) -> Markup:
     """Return the sentences, names escaped."""
     if not comparison.groups:
         return Markup("No episode of this scenario has been flown yet.")
-    first = comparison.contestants[0]
-    if not any(comparison.reached(name) for name in comparison.contestants):
+    first = comparison.ranked_policies[0]
+    if not any(comparison.reached(name) for name in comparison.ranked_policies):
         parts = [_nobody(comparison)]
-    elif len(comparison.contestants) == 1:
+    elif len(comparison.ranked_policies) == 1:
         parts = [_alone(comparison, first)]
     else:
         parts = [_winner(comparison, first), _lead(comparison, first)]
@@ -49,7 +49,7 @@ def _over(comparison: Comparison, policy: str) -> str:
 def _winner(comparison: Comparison, first: str) -> Markup:
     level = comparison.level
     mean = comparison.time(first).mean
-    second = comparison.contestants[1]
+    second = comparison.ranked_policies[1]
     if mean == comparison.time(second).mean:
         text = f"{{}} and {{}} share the lowest mean {level.title}: {{}} {{}}."
         return Markup(text).format(
@@ -60,7 +60,7 @@ def _winner(comparison: Comparison, first: str) -> Markup:
 
 
 def _lead(comparison: Comparison, first: str) -> Markup:
-    second = comparison.contestants[1]
+    second = comparison.ranked_policies[1]
     if second not in comparison.contrasts:
         text = "Its lead over {} cannot be paired: the two did not fly the same tasks."
         return Markup(text).format(NAME.format(second))
@@ -91,7 +91,7 @@ def _alone(comparison: Comparison, first: str) -> Markup:
 def _nobody(comparison: Comparison) -> Markup:
     final = {
         name: sum(float(record.curve[-1]) for record in comparison.groups[name]) / len(comparison.groups[name])
-        for name in comparison.contestants
+        for name in comparison.ranked_policies
     }
     best = max(final, key=lambda name: final[name])
     text = "No policy reached {} coverage within the budget. {} covered most by its end: {} on average, {}."

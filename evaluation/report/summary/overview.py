@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import percent, with_interval
 from indoor_explorers.evaluation.report.summary.headline import NAME, headline
 from indoor_explorers.evaluation.results.coverage_level import Level, shared
 
 
 @dataclass(frozen=True)
-class Line:
+class OverviewRow:
     """One scenario in the table of all."""
 
     id: str
@@ -34,15 +34,15 @@ class Line:
     """Whether that difference was shown."""
 
 
-def line(comparison: Comparison, section_id: str) -> Line:
+def line(comparison: Comparison, section_id: str) -> OverviewRow:
     """Return the line of a scenario."""
     name, level = comparison.scenario, comparison.level
     if not comparison.groups:
-        return Line(section_id, name, "", level, "", "", "", "", False)
-    first, *others = comparison.contestants
+        return OverviewRow(section_id, name, "", level, "", "", "", "", False)
+    first, *others = comparison.ranked_policies
     second = others[0] if others else ""
     contrast = comparison.contrasts.get(second)
-    return Line(
+    return OverviewRow(
         id=section_id,
         scenario=name,
         first=first,
@@ -60,7 +60,7 @@ def lead(comparisons: Sequence[Comparison]) -> Markup:
     flown = [each for each in comparisons if each.groups]
     if len(flown) < 2:
         return headline(flown[0]) if flown else Markup("")
-    tally = Counter(each.contestants[0] for each in flown)
+    tally = Counter(each.ranked_policies[0] for each in flown)
     wins = [
         Markup("{} in {}").format(NAME.format(name), f"{number} of {len(flown)} scenarios" if not place else number)
         for place, (name, number) in enumerate(tally.most_common())
@@ -75,5 +75,5 @@ def lead(comparisons: Sequence[Comparison]) -> Markup:
 
 
 def _beats_runner_up(comparison: Comparison) -> bool:
-    second = comparison.contestants[1] if len(comparison.contestants) > 1 else ""
+    second = comparison.ranked_policies[1] if len(comparison.ranked_policies) > 1 else ""
     return second in comparison.contrasts and comparison.contrasts[second].shown

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.report.charts.dot_strips import Scale, difference_scale, difference_strip
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.charts.dot_plots import Scale, difference_dot_plot, difference_scale
 from indoor_explorers.evaluation.report.style.formatting import (
     EN_DASH,
     fixed,
@@ -18,7 +17,7 @@ from indoor_explorers.evaluation.report.style.formatting import (
     percent,
     with_interval,
 )
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
 from indoor_explorers.evaluation.statistics import Contrast, Estimate, WinTieLoss
 
 
@@ -30,7 +29,7 @@ class ContrastRow:
     difference: str
     value: float
     """The mean difference unrounded."""
-    strip: Markup
+    dot_plot: Markup
     better: str
     """Probability that it needs fewer steps on a task."""
     better_interval: str
@@ -40,21 +39,21 @@ class ContrastRow:
     verdict: str
 
 
-def contrast_table(comparison: Comparison, looks: Mapping[str, Style]) -> list[ContrastRow]:
+def contrast_table(comparison: Comparison, styles: Styles) -> list[ContrastRow]:
     """Return a row for every policy but the best-ranked; empty where policies did not fly the same tasks."""
     scale = difference_scale([contrast.difference for contrast in comparison.contrasts.values()])
     return [
-        _row(comparison, policy, contrast, scale, looks[policy]) for policy, contrast in comparison.contrasts.items()
+        _row(comparison, policy, contrast, scale, styles[policy]) for policy, contrast in comparison.contrasts.items()
     ]
 
 
-def _row(comparison: Comparison, policy: str, contrast: Contrast, scale: Scale, look: Style) -> ContrastRow:
+def _row(comparison: Comparison, policy: str, contrast: Contrast, scale: Scale, style: PolicyStyle) -> ContrastRow:
     few = contrast.difference.low is None
     return ContrastRow(
         policy=policy,
         difference=with_interval(contrast.difference, sign=True),
         value=contrast.difference.mean,
-        strip=difference_strip(comparison.differences(policy), contrast.difference, scale, look),
+        dot_plot=difference_dot_plot(comparison.differences(policy), contrast.difference, scale, style),
         better=percent(contrast.improvement.mean),
         better_interval=_percents(contrast.improvement),
         tally=contrast.tally,

@@ -9,9 +9,9 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import failed
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, percent, with_interval
-from indoor_explorers.evaluation.report.tables.columns import failed
 from indoor_explorers.evaluation.results.coverage_level import Level, shared, tabled
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Estimate
@@ -73,7 +73,7 @@ def knowing(results: Results) -> str | None:
 
 def _row(comparison: Comparison, policy: str, times: Sequence[str]) -> list[Text]:
     level = comparison.level.key
-    best = policy == comparison.contestants[0] and len(comparison.contestants) > 1
+    best = policy == comparison.ranked_policies[0] and len(comparison.ranked_policies) > 1
     failures = len(failed(comparison.groups[policy]))
     name = f"{policy} (knows the map)" if comparison.privileged(policy) else policy
     return [

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from indoor_explorers.evaluation.episodes.metrics import MEASURES
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, interval
-from indoor_explorers.evaluation.report.tables.columns import Cell, Column, columns_of, emphasised
+from indoor_explorers.evaluation.report.tables.results_table import Column, TableCell, columns_of, emphasised
 from indoor_explorers.evaluation.statistics import Estimate
 
 #: Decimals of ratios.
@@ -25,7 +25,7 @@ class MeasureRow:
     key: str
     title: str
     unit: str
-    cells: list[Cell]
+    cells: list[TableCell]
     tallied: bool
     """Whether the policies' pilots kept it, so that it has no definition here."""
 
@@ -47,7 +47,7 @@ def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
         yield MeasureRow(key, column.title, "", _cells(comparison, column), True)
 
 
-def _cells(comparison: Comparison, column: Column) -> list[Cell]:
+def _cells(comparison: Comparison, column: Column) -> list[TableCell]:
     estimates = {policy: comparison.estimate(policy, column.key) for policy in comparison.groups}
     largest = max((abs(each.mean) for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
     usual = 3 if largest < 1 or not column.ranked else decimals_for(largest, most=2)
@@ -56,7 +56,7 @@ def _cells(comparison: Comparison, column: Column) -> list[Cell]:
     return list((emphasised(comparison, column, cells) if column.ranked else cells).values())
 
 
-def _cell(estimate: Estimate, decimals: int) -> Cell:
+def _cell(estimate: Estimate, decimals: int) -> TableCell:
     if math.isnan(estimate.mean):
-        return Cell(fixed(None, 0))
-    return Cell(fixed(estimate.mean, decimals), estimate.mean, interval(estimate, decimals) if decimals else "")
+        return TableCell(fixed(None, 0))
+    return TableCell(fixed(estimate.mean, decimals), estimate.mean, interval(estimate, decimals) if decimals else "")

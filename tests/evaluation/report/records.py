@@ -1,4 +1,4 @@
-"""Records with outcomes made up by a test, of UAVs that hover in an empty room."""
+"""Records with task_times made up by a test, of UAVs that hover in an empty room."""
 
 from __future__ import annotations
 

@@ -19,20 +19,20 @@ from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.exports.cells import caption, shown_best
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.exports.tidy import write_episodes
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.sweeps import radio_sweeps, team_scalings
+from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.charts.interactive import times_data
-from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
-from indoor_explorers.evaluation.report.panels.ranges import range_plots
-from indoor_explorers.evaluation.report.panels.scaling import scaling_plots
-from indoor_explorers.evaluation.report.panels.sweeps import radio_sweeps, team_scalings
+from indoor_explorers.evaluation.report.panels.radio_ranges import range_plots
+from indoor_explorers.evaluation.report.panels.team_scaling import scaling_plots
 from indoor_explorers.evaluation.report.replay.selection import notable_tasks
-from indoor_explorers.evaluation.report.style.palette import styles
+from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.report.summary.comparability import judged
 from indoor_explorers.evaluation.report.summary.headline import headline
 from indoor_explorers.evaluation.report.summary.overview import lead, line
-from indoor_explorers.evaluation.report.tables.columns import columns_of, results_table
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
+from indoor_explorers.evaluation.report.tables.results_table import columns_of, results_table
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import contrasts
@@ -126,10 +126,10 @@ def test_no_text_of_the_page_is_about_a_level_that_was_not_asked_for(near: Resul
 
 
 def test_a_table_has_a_dash_for_what_was_not_asked_for(near: Results) -> None:
-    comparison, looks = Comparison(near, "near"), styles(near.policies)
+    comparison, styles = Comparison(near, "near"), policy_styles(near.policies)
     keys = [column.key for column in columns_of(comparison.level)]
-    assert keys[:4] == ["t90", "t90_reached", "t99", "t90_strip"]
-    cells = dict(results_table(comparison, looks))["quick"]
+    assert keys[:4] == ["t90", "t90_reached", "t99", "t90_dots"]
+    cells = dict(results_table(comparison, styles))["quick"]
     assert [(cells[k].text, cells[k].best) for k in (0, 2)] == [("50.3", True), ("\u2013", False)]
     assert [column.title for column in columns_of(Comparison(_results(FAR), "far").level)][:5] == [
         *("T90", "reached 90\u202f%", "T99", "reached 99\u202f%", "T99 by episode")
@@ -137,12 +137,12 @@ def test_a_table_has_a_dash_for_what_was_not_asked_for(near: Results) -> None:
 
 
 def test_charts_panels_and_replays_are_of_the_level(near: Results) -> None:
-    comparison, looks = Comparison(near, "near"), styles(near.policies)
-    times = times_data(comparison, looks)
+    comparison, styles = Comparison(near, "near"), policy_styles(near.policies)
+    times = times_data(comparison, styles)
     assert [level["key"] for level in times["levels"]] == ["t90"]
     assert times["focus"] == int(75 * 1.05) + 1  # of those that mostly get there, which slow does not
-    outcomes = Outcomes.of(comparison)
-    assert outcomes.times[:, outcomes.policies.index("slow")].tolist() == _times("slow").tolist()
+    task_times = TaskTimes.of(comparison)
+    assert task_times.times[:, task_times.policies.index("slow")].tolist() == _times("slow").tolist()
     picks = {pick.label: pick.task.seed for pick in notable_tasks(comparison)}
     assert (picks["fastest"], picks["slowest"]) == (0, 6)
 
@@ -151,11 +151,14 @@ def test_sweeps_show_the_times_that_were_asked_for() -> None:
     deaf = room("deaf", 2, goal=0.9)
     heard = room("heard", 2, goal=0.9, **{"radio.model": "unlimited"})
     results = _results(NEAR, deaf, heard)
-    looks = styles(results.policies)
+    styles = policy_styles(results.policies)
     (sweep,) = radio_sweeps(results.scenarios)
-    assert [plot.title for plot in range_plots(results, sweep, looks)][:2] == ["T90 [steps]", "AUC"]
+    assert [plot.title for plot in range_plots(results, sweep, styles)][:2] == ["T90 [steps]", "AUC"]
     scaling = team_scalings(results.scenarios)[0]
-    assert [plot.title for plot in scaling_plots(results, scaling, looks)] == ["Speed-up to 90 %", "Efficiency to 90 %"]
+    assert [plot.title for plot in scaling_plots(results, scaling, styles)] == [
+        "Speed-up to 90 %",
+        "Efficiency to 90 %",
+    ]
 
 
 def test_the_terminal_takes_the_level_that_all_share(near: Results, mixed: Results) -> None:

@@ -9,7 +9,7 @@ from rich.console import Console
 from indoor_explorers.env import PRESETS
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import bootstrap_mean

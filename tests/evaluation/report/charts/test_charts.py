@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from indoor_explorers.evaluation.report.charts.axes import axes_of, coverage_at
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.coverage_axes import axes_of, coverage_at
 from indoor_explorers.evaluation.report.charts.interactive import chart_data, times_data
 from indoor_explorers.evaluation.report.charts.small_multiples import map_multiples, scenario_multiples
-from indoor_explorers.evaluation.report.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.style.palette import styles
+from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.report.records import flown
 from tests.evaluation.report.reports import Page
@@ -43,7 +43,7 @@ def test_axes_are_offered_only_where_something_was_spent(results: Results) -> No
 
 
 def test_embedded_curves_are_the_means_of_the_records(results: Results) -> None:
-    data = chart_data(Comparison(results, "four"), styles(results.policies), 60)
+    data = chart_data(Comparison(results, "four"), policy_styles(results.policies), 60)
     for axis in data["axes"]:
         for policy in data["policies"]:
             for who in ("team", "worst", "mean"):
@@ -56,7 +56,7 @@ def test_embedded_curves_are_the_means_of_the_records(results: Results) -> None:
 
 
 def test_times_end_at_the_share_that_ever_got_there(results: Results) -> None:
-    data = times_data(Comparison(results, "rooms"), styles(results.policies))
+    data = times_data(Comparison(results, "rooms"), policy_styles(results.policies))
     assert [level["key"] for level in data["levels"]] == ["t99", "t95", "t90"]
     for policy in data["policies"]:
         for level, times in policy["times"].items():
@@ -88,7 +88,7 @@ def test_every_map_gets_a_panel_or_its_folder_does(
     results: Results, files: int, folders: int, panels: int, by_folder: bool
 ) -> None:
     found = _on_files(results, files, folders)
-    multiples = map_multiples(Comparison(found, "rooms"), styles(found.policies))
+    multiples = map_multiples(Comparison(found, "rooms"), policy_styles(found.policies))
     assert multiples is not None
     assert (len(multiples.panels), multiples.maps, multiples.by_folder) == (panels, files, by_folder)
     for panel in multiples.panels:
@@ -101,7 +101,7 @@ def test_a_panel_opens_the_replay_of_its_map(results: Results) -> None:
     page = Page(render(found))
     targets = [json.loads(str(about["data-replay"])) for tag, about in page.tags if "data-replay" in about]
     assert [target["task"][0] for target in targets[:3]] == [0, 1, 2]
-    assert map_multiples(Comparison(results, "rooms"), styles(results.policies)) is None
+    assert map_multiples(Comparison(results, "rooms"), policy_styles(results.policies)) is None
 
 
 def test_scenarios_of_a_kind_stand_side_by_side(results: Results) -> None:
@@ -115,16 +115,16 @@ def test_scenarios_of_a_kind_stand_side_by_side(results: Results) -> None:
     ]
     found = Results(results.policies, scenarios, [], records)
     pairs = [(f"s{number}", Comparison(found, name)) for number, name in enumerate(names, 1)]
-    panels = scenario_multiples(pairs, styles(found.policies))
+    panels = scenario_multiples(pairs, policy_styles(found.policies))
     assert [(panel.title, panel.section) for panel in panels] == [("a", "s1"), ("c", "s3"), ("b", "s2")]
     assert panels[2].detail == "cave maps, 1 UAV"
-    assert scenario_multiples(pairs[:1], styles(found.policies)) == []
+    assert scenario_multiples(pairs[:1], policy_styles(found.policies)) == []
 
 
 def test_bands_are_left_out_at_first_where_policies_are_so_many_that_they_hide_each_other() -> None:
     for number, bands in ((7, "shown"), (8, "hidden")):
         found = flown({f"p{k}": [9.0 + k] * 5 for k in range(number)})
-        assert chart_data(Comparison(found, "room"), styles(found.policies))["bands"] == bands
+        assert chart_data(Comparison(found, "room"), policy_styles(found.policies))["bands"] == bands
     pressed = [about for tag, about in Page(render(found)).tags if about.get("data-choice") == "bands"]
     assert [(about["data-value"], about["aria-pressed"]) for about in pressed] == [
         ("hidden", "true"),

@@ -9,10 +9,10 @@ import matplotlib as mpl
 import pytest
 
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.figures.panel_figures import scenario_figures, sweep_figures
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.panels.print_figures import scenario_figures, sweep_figures
-from indoor_explorers.evaluation.report.style.palette import styles
+from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.report.style.print_style import LOOK, save
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.report.records import flown, made_up, results_of, room
@@ -114,12 +114,12 @@ def test_equal_results_give_equal_pages(swept: Results) -> None:
 def test_figures_for_print_are_those_with_content_and_deterministic(swept: Results, tmp_path: Path) -> None:
     few = {name: swept.scenarios[name] for name in ("solo", "deaf")}
     part = Results(swept.policies, few, [], [record for record in swept.records if record.task.scenario in few])
-    comparison, looks = Comparison(part, "solo"), styles(swept.policies)
+    comparison, styles = Comparison(part, "solo"), policy_styles(swept.policies)
     written = []
     for folder in (tmp_path / "a", tmp_path / "b"):
         folder.mkdir()
         with mpl.rc_context(LOOK):
-            figures = [*scenario_figures(comparison, looks), *sweep_figures(part, looks)]
-            assert [name for name, _ in figures] == ["profile", "pareto", "ladder", "teams-01"]
+            figures = [*scenario_figures(comparison, styles), *sweep_figures(part, styles)]
+            assert [name for name, _ in figures] == ["profile", "pareto", "rank-plot", "teams-01"]
             written.append([path.read_bytes() for name, figure in figures for path in save(figure, folder, name)])
     assert written[0] == written[1]

@@ -8,31 +8,31 @@ import pytest
 
 from indoor_explorers.evaluation.episodes.record import Outcome
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.panels.causes import causes
-from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
-from indoor_explorers.evaluation.report.panels.pareto import bargains, pareto_plot
-from indoor_explorers.evaluation.report.panels.profiles import profile_plot
-from indoor_explorers.evaluation.report.panels.rank_plot import chance, ladder
-from indoor_explorers.evaluation.report.panels.ranks import ranks
-from indoor_explorers.evaluation.report.panels.section import section_panels
-from indoor_explorers.evaluation.report.panels.wins import win_matrix
-from indoor_explorers.evaluation.report.style.palette import styles
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
+from indoor_explorers.evaluation.report.panels.failure_causes import causes
+from indoor_explorers.evaluation.report.panels.pareto_plot import pareto_plot, pareto_points
+from indoor_explorers.evaluation.report.panels.performance_profile import profile_plot
+from indoor_explorers.evaluation.report.panels.rank_plot import improvement, rank_rows
+from indoor_explorers.evaluation.report.panels.scenario_panels import scenario_panels
+from indoor_explorers.evaluation.report.panels.times_by_map import times_table
+from indoor_explorers.evaluation.report.panels.win_matrix import win_matrix
+from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.report.records import flown, made_up, results_of
 
 TIMES = {"quick": [10, 20, 30, None], "slow": [12, 20, 25, None]}
 
 
-def compared(results: Results) -> tuple[Comparison, Outcomes]:
+def compared(results: Results) -> tuple[Comparison, TaskTimes]:
     comparison = Comparison(results, "room")
-    return comparison, Outcomes.of(comparison)
+    return comparison, TaskTimes.of(comparison)
 
 
 def test_wins_ties_and_losses_are_counted_task_by_task() -> None:
-    _, outcomes = compared(flown(TIMES))
-    cells = {name: row for name, row in win_matrix(outcomes)}
-    first, second = outcomes.policies
+    _, task_times = compared(flown(TIMES))
+    cells = {name: row for name, row in win_matrix(task_times)}
+    first, second = task_times.policies
     assert (first, second) == ("slow", "quick")
     duel = cells["quick"][0]
     assert duel is not None
@@ -45,17 +45,17 @@ def test_wins_ties_and_losses_are_counted_task_by_task() -> None:
 def test_a_policy_that_misses_tasks_is_compared_on_those_it_flew() -> None:
     whole = flown({"one": [10, 20, 30], "other": [11, 19, 31]})
     part = [record for record in whole.records if record.policy == "one" or record.task.seed > 0]
-    comparison, outcomes = compared(results_of(part))
-    cells = {name: row for name, row in win_matrix(outcomes)}
+    comparison, task_times = compared(results_of(part))
+    cells = {name: row for name, row in win_matrix(task_times)}
     duel = next(cell for cell in cells["one"] if cell)
     assert duel.tally == (1, 0, 1)
-    table = ranks(comparison, outcomes)
+    table = times_table(comparison, task_times)
     assert table is not None
     assert [name for name, _ in table.rows] == ["1", "2"]
 
 
 def test_ranks_by_seed_mark_the_winner_and_the_missed() -> None:
-    table = ranks(*compared(flown({"a": [10, 20, None, 50], "b": [20, 20, 90, 40]})))
+    table = times_table(*compared(flown({"a": [10, 20, None, 50], "b": [20, 20, 90, 40]})))
     assert table is not None
     assert (table.unit, table.units) == ("seed", 4)
     assert table.policies == ["b", "a"]
@@ -72,7 +72,7 @@ def test_ranks_by_seed_mark_the_winner_and_the_missed() -> None:
 
 def test_ranks_by_map_are_of_means_and_count_maps_won() -> None:
     results = flown({"a": [10, 20, 30, 40], "b": [12, 14, 50, None], "c": [30, 0, 60, 70]}, maps=[0, 0, 1, 1])
-    table = ranks(*compared(results))
+    table = times_table(*compared(results))
     assert table is not None
     assert table.unit == "map"
     assert table.policies == ["a", "c", "b"]
@@ -85,35 +85,35 @@ def test_ranks_by_map_are_of_means_and_count_maps_won() -> None:
 
 
 def test_shared_wins_are_told_apart() -> None:
-    table = ranks(*compared(flown({"a": [10, 10], "b": [10, 20], "c": [30, 30]})))
+    table = times_table(*compared(flown({"a": [10, 10], "b": [10, 20], "c": [30, 30]})))
     assert table is not None
     assert table.won == [(1, 1), (0, 1), (0, 0)]
 
 
-def test_the_ladder_counts_ties_one_half() -> None:
-    _, outcomes = compared(flown(TIMES))
-    found = chance(outcomes, "quick", "slow")
+def test_the_rank_plot_counts_ties_one_half() -> None:
+    _, task_times = compared(flown(TIMES))
+    found = improvement(task_times, "quick", "slow")
     assert found is not None
     assert found.estimate == (0.5, None, None)
     assert found.scores.tolist() == [1, 0.5, 0, 0.5]
     assert found.reading == "too few tasks"
 
 
-def test_the_ladder_compares_neighbours_and_the_best() -> None:
+def test_the_rank_plot_compares_neighbours_and_the_best() -> None:
     times = {"c": [31, 29, 35, 30, 33, 32], "a": [10, 11, 12, 13, 14, 15], "b": [9, 12, 13, 14, 15, 16]}
-    rungs = ladder(compared(flown(times))[1])
-    assert [rung.policy for rung in rungs] == ["a", "b", "c"]
-    assert rungs[0].best is None
-    assert rungs[-1].next is None
-    first, second = rungs[0].next, rungs[1].next
+    rows = rank_rows(compared(flown(times))[1])
+    assert [row.policy for row in rows] == ["a", "b", "c"]
+    assert rows[0].best is None
+    assert rows[-1].next is None
+    first, second = rows[0].next, rows[1].next
     assert first is not None
     assert second is not None
     assert first.estimate.mean == pytest.approx(5 / 6)
     assert first.estimate.low is not None
     assert first.estimate.low < 5 / 6
     assert (second.estimate.mean, second.reading) == (1.0, "on every task")
-    assert rungs[1].best is not None
-    assert rungs[1].best.estimate.mean == pytest.approx(1 / 6)
+    assert rows[1].best is not None
+    assert rows[1].best.estimate.mean == pytest.approx(1 / 6)
 
 
 def test_the_pareto_front_by_hand() -> None:
@@ -124,10 +124,10 @@ def test_the_pareto_front_by_hand() -> None:
         for seed in range(3)
     ]
     results = results_of(records, privileged=["oracle"])
-    found = {each.policy: each for each in bargains(Comparison(results, "room"))}
+    found = {each.policy: each for each in pareto_points(Comparison(results, "room"))}
     assert [name for name, each in found.items() if each.front] == ["fast", "good"]
     assert found["good"].median == pytest.approx(0.9)
-    plot = pareto_plot(Comparison(results, "room"), styles(costs))
+    plot = pareto_plot(Comparison(results, "room"), policy_styles(costs))
     assert plot is not None
     assert plot.guides[0].x[:2] == pytest.approx([0.1, 0.9])
     drawn = {series.name: series.data() for series in plot.series}
@@ -138,8 +138,8 @@ def test_the_pareto_front_by_hand() -> None:
 
 
 def test_performance_profiles_by_hand() -> None:
-    _, outcomes = compared(flown({"a": [10, 20, None, None], "b": [20, 10, 30, None]}))
-    plot = profile_plot(outcomes, styles(("a", "b")))
+    _, task_times = compared(flown({"a": [10, 20, None, None], "b": [20, 10, 30, None]}))
+    plot = profile_plot(task_times, policy_styles(("a", "b")))
     assert plot is not None
     lines = {series.name: (series.x, series.y) for series in plot.series}
     assert lines["a"][0][:2] == [1.0, 2.0]
@@ -148,18 +148,18 @@ def test_performance_profiles_by_hand() -> None:
 
 
 def test_yardsticks_do_not_take_part() -> None:
-    _, outcomes = compared(flown({"a": [10], "oracle": [1], "b": [12]}, privileged=["oracle"]))
-    assert outcomes.policies == ["a", "b"]
+    _, task_times = compared(flown({"a": [10], "oracle": [1], "b": [12]}, privileged=["oracle"]))
+    assert task_times.policies == ["a", "b"]
 
 
 def test_panels_without_content_are_absent() -> None:
     alone, _ = compared(flown({"a": [10, 20]}))
-    panels = section_panels(alone, styles(("a",)))
-    assert (panels.duels, panels.ranks, panels.ladder, panels.pareto, panels.profile) == ([], None, [], None, None)
+    panels = scenario_panels(alone, policy_styles(("a",)))
+    assert (panels.duels, panels.ranks, panels.rank_plot, panels.pareto, panels.profile) == ([], None, [], None, None)
     nobody, _ = compared(flown({"a": [None], "b": [None]}))
-    assert section_panels(nobody, styles(("a", "b"))).profile is None
+    assert scenario_panels(nobody, policy_styles(("a", "b"))).profile is None
     empty = Comparison(results_of([]), "room")
-    assert section_panels(empty, {}).causes == []
+    assert scenario_panels(empty, {}).causes == []
 
 
 def test_failures_are_gathered_by_policy_and_cause() -> None:

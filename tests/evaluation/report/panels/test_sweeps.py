@@ -7,9 +7,9 @@ import pytest
 
 from indoor_explorers.env import Scenario, scenario
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.panels.scaling import gains, scaling_plots
-from indoor_explorers.evaluation.report.panels.sweeps import RadioSweep, TeamScaling, radio_sweeps, team_scalings
-from indoor_explorers.evaluation.report.style.palette import styles
+from indoor_explorers.evaluation.report.analysis.sweeps import RadioSweep, TeamScaling, radio_sweeps, team_scalings
+from indoor_explorers.evaluation.report.panels.team_scaling import scaling_plots, speed_ups
+from indoor_explorers.evaluation.report.style.palette import policy_styles
 from tests.evaluation.report.records import BUDGET, facts, made_up, results_of, room
 
 
@@ -85,7 +85,7 @@ def test_speed_up_is_a_ratio_of_means_over_common_tasks() -> None:
     records += [made_up("a", Task("pair", 0, seed), late, team=2) for seed, late in enumerate(together)]
     results = results_of(records, *scenarios)
     (scaling,) = team_scalings(results.scenarios)
-    one, two = gains(results, scaling, "a", "t99")
+    one, two = speed_ups(results, scaling, "a", "t99")
     assert (one.team, one.speedup.mean) == (1, 1.0)
     assert two.speedup.mean == pytest.approx(sum(alone) / (160 + BUDGET))
     assert two.speedup.low is not None
@@ -93,7 +93,7 @@ def test_speed_up_is_a_ratio_of_means_over_common_tasks() -> None:
     assert two.speedup.low < two.speedup.mean < two.speedup.high
     assert two.censored
     assert two.a_uav().speedup.mean == pytest.approx(two.speedup.mean / 2)
-    plots = scaling_plots(results, scaling, styles(("a",)))
+    plots = scaling_plots(results, scaling, policy_styles(("a",)))
     assert [plot.title for plot in plots] == ["Speed-up to 90 %", "Speed-up to 99 %", "Efficiency to 99 %"]
     assert plots[1].guides[0].y == [1.0, 2.0]
     assert plots[1].series[0].hollow == [False, True]
@@ -104,8 +104,8 @@ def test_a_team_that_never_gets_there_has_no_speed_up() -> None:
     records += [made_up("a", Task("pair", 0, seed), None, team=2) for seed in range(3)]
     results = results_of(records, room("solo"), room("pair", 2))
     (scaling,) = team_scalings(results.scenarios)
-    assert gains(results, scaling, "a", "t99") == []
-    assert scaling_plots(results, scaling, styles(("a",))) == []
+    assert speed_ups(results, scaling, "a", "t99") == []
+    assert scaling_plots(results, scaling, policy_styles(("a",))) == []
 
 
 def test_few_tasks_are_dots() -> None:
@@ -113,7 +113,7 @@ def test_few_tasks_are_dots() -> None:
     records += [made_up("a", Task("pair", 0, seed), 5, team=2) for seed in range(3)]
     results = results_of(records, room("solo"), room("pair", 2))
     (scaling,) = team_scalings(results.scenarios)
-    _, two = gains(results, scaling, "a", "t99")
+    _, two = speed_ups(results, scaling, "a", "t99")
     assert two.speedup.mean == pytest.approx(11 / 5)
     assert two.speedup.low is None
     assert two.each == pytest.approx([2.0, 2.2, 2.4])

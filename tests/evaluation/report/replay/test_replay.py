@@ -12,16 +12,16 @@ from indoor_explorers.evaluation.episodes.record import Outcome
 from indoor_explorers.evaluation.episodes.resimulate import refly
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.replay.packed_flight import (
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.replay.packed_episode import (
     first_of_group,
-    flown_again,
     frame_steps,
-    pack_flight,
+    pack_episode,
+    resimulated,
 )
 from indoor_explorers.evaluation.report.replay.selection import chosen, notable_tasks, replay_data
 from indoor_explorers.evaluation.report.style.packing import folded, packed, runs, unfolded, unpacked
-from indoor_explorers.evaluation.report.style.palette import styles
+from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.plugins import Raises, Wander
 
@@ -87,7 +87,7 @@ class Reader:
 @pytest.mark.parametrize("stride", [1, 7])
 def test_a_replay_is_the_recorded_flight_with_what_each_uav_knew(results, stride):
     for record in results.records:
-        reader = Reader(pack_flight(flown_again(record, LOSSY), stride), 4, record.floorplan.truth.size)
+        reader = Reader(pack_episode(resimulated(record, LOSSY), stride), 4, record.floorplan.truth.size)
         shown = frame_steps(record.steps, stride)
         for step, world in enumerate(refly(record, LOSSY)):
             if step not in shown:
@@ -102,8 +102,8 @@ def test_a_replay_is_the_recorded_flight_with_what_each_uav_knew(results, stride
 
 def test_without_own_maps_the_team_knows_what_it_knew(results):
     record = results.records[0]
-    flight = flown_again(record, LOSSY)
-    reader = Reader(pack_flight(flight, 3, own=False), 4, record.floorplan.truth.size, own=False)
+    flight = resimulated(record, LOSSY)
+    reader = Reader(pack_episode(flight, 3, own=False), 4, record.floorplan.truth.size, own=False)
     for step in frame_steps(record.steps, 3):
         reader.frame()
         assert (reader.known[0] & flight.counted).sum() == record.covered[step, 0]
@@ -111,7 +111,7 @@ def test_without_own_maps_the_team_knows_what_it_knew(results):
 
 
 def test_data_name_the_episodes_and_their_maps(results, comparison):
-    data = replay_data(comparison, styles(results.policies), 1_000_000)
+    data = replay_data(comparison, policy_styles(results.policies), 1_000_000)
     assert data["range"] == 3.0
     assert data["tasks"] == 4
     for episode in data["episodes"]:
@@ -119,7 +119,7 @@ def test_data_name_the_episodes_and_their_maps(results, comparison):
         record = next(r for r in results.records if r.task == Task(LOSSY.name, index, seed))
         for name, cells in (
             ("walls", record.floorplan.truth == OCCUPIED),
-            ("counted", flown_again(record, LOSSY).counted),
+            ("counted", resimulated(record, LOSSY).counted),
         ):
             found = np.unpackbits(np.frombuffer(base64.b64decode(episode[name]), np.uint8))[:256]
             assert (found == cells.ravel()).all()
@@ -153,8 +153,8 @@ def test_the_most_telling_episodes_come_first(results):
 
 
 def test_fewer_bytes_give_less_detail_then_fewer_policies_then_nothing(results, comparison):
-    looks = styles(results.policies)
-    found = [replay_data(comparison, looks, limit) for limit in range(0, 15_000, 250)]
+    styles = policy_styles(results.policies)
+    found = [replay_data(comparison, styles, limit) for limit in range(0, 15_000, 250)]
     for limit, data in zip(range(0, 15_000, 250), found, strict=True):
         flights = [flight for episode in data["episodes"] for flight in episode["flights"]] if data else []
         assert sum(len(flight["stream"]) for flight in flights) <= limit
@@ -166,19 +166,22 @@ def test_fewer_bytes_give_less_detail_then_fewer_policies_then_nothing(results, 
 
 
 def test_as_many_as_asked_for_are_replayed_whatever_their_size(results, comparison):
-    assert replay_data(comparison, styles(results.policies), 10, count=0) is None
-    every = replay_data(comparison, styles(results.policies), 10, count=4)
+    assert replay_data(comparison, policy_styles(results.policies), 10, count=0) is None
+    every = replay_data(comparison, policy_styles(results.policies), 10, count=4)
     assert sorted(tuple(episode["task"]) for episode in every["episodes"]) == [(0, seed) for seed in range(4)]
 
 
 def test_a_flight_of_another_world_is_not_shown(results, comparison):
     record = results.records[0]
     moved = replace(record, cells=record.cells + np.int16(1))
-    assert flown_again(record, LOSSY).faithful
-    assert not flown_again(moved, LOSSY).faithful
+    assert resimulated(record, LOSSY).faithful
+    assert not resimulated(moved, LOSSY).faithful
     others = [r if r is not record else moved for r in results.records]
     data = replay_data(
-        Comparison(Results(results.policies, results.scenarios, [], others), LOSSY.name), styles(results.policies), 0, 4
+        Comparison(Results(results.policies, results.scenarios, [], others), LOSSY.name),
+        policy_styles(results.policies),
+        0,
+        4,
     )
     shown = {tuple(e["task"]): [flight["policy"] for flight in e["flights"]] for e in data["episodes"]}
     assert shown.pop((0, record.task.seed)) == [1]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.summary.comparability import judged, on_common_tasks
 from indoor_explorers.evaluation.report.summary.overview import lead, line
@@ -99,8 +99,8 @@ def test_the_overview_names_the_first_of_every_scenario(results: Results, page: 
     comparisons = [Comparison(results, name) for name in results.scenarios]
     for number, comparison in enumerate(comparisons, 1):
         entry = line(comparison, f"s{number}")
-        assert entry.first == comparison.contestants[0]
-        assert entry.runner_up == comparison.contestants[1]
+        assert entry.first == comparison.ranked_policies[0]
+        assert entry.runner_up == comparison.ranked_policies[1]
         assert entry.shown == comparison.contrasts[entry.runner_up].shown
     assert "Lowest mean T99" in lead(comparisons)
     targets = {about.get("id") for _, about in page.tags}

@@ -10,13 +10,13 @@ import pytest
 from indoor_explorers.evaluation.episodes.metrics import WASTED
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.style.palette import styles
+from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.report.summary.headline import headline
-from indoor_explorers.evaluation.report.tables.columns import columns_of, results_table
 from indoor_explorers.evaluation.report.tables.contrast_table import contrast_table
 from indoor_explorers.evaluation.report.tables.measures_table import measures_table
+from indoor_explorers.evaluation.report.tables.results_table import columns_of, results_table
 from indoor_explorers.evaluation.results.coverage_level import NEARLY_ALL
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import contrasts
@@ -84,10 +84,10 @@ def test_maps_get_a_table_of_their_own(results: Results) -> None:
 def test_contrasts_are_those_of_the_tasks_flown_by_all(results: Results) -> None:
     comparison = Comparison(results, "rooms")
     ours = {name: results.values("rooms", name, "t99") for name in ("straight", "broken")}
-    by_hand = contrasts(ours, comparison.contestants[0])
-    rows = {row.policy: row for row in contrast_table(comparison, styles(results.policies))}
-    assert list(rows) == [*comparison.contestants[1:], "wavy"]
-    other = comparison.contestants[1]
+    by_hand = contrasts(ours, comparison.ranked_policies[0])
+    rows = {row.policy: row for row in contrast_table(comparison, policy_styles(results.policies))}
+    assert list(rows) == [*comparison.ranked_policies[1:], "wavy"]
+    other = comparison.ranked_policies[1]
     assert rows[other].value == by_hand[other].difference.mean == np.mean(comparison.differences(other))
     assert sum(rows[other].tally) == 6
     assert comparison.contrasts[other].adjusted_p == by_hand[other].p_value
@@ -95,12 +95,14 @@ def test_contrasts_are_those_of_the_tasks_flown_by_all(results: Results) -> None
 
 def test_a_table_of_contrasts_says_what_it_could_have_shown(results: Results) -> None:
     noisy = Comparison(_with_t99(results, "broken", [-9, 10, -11, 9, -8, 12]), "rooms")
-    (row,) = (row for row in contrast_table(noisy, styles(results.policies)) if row.policy == "broken")
+    (row,) = (row for row in contrast_table(noisy, policy_styles(results.policies)) if row.policy == "broken")
     seen = noisy.contrasts["broken"].detectable
     assert math.isfinite(seen)
     assert row.verdict == f"no difference shown (could have seen {seen:.1f} steps)"
     clear = Comparison(_with_t99(results, "broken", [9, 10, 11, 9, 10, 11]), "rooms")
-    assert {row.policy: row.verdict for row in contrast_table(clear, styles(results.policies))}["broken"] == "slower"
+    assert {row.policy: row.verdict for row in contrast_table(clear, policy_styles(results.policies))}[
+        "broken"
+    ] == "slower"
 
 
 def test_without_common_tasks_nothing_is_contrasted(results: Results) -> None:
@@ -130,7 +132,7 @@ def test_few_maps_cannot_show_a_difference_and_the_table_says_so(results: Result
     comparison = Comparison(Results(results.policies, results.scenarios, [], records), "rooms")
     assert comparison.over_maps
     assert comparison.contrasts["broken"].maps == 5
-    rows = {row.policy: row for row in contrast_table(comparison, styles(results.policies))}
+    rows = {row.policy: row for row in contrast_table(comparison, policy_styles(results.policies))}
     assert rows["broken"].verdict == "no difference shown (too few maps to show any)"
 
 
@@ -141,7 +143,7 @@ def test_who_freezes_stands_out_and_older_results_that_did_not_measure_it_load()
     older = [made_up("older", Task("room", 0, seed), 9.0) for seed in range(3)]
     older = [replace(r, metrics={k: v for k, v in r.metrics.items() if k not in WASTED}) for r in older]
     found = results_of([*policy("frozen", 40.0), *policy("fine", 3.0), *older])
-    cells = dict(results_table(Comparison(found, "room"), styles(found.policies)))
+    cells = dict(results_table(Comparison(found, "room"), policy_styles(found.policies)))
     place = [column.key for column in columns_of(NEARLY_ALL)].index("longest_idle")
     frozen, fine, missing = (cells[name][place] for name in ("frozen", "fine", "older"))
     assert (frozen.text, frozen.detail, frozen.bad) == ("14.0", "\u2264 40", True)

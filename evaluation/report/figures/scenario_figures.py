@@ -1,17 +1,9 @@
-"""Figures for print: coverage curves, times to a level as dots with intervals, panels and sweeps; SVG, PNG and PDF.
-
-Equal results give equal bytes: no dates, fixed ids. Policies differ by dash and marker as well as by
-colour, so the figures survive a greyscale printer.
-"""
+"""Figures of one scenario for print: coverage curves, and times to a coverage threshold as dots with intervals."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,52 +11,26 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
-from indoor_explorers.evaluation.report.charts.axes import coverage_at, focus_step, sampled_steps
-from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.panels.print_figures import scenario_figures, sweep_figures
-from indoor_explorers.evaluation.report.style.palette import Style, crowded, styles
-from indoor_explorers.evaluation.report.style.print_style import LOOK, plain, save, sheet, strokes
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, focus_step, sampled_steps
+from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles, crowded
+from indoor_explorers.evaluation.report.style.print_style import plain, sheet, strokes
 from indoor_explorers.evaluation.report.summary.facts import denominator
-from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST, curve_band
-
-
-def write_figures(results: Results, folder: Path) -> list[Path]:
-    """Write the figures of every scenario into ``folder`` and return their paths."""
-    folder.mkdir(parents=True, exist_ok=True)
-    looks = styles(results.policies)
-    paths = []
-    with mpl.rc_context(LOOK):
-        for number, scenario in enumerate(results.scenarios, 1):
-            comparison = Comparison(results, scenario)
-            if comparison.groups:
-                stem = f"{number:02d}-{slug(scenario)}"
-                paths += save(coverage_figure(comparison, looks), folder, f"{stem}-coverage")
-                paths += save(times_figure(comparison, looks), folder, f"{stem}-{'-'.join(comparison.level.times)}")
-                for name, figure in scenario_figures(comparison, looks):
-                    paths += save(figure, folder, f"{stem}-{name}")
-        for name, figure in sweep_figures(results, looks):
-            paths += save(figure, folder, name)
-    return paths
-
-
-def slug(name: str) -> str:
-    """Return a name as part of a file name: small letters, digits and hyphens."""
-    return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:60] or "scenario"
 
 
 def _label(comparison: Comparison, policy: str) -> str:
     return plain(policy) + (" (knows the map)" if comparison.privileged(policy) else "")
 
 
-def coverage_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figure:
+def coverage_figure(comparison: Comparison, styles: Styles) -> Figure:
     """Draw mean coverage by step with 95 % bands, up to where little happens any more."""
     figure = sheet(6.3, max(3.1, 0.17 * len(comparison.groups) + 0.4))
     axes = figure.add_subplot()
     steps = sampled_steps(comparison, 400)
     limit = focus_step(comparison)
     banded = not crowded(len(comparison.groups))
-    handles = [_curve(axes, comparison, policy, steps, limit, looks[policy], banded) for policy in comparison.groups]
+    handles = [_curve(axes, comparison, policy, steps, limit, styles[policy], banded) for policy in comparison.groups]
     shares = [LEVELS[key] for key in comparison.level.times]
     for share in shares:
         axes.axhline(share, color="#999999", linewidth=0.6, linestyle=(0, (1, 2)), zorder=0)
@@ -81,19 +47,19 @@ def coverage_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figur
 
 
 def _curve(
-    axes: Axes, comparison: Comparison, policy: str, steps: np.ndarray, limit: int, look: Style, banded: bool
+    axes: Axes, comparison: Comparison, policy: str, steps: np.ndarray, limit: int, style: PolicyStyle, banded: bool
 ) -> Line2D:
     """Draw one policy's curve, its markers spread over the visible steps and offset from its neighbours'."""
     mean, low, high = curve_band(coverage_at(comparison.groups[policy], steps), maps=comparison.maps(policy))
     if banded and not np.isnan(low).any():
-        axes.fill_between(steps, low, high, color=look.hex, alpha=0.16, linewidth=0)
+        axes.fill_between(steps, low, high, color=style.hex, alpha=0.16, linewidth=0)
     visible = max(1, int((steps <= limit).sum()))
-    every = (look.marker * visible // 40 % max(1, visible // 6), max(1, visible // 6))
-    (line,) = axes.plot(steps, mean, markevery=every, **strokes(look))
+    every = (style.marker * visible // 40 % max(1, visible // 6), max(1, visible // 6))
+    (line,) = axes.plot(steps, mean, markevery=every, **strokes(style))
     return line
 
 
-def times_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figure:
+def times_figure(comparison: Comparison, styles: Styles) -> Figure:
     """Draw mean times of each policy to T90 and the level, best at the top, over the dots of its episodes."""
     ranked = comparison.ranking
     figure = sheet(6.3, 0.9 + 0.3 * len(ranked))
@@ -101,7 +67,7 @@ def times_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figure:
     (row,) = figure.subplots(1, len(times), sharey=True, squeeze=False, gridspec_kw={"wspace": 0.08})
     for axes, metric in zip(row, times, strict=True):
         for place, policy in enumerate(ranked):
-            _time(axes, comparison, policy, metric, place, looks[policy])
+            _time(axes, comparison, policy, metric, place, styles[policy])
         axes.set(xlabel=f"{MEASURES[metric].title} [steps]", ylim=(len(ranked) - 0.4, -0.6))
         axes.set_xlim(left=0)
         axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
@@ -115,17 +81,17 @@ def times_figure(comparison: Comparison, looks: Mapping[str, Style]) -> Figure:
     return figure
 
 
-def _time(axes: Axes, comparison: Comparison, policy: str, metric: str, place: int, look: Style) -> None:
+def _time(axes: Axes, comparison: Comparison, policy: str, metric: str, place: int, style: PolicyStyle) -> None:
     values = comparison.results.values(comparison.scenario, policy, metric)
     estimate = comparison.estimate(policy, metric)
     missed = np.array([record.metrics.get(metric) is None for record in comparison.groups[policy]])
-    dots: dict[str, Any] = {"s": 7, "color": look.hex, "alpha": 0.4, "linewidths": 0.5}
+    dots: dict[str, Any] = {"s": 7, "color": style.hex, "alpha": 0.4, "linewidths": 0.5}
     below = place + 0.2
     axes.scatter(values[~missed], np.full(int((~missed).sum()), below), marker="o", **dots)
     axes.scatter(values[missed], np.full(int(missed.sum()), below), marker="o", facecolors="none", **_rim(dots))
     if estimate.low is not None and estimate.high is not None:
-        axes.plot([estimate.low, estimate.high], [place - 0.12] * 2, color=look.hex, linewidth=1.6)
-    axes.plot([estimate.mean], [place - 0.12], **strokes(look) | {"markersize": 5.2})
+        axes.plot([estimate.low, estimate.high], [place - 0.12] * 2, color=style.hex, linewidth=1.6)
+    axes.plot([estimate.mean], [place - 0.12], **strokes(style) | {"markersize": 5.2})
 
 
 def _rim(dots: dict[str, Any]) -> dict[str, Any]:

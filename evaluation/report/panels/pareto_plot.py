@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import NamedTuple
 
-from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.panels.plots import Axis, Guide, Plot, Series
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.panels.plot_data import Guide, Plot, PlotAxis, PlotSeries
 from indoor_explorers.evaluation.report.style.formatting import fixed, with_interval
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate
 
 
-class Bargain(NamedTuple):
+class ParetoPoint(NamedTuple):
     """What one policy costs and gives."""
 
     policy: str
@@ -27,29 +26,29 @@ class Bargain(NamedTuple):
     """True when no other contestant is as fast and as good, and better in one of the two."""
 
 
-def bargains(comparison: Comparison) -> list[Bargain]:
+def pareto_points(comparison: Comparison) -> list[ParetoPoint]:
     """Return the policies whose latency and AUC were measured, fastest first; those that know the map never lead."""
     found = []
     for policy in comparison.ranking:
         median, late = (comparison.estimate(policy, f"latency_{which}_us").mean / 1000 for which in ("p50", "p99"))
         area = comparison.estimate(policy, "auc")
         if median > 0 and not math.isnan(area.mean):
-            found.append(Bargain(policy, median, max(median, late), area, front=False))
-    rivals = [each for each in found if each.policy in comparison.contestants]
+            found.append(ParetoPoint(policy, median, max(median, late), area, front=False))
+    rivals = [each for each in found if each.policy in comparison.ranked_policies]
     leading = [each for each in rivals if not any(_beats(other, each) for other in rivals)]
     return [
         each._replace(front=each in leading) for each in sorted(found, key=lambda each: (each.median, -each.area.mean))
     ]
 
 
-def _beats(one: Bargain, other: Bargain) -> bool:
+def _beats(one: ParetoPoint, other: ParetoPoint) -> bool:
     no_worse = one.median <= other.median and one.area.mean >= other.area.mean
     return no_worse and (one.median < other.median or one.area.mean > other.area.mean)
 
 
-def pareto_plot(comparison: Comparison, looks: Mapping[str, Style]) -> Plot | None:
+def pareto_plot(comparison: Comparison, styles: Styles) -> Plot | None:
     """Return the plot; None when fewer than two policies can be drawn."""
-    found = bargains(comparison)
+    found = pareto_points(comparison)
     if len(found) < 2:
         return None
     front = [each for each in found if each.front]
@@ -61,31 +60,31 @@ def pareto_plot(comparison: Comparison, looks: Mapping[str, Style]) -> Plot | No
     return Plot(
         title="AUC against the time of a decision",
         label="AUC of each policy against its decision latency, the Pareto front marked",
-        x=Axis(title="time of a decision [ms]", low=fastest / 1.6, high=slowest * 1.6, log=True),
-        y=Axis(title="AUC", low=max(0.0, min(areas) - margin), high=max(areas) + margin),
-        series=[_point(comparison, each, looks[each.policy]) for each in found],
+        x=PlotAxis(title="time of a decision [ms]", low=fastest / 1.6, high=slowest * 1.6, log=True),
+        y=PlotAxis(title="AUC", low=max(0.0, min(areas) - margin), high=max(areas) + margin),
+        series=[_point(comparison, each, styles[each.policy]) for each in found],
         guides=[Guide(name="Pareto front", x=stairs_x, y=[*stairs_y, stairs_y[-1]], step=True)],
     )
 
 
-def _point(comparison: Comparison, bargain: Bargain, style: Style) -> Series:
-    low, high = bargain.area.low, bargain.area.high
-    few = len(comparison.groups[bargain.policy]) < FEWEST
-    areas = comparison.results.values(comparison.scenario, bargain.policy, "auc").tolist()
-    return Series(
-        name=bargain.policy,
+def _point(comparison: Comparison, point: ParetoPoint, style: PolicyStyle) -> PlotSeries:
+    low, high = point.area.low, point.area.high
+    few = len(comparison.groups[point.policy]) < FEWEST
+    areas = comparison.results.values(comparison.scenario, point.policy, "auc").tolist()
+    return PlotSeries(
+        name=point.policy,
         style=style,
-        x=[bargain.median],
-        y=[bargain.area.mean],
+        x=[point.median],
+        y=[point.area.mean],
         low=None if low is None else [low],
         high=None if high is None else [high],
-        right=[bargain.late],
-        dots=[(bargain.median, area) for area in areas] if few else None,
-        hollow=[not bargain.front],
+        right=[point.late],
+        dots=[(point.median, area) for area in areas] if few else None,
+        hollow=[not point.front],
         line=False,
         text=[
-            f"AUC {with_interval(bargain.area, 3)}, p50 {_milliseconds(bargain.median)}, "
-            f"p99 {_milliseconds(bargain.late)}" + (", on the front" if bargain.front else "")
+            f"AUC {with_interval(point.area, 3)}, p50 {_milliseconds(point.median)}, "
+            f"p99 {_milliseconds(point.late)}" + (", on the front" if point.front else "")
         ],
     )
 

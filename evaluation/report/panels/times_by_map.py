@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.panels.links import replay_link
-from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
+from indoor_explorers.evaluation.report.panels.replay_links import replay_link
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 
@@ -21,7 +21,7 @@ MAPS, SEEDS = 60, 40
 SHADES = (1.0, 1.1, 1.25, 1.5, 2.0)
 
 
-class Place(NamedTuple):
+class TimesCell(NamedTuple):
     """How one policy did on one map or task."""
 
     text: str
@@ -34,13 +34,13 @@ class Place(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Ranks:
+class TimesTable:
     """A table of places: units, which are maps or seeds, by policies."""
 
     unit: str
     """``map`` or ``seed``."""
     policies: list[str]
-    rows: list[tuple[str, list[Place]]]
+    rows: list[tuple[str, list[TimesCell]]]
     """By unit; a cell a policy."""
     won: list[tuple[int, int]]
     """By policy: how many units it won alone, and shared."""
@@ -49,31 +49,31 @@ class Ranks:
     tasks: int
 
 
-def ranks(comparison: Comparison, outcomes: Outcomes) -> Ranks | None:
-    """Return the table over the tasks that all contestants flew; None without any or with a single policy."""
-    common = outcomes.common()
+def times_table(comparison: Comparison, task_times: TaskTimes) -> TimesTable | None:
+    """Return the table over the tasks that all ranked_policies flew; None without any or with a single policy."""
+    common = task_times.common()
     if not common.tasks or len(common.policies) < 2:
         return None
     maps = common.by_map()
     return _by_map(comparison, common, maps) if len(maps) > 1 else _by_seed(common)
 
 
-def _by_map(comparison: Comparison, common: Outcomes, maps: dict[int, Outcomes]) -> Ranks:
+def _by_map(comparison: Comparison, common: TaskTimes, maps: dict[int, TaskTimes]) -> TimesTable:
     names = {r.task.map_index: r.floorplan.name for rs in comparison.groups.values() for r in rs}
     means = np.stack([here.times.mean(axis=0) for here in maps.values()])
     rows = [
         (names[index], [_on_map(here, column, names[index]) for column in range(len(common.policies))])
         for index, here in list(maps.items())[:MAPS]
     ]
-    return Ranks("map", common.policies, rows, _won(means), len(maps), len(common.tasks))
+    return TimesTable("map", common.policies, rows, _won(means), len(maps), len(common.tasks))
 
 
-def _by_seed(common: Outcomes) -> Ranks:
+def _by_seed(common: TaskTimes) -> TimesTable:
     rows = [
         (str(task.seed), [_on_task(common, row, column) for column in range(len(common.policies))])
         for row, task in enumerate(common.tasks[:SEEDS])
     ]
-    return Ranks("seed", common.policies, rows, _won(common.times), len(common.tasks), len(common.tasks))
+    return TimesTable("seed", common.policies, rows, _won(common.times), len(common.tasks), len(common.tasks))
 
 
 def _won(times: NDArray[np.float64]) -> list[tuple[int, int]]:
@@ -84,7 +84,7 @@ def _won(times: NDArray[np.float64]) -> list[tuple[int, int]]:
     return list(zip(alone.sum(axis=0).tolist(), (first & ~alone & ~everyone).sum(axis=0).tolist(), strict=True))
 
 
-def _on_map(here: Outcomes, column: int, name: str) -> Place:
+def _on_map(here: TaskTimes, column: int, name: str) -> TimesCell:
     """Describe a policy on one map; its episode nearest to its mean is the one to replay."""
     estimate = bootstrap_mean(here.times[:, column])
     means = here.times.mean(axis=0)
@@ -97,7 +97,7 @@ def _on_map(here: Outcomes, column: int, name: str) -> Place:
     return _place(fixed(estimate.mean, 1), told, ratio, means, title, here, column, here.tasks[typical])
 
 
-def _on_task(common: Outcomes, row: int, column: int) -> Place:
+def _on_task(common: TaskTimes, row: int, column: int) -> TimesCell:
     times, task = common.times[row], common.tasks[row]
     ratio = _ratio(times, column)
     there = bool(common.reached[row, column])
@@ -113,14 +113,16 @@ def _place(
     ratio: float,
     times: NDArray[np.float64],
     title: str,
-    here: Outcomes,
+    here: TaskTimes,
     column: int,
     task: Task,
-) -> Place:
+) -> TimesCell:
     reached = bool(here.reached[:, column].any())
     level = len(SHADES) if not reached else int(np.searchsorted(SHADES, ratio - 1e-9))
     decided = bool((times > times.min() + 1e-9).any())
-    return Place(text, detail, decided and ratio <= 1 + 1e-9, level, title, replay_link(here.policies[column], task))
+    return TimesCell(
+        text, detail, decided and ratio <= 1 + 1e-9, level, title, replay_link(here.policies[column], task)
+    )
 
 
 def _ratio(times: NDArray[np.float64], column: int) -> float:

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.results.coverage_level import Level
 
 
 @dataclass(frozen=True, eq=False)
-class Pair:
+class PairedTimes:
     """Two policies on the tasks that both flew."""
 
     tasks: list[Task]
@@ -27,7 +27,7 @@ class Pair:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcomes:
+class TaskTimes:
     """A metric of E tasks by P policies."""
 
     tasks: list[Task]
@@ -44,10 +44,10 @@ class Outcomes:
     """What the scenario is judged by."""
 
     @classmethod
-    def of(cls, comparison: Comparison, metric: str | None = None) -> Outcomes:
+    def of(cls, comparison: Comparison, metric: str | None = None) -> TaskTimes:
         """Collect a scenario's policies, without those that know the map unless all do; its level unless asked."""
         metric = metric or comparison.level.key
-        policies = comparison.contestants if comparison.groups else []
+        policies = comparison.ranked_policies if comparison.groups else []
         tasks = sorted({record.task for policy in policies for record in comparison.groups[policy]})
         place = {task: row for row, task in enumerate(tasks)}
         times = np.full((len(tasks), len(policies)), np.nan)
@@ -62,22 +62,22 @@ class Outcomes:
         maps = np.array([labels[row] for row in range(len(tasks))], np.str_)
         return cls(tasks, policies, times, reached, maps, comparison.level)
 
-    def pair(self, policy: str, other: str) -> Pair:
+    def pair(self, policy: str, other: str) -> PairedTimes:
         """Return two policies on the tasks that both flew."""
         ours, theirs = (self.times[:, self.policies.index(name)] for name in (policy, other))
         both = ~np.isnan(ours) & ~np.isnan(theirs)
-        return Pair([self.tasks[row] for row in np.flatnonzero(both)], ours[both], theirs[both], self.maps[both])
+        return PairedTimes([self.tasks[row] for row in np.flatnonzero(both)], ours[both], theirs[both], self.maps[both])
 
-    def common(self) -> Outcomes:
+    def common(self) -> TaskTimes:
         """Keep the tasks that every policy has flown."""
         return self.among(np.flatnonzero(~np.isnan(self.times).any(axis=1)).tolist())
 
-    def among(self, rows: Sequence[int]) -> Outcomes:
+    def among(self, rows: Sequence[int]) -> TaskTimes:
         """Keep some of the tasks."""
         tasks, kept = [self.tasks[row] for row in rows], np.array(rows, np.int64)
         return replace(self, tasks=tasks, times=self.times[kept], reached=self.reached[kept], maps=self.maps[kept])
 
-    def by_map(self) -> dict[int, Outcomes]:
+    def by_map(self) -> dict[int, TaskTimes]:
         """Return the tasks of each of a scenario's map files; one that makes its maps counts as a single one."""
         maps = np.array([task.map_index for task in self.tasks], np.int64)
         return {int(index): self.among(np.flatnonzero(maps == index).tolist()) for index in np.unique(maps)}

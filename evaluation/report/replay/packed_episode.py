@@ -22,7 +22,7 @@ NEVER = np.iinfo(np.int32).max
 
 
 @dataclass(frozen=True, eq=False)
-class Flight:
+class ReplayEpisode:
     """Who knew what when, over the S steps of one episode by N UAVs on H x W cells."""
 
     record: Record
@@ -36,7 +36,7 @@ class Flight:
     """Whether it ended as recorded; it need not when another version of the world flew it first."""
 
 
-def flown_again(record: Record, scenario: Scenario) -> Flight:
+def resimulated(record: Record, scenario: Scenario) -> ReplayEpisode:
     """Fly a record's episode again and note what became known when."""
     known = np.full((record.team, record.floorplan.truth.size), NEVER, np.int32)
     linked = np.zeros((record.steps + 1, record.team, record.team), np.bool_)
@@ -48,7 +48,7 @@ def flown_again(record: Record, scenario: Scenario) -> Flight:
             known[agent, state.journal[0, agent, read[agent] : length]] = step
             read[agent] = length
     faithful = np.array_equal(state.cell[0], record.cells[-1]) and state.team_covered[0] == record.covered[-1, 0]
-    return Flight(record, state.counts[0].ravel().copy(), known, linked, bool(faithful))
+    return ReplayEpisode(record, state.counts[0].ravel().copy(), known, linked, bool(faithful))
 
 
 def frame_steps(steps: int, stride: int) -> list[int]:
@@ -56,7 +56,7 @@ def frame_steps(steps: int, stride: int) -> list[int]:
     return [*range(0, steps, stride), steps]
 
 
-def pack_flight(flight: Flight, stride: int, *, own: bool = True) -> bytes:
+def pack_episode(flight: ReplayEpisode, stride: int, *, own: bool = True) -> bytes:
     """Pack an episode frame by frame, with each UAV's ``own`` map or with the team's alone.
 
     A frame is a list of whole numbers: the moves of each UAV (row, column; folded), the cells flown and the bytes sent

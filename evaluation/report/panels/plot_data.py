@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import PolicyStyle
 from indoor_explorers.evaluation.statistics import Estimate
 
 
 @dataclass(frozen=True, kw_only=True)
-class Axis:
+class PlotAxis:
     """One axis."""
 
     title: str
@@ -21,15 +21,15 @@ class Axis:
     share: bool = False
     """Whether its numbers are written as percent."""
     ticks: tuple[tuple[float, str], ...] = ()
-    """Places that are labelled; empty: wherever it looks good."""
+    """Places that are labelled; empty: wherever it styles good."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Series:
+class PlotSeries:
     """The points of one policy."""
 
     name: str
-    style: Style
+    style: PolicyStyle
     x: list[float]
     y: list[float]
     text: list[str]
@@ -71,9 +71,9 @@ class Plot:
     title: str
     label: str
     """What it shows, for those who do not see it."""
-    x: Axis
-    y: Axis
-    series: Sequence[Series]
+    x: PlotAxis
+    y: PlotAxis
+    series: Sequence[PlotSeries]
     guides: Sequence[Guide] = ()
 
     def data(self) -> dict[str, Any]:

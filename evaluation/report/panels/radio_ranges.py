@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import NamedTuple
 
-from indoor_explorers.evaluation.report.panels.plots import Axis, Plot, Series, bounds
-from indoor_explorers.evaluation.report.panels.sweeps import RadioSweep
+from indoor_explorers.evaluation.report.analysis.sweeps import RadioSweep
+from indoor_explorers.evaluation.report.panels.plot_data import Plot, PlotAxis, PlotSeries, bounds
 from indoor_explorers.evaluation.report.style.formatting import fixed, with_interval
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
 from indoor_explorers.evaluation.results.coverage_level import Level
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate, bootstrap_mean
@@ -43,23 +42,21 @@ OTHERS = (
 )
 
 
-def range_plots(results: Results, sweep: RadioSweep, looks: Mapping[str, Style]) -> list[Plot]:
+def range_plots(results: Results, sweep: RadioSweep, styles: Styles) -> list[Plot]:
     """Return a plot for each quantity, of the policies flown at two ranges or more; empty without any."""
     policies = [
         policy for policy in results.policies if sum((name, policy) in results.groups for name in sweep.scenarios) > 1
     ]
     times = [Quantity(key, Level(key).title, "steps", 1, 1) for key in results.level(sweep.scenarios[0]).times]
     shown = (*times, *OTHERS) if policies else ()
-    return [_plot(results, sweep, quantity, policies, looks) for quantity in shown]
+    return [_plot(results, sweep, quantity, policies, styles) for quantity in shown]
 
 
-def _plot(
-    results: Results, sweep: RadioSweep, quantity: Quantity, policies: list[str], looks: Mapping[str, Style]
-) -> Plot:
+def _plot(results: Results, sweep: RadioSweep, quantity: Quantity, policies: list[str], styles: Styles) -> Plot:
     places = _places(sweep.reaches)
     span = max(places.values()) or 1.0
     series = [
-        _series(results, sweep, quantity, policy, looks[policy], (k - (len(policies) - 1) / 2) * APART * span)
+        _series(results, sweep, quantity, policy, styles[policy], (k - (len(policies) - 1) / 2) * APART * span)
         for k, policy in enumerate(policies)
     ]
     ends = [end for each in series for end in (*each.y, *(each.low or []), *(each.high or []))]
@@ -68,19 +65,19 @@ def _plot(
     return Plot(
         title=quantity.heading,
         label=f"{quantity.heading} against the range of the radio",
-        x=Axis(title="radio range [cells]", low=-0.07 * span, high=1.07 * span, ticks=ticks),
+        x=PlotAxis(title="radio range [cells]", low=-0.07 * span, high=1.07 * span, ticks=ticks),
         y=_upright(ends),
         series=series,
     )
 
 
-def _upright(ends: list[float]) -> Axis:
+def _upright(ends: list[float]) -> PlotAxis:
     """Return the y axis around all that is drawn: logarithmic where it spans a factor of four or more."""
     low, high = min(ends), max(ends)
     if low > 0 and high >= WIDE * low:
-        return Axis(title="", low=low / 1.15, high=high * 1.15, log=True)
+        return PlotAxis(title="", low=low / 1.15, high=high * 1.15, log=True)
     margin = 0.08 * ((high - low) or 1.0)
-    return Axis(title="", low=max(0.0, low - margin), high=high + margin)
+    return PlotAxis(title="", low=max(0.0, low - margin), high=high + margin)
 
 
 def _places(reaches: tuple[float, ...]) -> dict[float, float]:
@@ -94,8 +91,8 @@ def _named(far: float) -> str:
 
 
 def _series(
-    results: Results, sweep: RadioSweep, quantity: Quantity, policy: str, style: Style, offset: float
-) -> Series:
+    results: Results, sweep: RadioSweep, quantity: Quantity, policy: str, style: PolicyStyle, offset: float
+) -> PlotSeries:
     places = _places(sweep.reaches)
     pairs = zip(sweep.scenarios, sweep.reaches, strict=True)
     flown = [(results.groups[name, policy], far) for name, far in pairs if (name, policy) in results.groups]
@@ -107,7 +104,7 @@ def _series(
     few = [
         (at, each) for at, values in zip(x, samples, strict=True) if len(values) < FEWEST for each in values.tolist()
     ]
-    return Series(
+    return PlotSeries(
         name=policy,
         style=style,
         x=x,

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from indoor_explorers.evaluation.report.panels.plots import Plot
-from indoor_explorers.evaluation.report.panels.ranges import range_plots
-from indoor_explorers.evaluation.report.panels.scaling import scaling_plots
-from indoor_explorers.evaluation.report.panels.sweeps import RadioSweep, TeamScaling, radio_sweeps, team_scalings
+from indoor_explorers.evaluation.report.analysis.sweeps import RadioSweep, TeamScaling, radio_sweeps, team_scalings
+from indoor_explorers.evaluation.report.panels.plot_data import Plot
+from indoor_explorers.evaluation.report.panels.radio_ranges import range_plots
+from indoor_explorers.evaluation.report.panels.team_scaling import scaling_plots
 from indoor_explorers.evaluation.report.style.formatting import counted
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.results.coverage_level import Level
 from indoor_explorers.evaluation.results.results import Results
 
@@ -41,15 +41,15 @@ class SweepSection:
     team: list[SweepPanel]
 
 
-def sweep_sections(results: Results, looks: Mapping[str, Style]) -> SweepSection:
+def sweep_sections(results: Results, styles: Styles) -> SweepSection:
     """Return the sweeps among the scenarios that have been flown."""
     flown = {scenario for scenario, _ in results.groups}
     settings = {name: facts for name, facts in results.scenarios.items() if name in flown}
     radio = [
-        _panel(_radio_title(each), each, range_plots(results, each, looks), results) for each in radio_sweeps(settings)
+        _panel(_radio_title(each), each, range_plots(results, each, styles), results) for each in radio_sweeps(settings)
     ]
     team = [
-        _panel(_team_title(each, settings), each, scaling_plots(results, each, looks), results)
+        _panel(_team_title(each, settings), each, scaling_plots(results, each, styles), results)
         for each in team_scalings(settings)
     ]
     return SweepSection([panel for panel in radio if panel], [panel for panel in team if panel])

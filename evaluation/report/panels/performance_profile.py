@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
-from indoor_explorers.evaluation.report.panels.plots import Axis, Plot, Series
+from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
+from indoor_explorers.evaluation.report.panels.plot_data import Plot, PlotAxis, PlotSeries
 from indoor_explorers.evaluation.report.style.formatting import percent
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
 from indoor_explorers.evaluation.statistics import performance_profile, performance_ratios
 
 #: The most stairs of a policy; more tasks are drawn as that many quantiles.
 STAIRS = 300
 
 
-def profile_plot(outcomes: Outcomes, looks: Mapping[str, Style]) -> Plot | None:
-    """Return the profiles over the tasks that all contestants flew; None when there is nothing to compare."""
-    common = outcomes.common()
+def profile_plot(task_times: TaskTimes, styles: Styles) -> Plot | None:
+    """Return the profiles over the tasks that all ranked_policies flew; None when there is nothing to compare."""
+    common = task_times.common()
     if len(common.policies) < 2 or not common.reached.any():
         return None
     tau, share = performance_profile(performance_ratios(np.where(common.reached, common.times, np.nan)))
@@ -28,20 +26,22 @@ def profile_plot(outcomes: Outcomes, looks: Mapping[str, Style]) -> Plot | None:
     return Plot(
         title="Performance profile",
         label="Share of tasks on which each policy needs at most tau times the steps of the best one",
-        x=Axis(title=over, low=1.0, high=end, log=True, ticks=_ticks(end)),
-        y=Axis(title="share of tasks", low=0.0, high=1.03, share=True),
-        series=[_stairs(name, looks[name], tau, share[:, column], end) for column, name in enumerate(common.policies)],
+        x=PlotAxis(title=over, low=1.0, high=end, log=True, ticks=_ticks(end)),
+        y=PlotAxis(title="share of tasks", low=0.0, high=1.03, share=True),
+        series=[_stairs(name, styles[name], tau, share[:, column], end) for column, name in enumerate(common.policies)],
     )
 
 
-def _stairs(name: str, style: Style, tau: NDArray[np.float64], share: NDArray[np.float64], end: float) -> Series:
+def _stairs(
+    name: str, style: PolicyStyle, tau: NDArray[np.float64], share: NDArray[np.float64], end: float
+) -> PlotSeries:
     """Return one policy's staircase: only the places where it rises, and the right edge."""
     rises = np.flatnonzero(np.diff(share, prepend=-1.0) > 0)
     if len(rises) > STAIRS:
         rises = rises[np.linspace(0, len(rises) - 1, STAIRS).round().astype(np.int64)]
     x, y = [*tau[rises].tolist(), end], [*share[rises].tolist(), float(share[-1])]
     text = [f"τ {at:.2f}: {percent(part)}" for at, part in zip(x, y, strict=True)]
-    return Series(name=name, style=style, x=x, y=y, text=text, step=True)
+    return PlotSeries(name=name, style=style, x=x, y=y, text=text, step=True)
 
 
 def _ticks(end: float) -> tuple[tuple[float, str], ...]:

@@ -89,7 +89,7 @@ class Comparison:
         return late, -area if area == area else 0.0
 
     @cached_property
-    def contestants(self) -> list[str]:
+    def ranked_policies(self) -> list[str]:
         """The ranked policies that do not know the map; all of them when every one does."""
         return [policy for policy in self.ranking if not self.privileged(policy)] or self.ranking
 
@@ -107,9 +107,9 @@ class Comparison:
         """
         if not self.groups or not self.aligned:
             return {}
-        first = self.contestants[0]
-        yardsticks = [policy for policy in self.ranking if policy not in self.contestants]
-        return self._family(self.contestants) | self._family([first, *yardsticks])
+        first = self.ranked_policies[0]
+        yardsticks = [policy for policy in self.ranking if policy not in self.ranked_policies]
+        return self._family(self.ranked_policies) | self._family([first, *yardsticks])
 
     def _family(self, policies: Sequence[str]) -> dict[str, Contrast]:
         values = {policy: self._times(policy) for policy in policies}
@@ -117,7 +117,7 @@ class Comparison:
 
     def differences(self, policy: str) -> NDArray[np.float64]:
         """Return (E,) steps of a policy minus those of the best-ranked, task by task; they must be aligned."""
-        return np.asarray(self._times(policy) - self._times(self.contestants[0]))
+        return np.asarray(self._times(policy) - self._times(self.ranked_policies[0]))
 
     def _times(self, policy: str) -> NDArray[np.float64]:
         """Return (E,) steps to the level that the scenario is judged by."""

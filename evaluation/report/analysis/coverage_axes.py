@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.episodes.record import AXES, Record
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 
 #: Steps beyond that point that are still shown, as a factor.
 MARGIN = 1.15
 
 
-class Axis(NamedTuple):
+class CoverageAxis(NamedTuple):
     """One of :data:`~indoor_explorers.evaluation.episodes.record.AXES` with the amounts at which curves are drawn."""
 
     key: str
@@ -35,25 +35,25 @@ TITLES = {"steps": "step", "distance": "distance flown by the team", "seconds": 
 }
 
 
-def axes_of(comparison: Comparison, points: int) -> list[Axis]:
+def axes_of(comparison: Comparison, points: int) -> list[CoverageAxis]:
     """Return the axes on which anything was spent, steps first, with about ``points`` amounts each."""
     records = [record for group in comparison.groups.values() for record in group]
     others = [key for key in AXES if key != "steps" and max(record.spent(key)[-1] for record in records) > 0]
     steps = sampled_steps(comparison, points).astype(np.float64)
-    first = Axis("steps", TITLES["steps"], AXES["steps"], False, steps, float(focus_step(comparison)))
+    first = CoverageAxis("steps", TITLES["steps"], AXES["steps"], False, steps, float(focus_step(comparison)))
     return [first, *(_spending(comparison, key, points // 2) for key in others)]
 
 
-def _spending(comparison: Comparison, key: str, points: int) -> Axis:
+def _spending(comparison: Comparison, key: str, points: int) -> CoverageAxis:
     records = [record for group in comparison.groups.values() for record in group]
     most = max(float(record.spent(key)[-1]) for record in records)
     if key == "seconds":
         least = min(float(spent[spent > 0][0]) for record in records if (spent := record.spent(key))[-1] > 0)
         rounded = [float(f"{amount:.4g}") for amount in np.geomspace(least, most, points)[:-1].tolist()]
-        return Axis(key, TITLES[key], AXES[key], True, np.unique([*rounded, most]), most)
+        return CoverageAxis(key, TITLES[key], AXES[key], True, np.unique([*rounded, most]), most)
     focus = min(most, MARGIN * _focus(comparison, key, np.linspace(0, most, 1000)))
     amounts = np.concatenate((np.linspace(0, focus, points * 2 // 3), np.linspace(focus, most, points // 3)))
-    return Axis(key, TITLES[key], AXES[key], False, np.unique(amounts.round()), round(focus))
+    return CoverageAxis(key, TITLES[key], AXES[key], False, np.unique(amounts.round()), round(focus))
 
 
 def _focus(comparison: Comparison, key: str, amounts: NDArray[np.float64]) -> float:

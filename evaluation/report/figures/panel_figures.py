@@ -1,8 +1,8 @@
-"""The panels for print: profiles, Pareto front, ladder and sweeps, drawn from the same data as those of the page."""
+"""The panels for print: profiles, Pareto front, rank plot and sweeps, drawn from the same data as those of the page."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis as MatplotlibAxis
@@ -10,15 +10,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, PercentFormatter, ScalarFormatter
 
-from indoor_explorers.evaluation.report.comparison import Comparison
-from indoor_explorers.evaluation.report.panels.outcomes import Outcomes
-from indoor_explorers.evaluation.report.panels.pareto import pareto_plot
-from indoor_explorers.evaluation.report.panels.plots import Axis, Plot, Series
-from indoor_explorers.evaluation.report.panels.profiles import profile_plot
-from indoor_explorers.evaluation.report.panels.rank_plot import Chance, Rung, ladder
-from indoor_explorers.evaluation.report.panels.sweeping import SweepPanel, sweep_sections
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
+from indoor_explorers.evaluation.report.panels.pareto_plot import pareto_plot
+from indoor_explorers.evaluation.report.panels.performance_profile import profile_plot
+from indoor_explorers.evaluation.report.panels.plot_data import Plot, PlotAxis, PlotSeries
+from indoor_explorers.evaluation.report.panels.rank_plot import Improvement, RankRow, rank_rows
+from indoor_explorers.evaluation.report.panels.sweep_panels import SweepPanel, sweep_sections
 from indoor_explorers.evaluation.report.style.formatting import counted
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
 from indoor_explorers.evaluation.report.style.print_style import plain, sheet, strokes
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
@@ -27,40 +27,40 @@ from indoor_explorers.evaluation.statistics import FEWEST
 COLUMNS = 3
 
 
-def scenario_figures(comparison: Comparison, looks: Mapping[str, Style]) -> Iterator[tuple[str, Figure]]:
+def scenario_figures(comparison: Comparison, styles: Styles) -> Iterator[tuple[str, Figure]]:
     """Yield the figures of a scenario that have content, by the end of their file name."""
-    outcomes = Outcomes.of(comparison)
-    profile, pareto, rungs = profile_plot(outcomes, looks), pareto_plot(comparison, looks), ladder(outcomes)
+    task_times = TaskTimes.of(comparison)
+    profile, pareto, rows = profile_plot(task_times, styles), pareto_plot(comparison, styles), rank_rows(task_times)
     if profile is not None:
-        note = f"{counted(len(outcomes.common().tasks), 'task')} that all flew; never reached, never solved."
-        yield "profile", _alone(profile, comparison, looks, note)
+        note = f"{counted(len(task_times.common().tasks), 'task')} that all flew; never reached, never solved."
+        yield "profile", _alone(profile, comparison, styles, note)
     if pareto is not None:
         how = "" if any(each.dots for each in pareto.series) else " with 95 % bootstrap interval"
         note = f"Mean AUC{how}; median time of a decision, whisker to the 99th percentile. Filled: the Pareto front."
-        yield "pareto", _alone(pareto, comparison, looks, note)
-    if rungs:
-        yield "ladder", ladder_figure(comparison, rungs, looks)
+        yield "pareto", _alone(pareto, comparison, styles, note)
+    if rows:
+        yield "rank-plot", rank_figure(comparison, rows, styles)
 
 
-def sweep_figures(results: Results, looks: Mapping[str, Style]) -> Iterator[tuple[str, Figure]]:
+def sweep_figures(results: Results, styles: Styles) -> Iterator[tuple[str, Figure]]:
     """Yield a figure for each sweep, by file name."""
-    sections = sweep_sections(results, looks)
+    sections = sweep_sections(results, styles)
     for kind, panels in (("radio", sections.radio), ("teams", sections.team)):
         for number, panel in enumerate(panels, 1):
-            yield f"{kind}-{number:02d}", _sweep_figure(panel, looks)
+            yield f"{kind}-{number:02d}", _sweep_figure(panel, styles)
 
 
-def _alone(plot: Plot, comparison: Comparison, looks: Mapping[str, Style], note: str) -> Figure:
+def _alone(plot: Plot, comparison: Comparison, styles: Styles, note: str) -> Figure:
     figure = sheet(4.4, 3.1)
     axes = figure.add_subplot()
     draw(axes, plot)
     axes.set_title(plain(comparison.scenario, 60))
-    _legend(figure, [series.name for series in plot.series], looks, (0.97, 0.9))
+    _legend(figure, [series.name for series in plot.series], styles, (0.97, 0.9))
     _note(figure, note)
     return figure
 
 
-def _sweep_figure(panel: SweepPanel, looks: Mapping[str, Style]) -> Figure:
+def _sweep_figure(panel: SweepPanel, styles: Styles) -> Figure:
     rows = -(-len(panel.plots) // COLUMNS)
     figure = sheet(7.6, 0.5 + 2.3 * rows)
     for place, plot in enumerate(panel.plots, 1):
@@ -69,7 +69,7 @@ def _sweep_figure(panel: SweepPanel, looks: Mapping[str, Style]) -> Figure:
         axes.set_title(plot.title)
     figure.subplots_adjust(wspace=0.42, hspace=0.62, top=1 - 0.55 / figure.get_figheight())
     figure.suptitle(plain(panel.title, 90), x=0.07, y=1.0, ha="left", fontsize=10)
-    _legend(figure, panel.policies, looks, (0.93, 0.88))
+    _legend(figure, panel.policies, styles, (0.93, 0.88))
     how = "too few for intervals, each is a dot" if panel.few else "95 % bootstrap intervals"
     _note(figure, f"{panel.tasks} episodes a point, {how}. {'Hollow: not every episode got there.' * panel.hollow}")
     return figure
@@ -89,7 +89,7 @@ def draw(axes: Axes, plot: Plot) -> None:
     _ticks(axes.yaxis, plot.y)
 
 
-def _ticks(axis: MatplotlibAxis, about: Axis) -> None:
+def _ticks(axis: MatplotlibAxis, about: PlotAxis) -> None:
     if about.ticks:
         axis.set_ticks([place for place, _ in about.ticks], [text for _, text in about.ticks])
         axis.set_minor_formatter(NullFormatter())
@@ -103,45 +103,45 @@ def _ticks(axis: MatplotlibAxis, about: Axis) -> None:
         axis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
 
 
-def _draw_series(axes: Axes, series: Series) -> None:
+def _draw_series(axes: Axes, series: PlotSeries) -> None:
     """Draw one policy: single episodes, intervals and whiskers, the line, and hollow or filled markers."""
-    look = strokes(series.style)
+    stroke = strokes(series.style)
     if series.dots:
         x, y = zip(*series.dots, strict=True)
-        axes.scatter(x, y, s=7, color=look["color"], alpha=0.4, linewidths=0, zorder=2)
-    bars = {"color": look["color"], "linewidth": 0.9, "zorder": 2}
+        axes.scatter(x, y, s=7, color=stroke["color"], alpha=0.4, linewidths=0, zorder=2)
+    bars = {"color": stroke["color"], "linewidth": 0.9, "zorder": 2}
     if series.low is not None and series.high is not None:
         axes.vlines(series.x, series.low, series.high, **bars)
     if series.right is not None:
         axes.hlines(series.y, series.x, series.right, **bars)
-    line = look | {"linestyle": look["linestyle"] if series.line else "none", "zorder": 3}
+    line = stroke | {"linestyle": stroke["linestyle"] if series.line else "none", "zorder": 3}
     if series.step:
         axes.plot(series.x, series.y, **line, drawstyle="steps-post", markevery=max(1, len(series.x) // 5))
         return
     axes.plot(series.x, series.y, **line)
     hollow = [place for place, empty in enumerate(series.hollow or []) if empty]
     rim = {"markerfacecolor": "white", "markeredgewidth": 1.0, "linestyle": "none", "zorder": 4}
-    axes.plot([series.x[k] for k in hollow], [series.y[k] for k in hollow], **look | rim)
+    axes.plot([series.x[k] for k in hollow], [series.y[k] for k in hollow], **stroke | rim)
 
 
-def ladder_figure(comparison: Comparison, rungs: Sequence[Rung], looks: Mapping[str, Style]) -> Figure:
+def rank_figure(comparison: Comparison, rows: Sequence[RankRow], styles: Styles) -> Figure:
     """Draw how often each policy is better than the next below, and than the first, around one half."""
-    figure = sheet(6.3, 0.9 + 0.3 * len(rungs))
+    figure = sheet(6.3, 0.9 + 0.3 * len(rows))
     pair = figure.subplots(1, 2, sharey=True, gridspec_kw={"wspace": 0.14})
-    titles = ("better than the next below", f"better than {plain(rungs[0].policy, 24)}")
+    titles = ("better than the next below", f"better than {plain(rows[0].policy, 24)}")
     for axes, title, which in zip(pair, titles, ("next", "best"), strict=True):
-        for place, rung in enumerate(rungs):
-            chance = rung.next if which == "next" else rung.best
-            if chance is not None:
-                _draw_chance(axes, place, chance, looks[rung.policy])
+        for place, row in enumerate(rows):
+            improvement = row.next if which == "next" else row.best
+            if improvement is not None:
+                _draw_improvement(axes, place, improvement, styles[row.policy])
         axes.axvline(0.5, color="#888888", linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
-        axes.set(xlim=(-0.03, 1.03), ylim=(len(rungs) - 0.4, -0.6), xlabel=f"{title} [share of tasks]")
+        axes.set(xlim=(-0.03, 1.03), ylim=(len(rows) - 0.4, -0.6), xlabel=f"{title} [share of tasks]")
         axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "100 %"])
         axes.tick_params(axis="y", length=0)
         axes.spines["left"].set_visible(False)
-    pair[0].set_yticks(range(len(rungs)), [plain(rung.policy) for rung in rungs])
+    pair[0].set_yticks(range(len(rows)), [plain(row.policy) for row in rows])
     pair[0].set_title(plain(comparison.scenario, 70))
-    tasks = ", ".join(dict.fromkeys(rung.tasks for rung in rungs if rung.tasks))
+    tasks = ", ".join(dict.fromkeys(row.tasks for row in rows if row.tasks))
     _note(
         figure,
         f"Fewer steps to {comparison.level.percent} coverage, ties one half; {tasks} tasks, 95 % bootstrap intervals "
@@ -150,20 +150,25 @@ def ladder_figure(comparison: Comparison, rungs: Sequence[Rung], looks: Mapping[
     return figure
 
 
-def _draw_chance(axes: Axes, place: int, chance: Chance, style: Style) -> None:
-    look = strokes(style)
-    mean, low, high = chance.estimate
+def _draw_improvement(axes: Axes, place: int, improvement: Improvement, style: PolicyStyle) -> None:
+    stroke = strokes(style)
+    mean, low, high = improvement.estimate
     if low is not None and high is not None:
-        axes.hlines([place], low, high, color=look["color"], linewidth=1.6, zorder=2)
+        axes.hlines([place], low, high, color=stroke["color"], linewidth=1.6, zorder=2)
     else:
         axes.scatter(
-            chance.scores, [place + 0.2] * len(chance.scores), s=7, color=look["color"], alpha=0.4, linewidths=0
+            improvement.scores,
+            [place + 0.2] * len(improvement.scores),
+            s=7,
+            color=stroke["color"],
+            alpha=0.4,
+            linewidths=0,
         )
-    axes.plot([mean], [place], **look | {"markersize": 5.2, "zorder": 3})
+    axes.plot([mean], [place], **stroke | {"markersize": 5.2, "zorder": 3})
 
 
-def _legend(figure: Figure, names: Sequence[str], looks: Mapping[str, Style], corner: tuple[float, float]) -> None:
-    lines = [Line2D([], [], **strokes(looks[name])) for name in names]
+def _legend(figure: Figure, names: Sequence[str], styles: Styles, corner: tuple[float, float]) -> None:
+    lines = [Line2D([], [], **strokes(styles[name])) for name in names]
     figure.legend(lines, [plain(name) for name in names], loc="upper left", bbox_to_anchor=corner, borderaxespad=0.0)
 
 

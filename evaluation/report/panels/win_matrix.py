@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.panels.links import replay_link
-from indoor_explorers.evaluation.report.panels.outcomes import Outcomes, Pair
+from indoor_explorers.evaluation.report.analysis.task_times import PairedTimes, TaskTimes
+from indoor_explorers.evaluation.report.panels.replay_links import replay_link
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, counted, fixed
 from indoor_explorers.evaluation.statistics import WinTieLoss, win_tie_loss
 
 
-class Duel(NamedTuple):
+class WinCell(NamedTuple):
     """A cell of the matrix: the policy of the row against that of the column."""
 
     tally: WinTieLoss
@@ -29,26 +29,28 @@ class Duel(NamedTuple):
         return EN_DASH.join(str(count) for count in self.tally)
 
 
-def win_matrix(outcomes: Outcomes) -> list[tuple[str, list[Duel | None]]]:
+def win_matrix(task_times: TaskTimes) -> list[tuple[str, list[WinCell | None]]]:
     """Return a row of cells for each policy, best first; None where a policy meets itself or nobody flew both.
 
     Empty when there are fewer than two policies with a task in common.
     """
-    names = outcomes.policies
-    rows = [(name, [None if other == name else _duel(outcomes, name, other) for other in names]) for name in names]
+    names = task_times.policies
+    rows = [(name, [None if other == name else _duel(task_times, name, other) for other in names]) for name in names]
     return rows if any(cell for _, cells in rows for cell in cells) else []
 
 
-def _duel(outcomes: Outcomes, policy: str, other: str) -> Duel | None:
-    pair = outcomes.pair(policy, other)
+def _duel(task_times: TaskTimes, policy: str, other: str) -> WinCell | None:
+    pair = task_times.pair(policy, other)
     if not pair.tasks:
         return None
     tally = win_tie_loss(pair.ours, pair.theirs)
     score = (tally.wins - tally.losses) / len(pair.tasks)
-    return Duel(tally, round(4 * score), _told(policy, other, tally, pair), replay_link(policy, _furthest_ahead(pair)))
+    return WinCell(
+        tally, round(4 * score), _told(policy, other, tally, pair), replay_link(policy, _furthest_ahead(pair))
+    )
 
 
-def _told(policy: str, other: str, tally: WinTieLoss, pair: Pair) -> str:
+def _told(policy: str, other: str, tally: WinTieLoss, pair: PairedTimes) -> str:
     ahead = pair.theirs - pair.ours
     return (
         f"{policy} against {other}: fewer steps on {tally.wins} of {counted(len(pair.tasks), 'task')}, "
@@ -56,5 +58,5 @@ def _told(policy: str, other: str, tally: WinTieLoss, pair: Pair) -> str:
     )
 
 
-def _furthest_ahead(pair: Pair) -> Task:
+def _furthest_ahead(pair: PairedTimes) -> Task:
     return pair.tasks[int(np.argmax(pair.theirs - pair.ours))]

@@ -1,9 +1,9 @@
-"""The tables of a scenario: results by policy, failures."""
+"""The results table of a scenario: one row for each policy."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -11,16 +11,13 @@ import numpy as np
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, WASTED, excused
-from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.report.charts.dot_strips import Scale, episode_strip
-from indoor_explorers.evaluation.report.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import failed
+from indoor_explorers.evaluation.report.charts.dot_plots import Scale, episode_dot_plot
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, interval, percent
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.results.coverage_level import Level, tabled
 from indoor_explorers.evaluation.statistics import Estimate
-
-#: The most failures that are listed.
-LISTED = 60
 
 
 @dataclass(frozen=True)
@@ -36,9 +33,9 @@ class Column:
 
     @property
     def kind(self) -> str:
-        """``reached`` and ``strip`` for what is drawn from a time, such as ``t99_strip``; empty for a metric."""
+        """``reached`` and ``dots`` for what is drawn from a time, such as ``t99_dots``; empty for a metric."""
         time, _, kind = self.key.partition("_")
-        return kind if time in LEVELS and kind in ("reached", "strip") else ""
+        return kind if time in LEVELS and kind in ("reached", "dots") else ""
 
     @property
     def metric(self) -> str:
@@ -52,7 +49,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Cell:
+class TableCell:
     """One figure of a table."""
 
     text: str
@@ -86,7 +83,7 @@ WITH_INTERVAL = (*LEVELS, "auc", "path_length")
 def columns_of(level: Level) -> tuple[Column, ...]:
     """Return the columns of a scenario judged by a level; levels above it have a time, a dash, and no more."""
     times = (column for key in tabled([level]) for column in _time_columns(Level(key), key in level.times))
-    return (*times, Column(f"{level.key}_strip", f"{level.title} by episode", "steps", ranked=False), *OTHERS)
+    return (*times, Column(f"{level.key}_dots", f"{level.title} by episode", "steps", ranked=False), *OTHERS)
 
 
 def _time_columns(level: Level, asked: bool) -> list[Column]:
@@ -94,16 +91,16 @@ def _time_columns(level: Level, asked: bool) -> list[Column]:
     return [time, Column(f"{level.key}_reached", f"reached {percent(level.share)}", "", False)] if asked else [time]
 
 
-def results_table(comparison: Comparison, looks: Mapping[str, Style]) -> list[tuple[str, list[Cell]]]:
+def results_table(comparison: Comparison, styles: Styles) -> list[tuple[str, list[TableCell]]]:
     """Return the cells of each policy, in the order of :func:`columns_of`; rows in the experiment's order."""
-    columns = [_column(comparison, column, looks) for column in columns_of(comparison.level)]
+    columns = [_column(comparison, column, styles) for column in columns_of(comparison.level)]
     return [(policy, [cells[policy] for cells in columns]) for policy in comparison.groups]
 
 
-def _column(comparison: Comparison, column: Column, looks: Mapping[str, Style]) -> dict[str, Cell]:
-    special: dict[str, Callable[[Comparison], dict[str, Cell]]] = {
+def _column(comparison: Comparison, column: Column, styles: Styles) -> dict[str, TableCell]:
+    special: dict[str, Callable[[Comparison], dict[str, TableCell]]] = {
         "reached": partial(_reached, metric=column.metric),
-        "strip": partial(_strips, metric=column.metric, looks=looks),
+        "dots": partial(_dot_plots, metric=column.metric, styles=styles),
         "failures": _failures,
         **{metric: partial(_wasted, metric=metric) for metric in WASTED},
     }
@@ -112,7 +109,7 @@ def _column(comparison: Comparison, column: Column, looks: Mapping[str, Style]) 
     return emphasised(comparison, column, cells) if column.ranked else cells
 
 
-def _measured(comparison: Comparison, metric: str) -> dict[str, Cell]:
+def _measured(comparison: Comparison, metric: str) -> dict[str, TableCell]:
     estimates = {policy: comparison.estimate(policy, metric) for policy in comparison.groups}
     largest = max((each.mean for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
     divisor = DIVISOR.get(metric, 1.0)
@@ -121,12 +118,14 @@ def _measured(comparison: Comparison, metric: str) -> dict[str, Cell]:
     return {policy: _figure(each, metric, divisor, decimals) for policy, each in estimates.items()}
 
 
-def _figure(estimate: Estimate, metric: str, divisor: float, decimals: int) -> Cell:
+def _figure(estimate: Estimate, metric: str, divisor: float, decimals: int) -> TableCell:
     mean = estimate.mean / divisor
     if math.isnan(mean):
-        return Cell(fixed(None, 0))
+        return TableCell(fixed(None, 0))
     digits = max(decimals, _needed(mean)) if divisor != 1.0 else decimals
-    return Cell(fixed(mean, digits), estimate.mean, interval(estimate, decimals) if metric in WITH_INTERVAL else "")
+    return TableCell(
+        fixed(mean, digits), estimate.mean, interval(estimate, decimals) if metric in WITH_INTERVAL else ""
+    )
 
 
 def _needed(value: float) -> int:
@@ -134,25 +133,25 @@ def _needed(value: float) -> int:
     return 0 if value >= 10 or value == 0 else min(3, 1 - math.floor(math.log10(value)))
 
 
-def _reached(comparison: Comparison, metric: str) -> dict[str, Cell]:
+def _reached(comparison: Comparison, metric: str) -> dict[str, TableCell]:
     cells = {}
     for policy, records in comparison.groups.items():
         share = comparison.results.success(comparison.scenario, policy, metric)
-        cells[policy] = Cell(percent(share), share, f"{round(share * len(records))}/{len(records)}")
+        cells[policy] = TableCell(percent(share), share, f"{round(share * len(records))}/{len(records)}")
     return cells
 
 
-def _strips(comparison: Comparison, metric: str, looks: Mapping[str, Style]) -> dict[str, Cell]:
+def _dot_plots(comparison: Comparison, metric: str, styles: Styles) -> dict[str, TableCell]:
     values = {policy: comparison.results.values(comparison.scenario, policy, metric) for policy in comparison.groups}
     scale = Scale(0.0, max(float(each.max()) for each in values.values()), 110)
     return {
-        policy: Cell("", None, episode_strip(each, comparison.estimate(policy, metric), scale, looks[policy]))
+        policy: TableCell("", None, episode_dot_plot(each, comparison.estimate(policy, metric), scale, styles[policy]))
         for policy, each in values.items()
     }
 
 
-def _wasted(comparison: Comparison, metric: str) -> dict[str, Cell]:
-    """Return the mean over episodes and the most of any of them, which looks bad where it has no excuse."""
+def _wasted(comparison: Comparison, metric: str) -> dict[str, TableCell]:
+    """Return the mean over episodes and the most of any of them, which styles bad where it has no excuse."""
     cells = {}
     for policy, records in comparison.groups.items():
         values = comparison.results.values(comparison.scenario, policy, metric)
@@ -160,35 +159,23 @@ def _wasted(comparison: Comparison, metric: str) -> dict[str, Cell]:
         most, mean = (float(measured.max()), float(measured.mean())) if len(measured) else (0.0, math.nan)
         detail = f"≤ {fixed(most, 0)}" if len(measured) else ""
         bad = most > excused(metric, records[0].team)
-        cells[policy] = Cell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
+        cells[policy] = TableCell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
     return cells
 
 
-def _failures(comparison: Comparison) -> dict[str, Cell]:
+def _failures(comparison: Comparison) -> dict[str, TableCell]:
     counts = {policy: len(failed(records)) for policy, records in comparison.groups.items()}
-    return {policy: Cell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
+    return {policy: TableCell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
 
 
-def emphasised(comparison: Comparison, column: Column, cells: dict[str, Cell]) -> dict[str, Cell]:
+def emphasised(comparison: Comparison, column: Column, cells: dict[str, TableCell]) -> dict[str, TableCell]:
     """Mark the best cells among the policies that do not know the map; none when all are the same."""
-    rated = {policy: value for policy in comparison.contestants if (value := cells[policy].value) is not None}
+    rated = {policy: value for policy in comparison.ranked_policies if (value := cells[policy].value) is not None}
     if len(rated) < 2:
         return cells
     best = min(rated.values()) if column.lower_is_better else max(rated.values())
-    look = next(cells[policy].text for policy, value in rated.items() if value == best)
-    winners = {policy for policy in rated if cells[policy].text == look}
+    shown = next(cells[policy].text for policy, value in rated.items() if value == best)
+    winners = {policy for policy in rated if cells[policy].text == shown}
     if len(winners) == len(rated):
         return cells
     return {policy: replace(cell, best=policy in winners) for policy, cell in cells.items()}
-
-
-def failed(records: list[Record]) -> list[Record]:
-    """Return the episodes in which the policy broke."""
-    return [record for record in records if record.outcome is Outcome.FAILED]
-
-
-def troubles(comparison: Comparison) -> list[Record]:
-    """Return the episodes that ended before goal and budget: failed ones first, then crashes."""
-    records = [record for group in comparison.groups.values() for record in group]
-    ended = [record for record in records if record.outcome is Outcome.ENDED]
-    return [*failed(records), *ended]

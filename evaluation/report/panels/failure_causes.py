@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.report.panels.links import replay_link
-from indoor_explorers.evaluation.report.replay.selection import ending
+from indoor_explorers.evaluation.report.analysis.failures import by_cause, ending, uav_ends
+from indoor_explorers.evaluation.report.panels.replay_links import replay_link
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, percent
 
 #: The most seeds that a row lists.
@@ -33,33 +32,13 @@ class Cause(NamedTuple):
 
 def causes(troubles: Sequence[Record], flown: dict[str, int]) -> list[Cause]:
     """Gather records that failed or ended early, of policies with that many episodes ``flown``; most frequent first."""
-    return [_cause(records, flown[records[0].policy]) for records in alike(troubles)]
-
-
-def alike(troubles: Sequence[Record]) -> list[list[Record]]:
-    """Return the records of each policy that ended for one cause together, most frequent first."""
-    groups: dict[tuple[str, str], list[Record]] = {}
-    for record in troubles:
-        groups.setdefault((record.policy, _kind(record)), []).append(record)
-    return sorted(groups.values(), key=lambda records: -len(records))
-
-
-def _kind(record: Record) -> str:
-    """Return what two episodes have in common that ended for the same cause: messages but for their numbers."""
-    if record.outcome is Outcome.ENDED:
-        return f"{record.outcome}: {', '.join(_ends(record))}"
-    return f"{record.outcome}: " + re.sub(r"-?\d+(\.\d+)?", "#", record.reason)
-
-
-def _ends(record: Record) -> list[str]:
-    """Return the different ways in which the UAVs of an episode ended."""
-    return sorted({part.partition(": ")[2] for part in record.reason.split(", ")})
+    return [_cause(records, flown[records[0].policy]) for records in by_cause(troubles)]
 
 
 def _cause(records: list[Record], flown: int) -> Cause:
     first, policy = records[0], records[0].policy
     ended = first.outcome is Outcome.ENDED
-    cause = f"all UAVs ended {EN_DASH} {', '.join(_ends(first))}" if ended else ending(first)
+    cause = f"all UAVs ended {EN_DASH} {', '.join(uav_ends(first))}" if ended else ending(first)
     covered = sorted(float(record.curve[-1]) for record in records)
     spread = list(dict.fromkeys(percent(share, 1) for share in (covered[0], covered[-1])))
     seeds = list(dict.fromkeys(str(record.task.seed) for record in records))

@@ -8,17 +8,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.report.panels.plots import Axis, Guide, Plot, Series, bounds
-from indoor_explorers.evaluation.report.panels.ranges import APART
-from indoor_explorers.evaluation.report.panels.sweeps import TeamScaling
+from indoor_explorers.evaluation.report.analysis.sweeps import TeamScaling
+from indoor_explorers.evaluation.report.panels.plot_data import Guide, Plot, PlotAxis, PlotSeries, bounds
+from indoor_explorers.evaluation.report.panels.radio_ranges import APART
 from indoor_explorers.evaluation.report.style.formatting import percent, with_interval
-from indoor_explorers.evaluation.report.style.palette import Style
+from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.results.coverage_level import Level
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate, ratio_of_means
 
 
-class Gain(NamedTuple):
+class SpeedUp(NamedTuple):
     """How much faster a team is than one UAV."""
 
     team: int
@@ -29,14 +29,14 @@ class Gain(NamedTuple):
     censored: bool
     """Whether an episode never got there and counts as its budget."""
 
-    def a_uav(self) -> Gain:
+    def a_uav(self) -> SpeedUp:
         """Return the gain divided by the number of UAVs: the parallel efficiency."""
         mean, low, high = self.speedup
         share = Estimate(mean / self.team, low and low / self.team, high and high / self.team)
         return self._replace(speedup=share, each=[value / self.team for value in self.each])
 
 
-def gains(results: Results, scaling: TeamScaling, policy: str, metric: str) -> list[Gain]:
+def speed_ups(results: Results, scaling: TeamScaling, policy: str, metric: str) -> list[SpeedUp]:
     """Return a policy's gains by team, one UAV first; teams of which no episode got there are left out."""
     solo = _times(results, scaling.scenarios[0], policy, metric)
     maps = _maps(results, scaling.scenarios[0], policy)
@@ -71,70 +71,66 @@ def _maps(results: Results, scenario: str, policy: str) -> dict[tuple[int, int],
     return {(task.map_index, task.seed): label for task, label in zip(tasks, labels, strict=True)}
 
 
-def _gain(team: int, alone: NDArray[np.float64], together: NDArray[np.float64], maps: list[str]) -> Gain:
+def _gain(team: int, alone: NDArray[np.float64], together: NDArray[np.float64], maps: list[str]) -> SpeedUp:
     censored = not bool(alone[:, 1].all() and together[:, 1].all())
     if team == 1:
-        return Gain(1, Estimate(1.0, None, None), [], censored)
+        return SpeedUp(1, Estimate(1.0, None, None), [], censored)
     ratios = (alone[:, 0] / together[:, 0]).tolist() if len(maps) < FEWEST else []
-    return Gain(team, ratio_of_means(alone[:, 0], together[:, 0], maps=maps), ratios, censored)
+    return SpeedUp(team, ratio_of_means(alone[:, 0], together[:, 0], maps=maps), ratios, censored)
 
 
-def scaling_plots(results: Results, scaling: TeamScaling, looks: Mapping[str, Style]) -> list[Plot]:
+def scaling_plots(results: Results, scaling: TeamScaling, styles: Styles) -> list[Plot]:
     """Return speed-up to 90 % and to the level, and efficiency to the level; empty when no policy was flown in both."""
     plots, judging = [], results.level(scaling.scenarios[0])
     for metric in judging.times:
         level = Level(metric).percent
-        found = {policy: gains(results, scaling, policy, metric) for policy in results.policies}
+        found = {policy: speed_ups(results, scaling, policy, metric) for policy in results.policies}
         found = {policy: each for policy, each in found.items() if each}
         if found:
-            plots.append(_speedup_plot(found, scaling, level, looks))
+            plots.append(_speedup_plot(found, scaling, level, styles))
         if found and metric == judging.key:
-            plots.append(_efficiency_plot(found, scaling, level, looks))
+            plots.append(_efficiency_plot(found, scaling, level, styles))
     return plots
 
 
-def _speedup_plot(
-    found: Mapping[str, list[Gain]], scaling: TeamScaling, level: str, looks: Mapping[str, Style]
-) -> Plot:
+def _speedup_plot(found: Mapping[str, list[SpeedUp]], scaling: TeamScaling, level: str, styles: Styles) -> Plot:
     most = scaling.teams[-1]
-    series = _series(found, looks, _speedup_told)
+    series = _series(found, styles, _speedup_told)
     return Plot(
         title=f"Speed-up to {level}",
         label=f"Speed-up to {level} coverage against the number of UAVs",
         x=_teams(scaling),
-        y=Axis(title="T(1) / T(N)", low=0.0, high=max(1.5, 1.12 * _top(series))),
+        y=PlotAxis(title="T(1) / T(N)", low=0.0, high=max(1.5, 1.12 * _top(series))),
         series=series,
         guides=[Guide(name="ideal", x=[1.0, float(most)], y=[1.0, float(most)])],
     )
 
 
-def _efficiency_plot(
-    found: Mapping[str, list[Gain]], scaling: TeamScaling, level: str, looks: Mapping[str, Style]
-) -> Plot:
+def _efficiency_plot(found: Mapping[str, list[SpeedUp]], scaling: TeamScaling, level: str, styles: Styles) -> Plot:
     shares = {policy: [each.a_uav() for each in found[policy]] for policy in found}
-    series = _series(shares, looks, _efficiency_told)
+    series = _series(shares, styles, _efficiency_told)
     return Plot(
         title=f"Efficiency to {level}",
         label=f"Parallel efficiency to {level} coverage against the number of UAVs",
         x=_teams(scaling),
-        y=Axis(title="T(1) / (N T(N))", low=0.0, high=max(1.08, 1.05 * _top(series)), share=True),
+        y=PlotAxis(title="T(1) / (N T(N))", low=0.0, high=max(1.08, 1.05 * _top(series)), share=True),
         series=series,
         guides=[Guide(name="ideal", x=[1.0, float(scaling.teams[-1])], y=[1.0, 1.0])],
     )
 
 
-def _teams(scaling: TeamScaling) -> Axis:
+def _teams(scaling: TeamScaling) -> PlotAxis:
     most = scaling.teams[-1]
     ticks = tuple((float(team), str(team)) for team in scaling.teams)
-    return Axis(title="UAVs", low=1 - 0.06 * (most - 1), high=most + 0.06 * (most - 1), ticks=ticks)
+    return PlotAxis(title="UAVs", low=1 - 0.06 * (most - 1), high=most + 0.06 * (most - 1), ticks=ticks)
 
 
-def _top(series: list[Series]) -> float:
+def _top(series: list[PlotSeries]) -> float:
     dots = [value for each in series for _, value in each.dots or []]
     return max(end for each in series for end in (*each.y, *(each.high or []), *dots, 0.0))
 
 
-def _series(found: Mapping[str, list[Gain]], looks: Mapping[str, Style], told: Callable[[Gain], str]) -> list[Series]:
+def _series(found: Mapping[str, list[SpeedUp]], styles: Styles, told: Callable[[SpeedUp], str]) -> list[PlotSeries]:
     """Return each policy's line, drawn a little beside the others' so that intervals do not hide each other."""
     span = max(each.team for gains_of in found.values() for each in gains_of) - 1
     lines = []
@@ -143,9 +139,9 @@ def _series(found: Mapping[str, list[Gain]], looks: Mapping[str, Style], told: C
         low, high = bounds([each.speedup for each in of_policy])
         x = [each.team + (beside if each.team > 1 else 0.0) for each in of_policy]
         lines.append(
-            Series(
+            PlotSeries(
                 name=policy,
-                style=looks[policy],
+                style=styles[policy],
                 x=x,
                 y=[each.speedup.mean for each in of_policy],
                 low=low,
@@ -158,11 +154,11 @@ def _series(found: Mapping[str, list[Gain]], looks: Mapping[str, Style], told: C
     return lines
 
 
-def _speedup_told(gain: Gain) -> str:
+def _speedup_told(gain: SpeedUp) -> str:
     return f"{gain.team} UAVs: {with_interval(gain.speedup, 2)} times as fast"
 
 
-def _efficiency_told(gain: Gain) -> str:
+def _efficiency_told(gain: SpeedUp) -> str:
     low, high = gain.speedup.low, gain.speedup.high
     around = "" if low is None or high is None else f" [{percent(low)}, {percent(high)}]"
     return f"{gain.team} UAVs: {percent(gain.speedup.mean)}{around}"

@@ -10,10 +10,10 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.report.style.formatting import with_interval
-from indoor_explorers.evaluation.report.style.palette import DASHES, MARKER_PATHS, Style
+from indoor_explorers.evaluation.report.style.palette import DASHES, MARKER_PATHS, PolicyStyle
 from indoor_explorers.evaluation.statistics import Estimate
 
-#: The most dots of a strip; more episodes are drawn as that many quantiles.
+#: The most dots of a plot; more episodes are drawn as that many quantiles.
 DOTS = 80
 
 
@@ -31,7 +31,7 @@ class Scale(NamedTuple):
         return round(4 + share * (self.width - 8), 1)
 
 
-def swatch(style: Style) -> Markup:
+def swatch(style: PolicyStyle) -> Markup:
     """Draw a policy's line and marker, as in the charts."""
     dash = " ".join(f"{length:g}" for length in DASHES[style.dash]) or "none"
     return Markup(
@@ -43,7 +43,7 @@ def swatch(style: Style) -> Markup:
 
 def _drawing(scale: Scale, body: Markup, label: str) -> Markup:
     return Markup(
-        '<svg class="strip" width="{w}" height="20" viewBox="0 0 {w} 20" role="img" aria-label="{label}">'
+        '<svg class="dot-plot" width="{w}" height="20" viewBox="0 0 {w} 20" role="img" aria-label="{label}">'
         "<title>{label}</title>{body}</svg>"
     ).format(w=scale.width, label=label, body=body)
 
@@ -62,7 +62,7 @@ def _mean_and_interval(estimate: Estimate, scale: Scale, y: float) -> Markup:
     return line + Markup('<circle class="mean" cx="{}" cy="{}" r="3.2"/>').format(scale(estimate.mean), y)
 
 
-def episode_strip(values: NDArray[np.float64], estimate: Estimate, scale: Scale, style: Style) -> Markup:
+def episode_dot_plot(values: NDArray[np.float64], estimate: Estimate, scale: Scale, style: PolicyStyle) -> Markup:
     """Draw every episode as a dot, above them the mean with its interval."""
     if not len(values):
         return Markup("")
@@ -73,7 +73,7 @@ def episode_strip(values: NDArray[np.float64], estimate: Estimate, scale: Scale,
     return _drawing(scale, body, f"{listed}; mean {with_interval(estimate)}")
 
 
-def difference_strip(values: NDArray[np.float64], estimate: Estimate, scale: Scale, style: Style) -> Markup:
+def difference_dot_plot(values: NDArray[np.float64], estimate: Estimate, scale: Scale, style: PolicyStyle) -> Markup:
     """Draw a difference against the line of none; without an interval, each of the (E,) episodes'."""
     zero = Markup('<path class="zero" d="M{} 0V20"/>').format(scale(0.0))
     dots = Markup("") if estimate.low is not None else _dots(values, scale, 10)
@@ -93,7 +93,9 @@ def difference_scale(estimates: Sequence[Estimate], width: int = 200) -> Scale:
     return Scale(-min(reach, max(0.12 * reach, -1.1 * min(lows, default=0.0))), reach * 1.05, width)
 
 
-def share_strip(scores: NDArray[np.float64], estimate: Estimate, style: Style, label: str, width: int = 150) -> Markup:
+def share_dot_plot(
+    scores: NDArray[np.float64], estimate: Estimate, style: PolicyStyle, label: str, width: int = 150
+) -> Markup:
     """Draw a share between 0 and 1 with its interval against one half; without an interval, each episode's score."""
     scale = Scale(0.0, 1.0, width)
     half = Markup('<path class="axis" d="M4 10H{}"/><path class="zero" d="M{} 0V20"/>').format(width - 4, scale(0.5))

@@ -1,0 +1,50 @@
+"""Episodes that failed or ended early, in words and grouped by cause."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.report.style.formatting import EN_DASH
+
+
+def failed(records: Sequence[Record]) -> list[Record]:
+    """Return the episodes in which the policy failed: it raised an error or returned an invalid action."""
+    return [record for record in records if record.outcome is Outcome.FAILED]
+
+
+def failed_or_ended(records: Sequence[Record]) -> list[Record]:
+    """Return the episodes that ended before goal and budget: failed ones first, then those whose UAVs all ended."""
+    return [*failed(records), *(record for record in records if record.outcome is Outcome.ENDED)]
+
+
+def ending(record: Record) -> str:
+    """Say in a few words how an episode ended."""
+    words = {
+        Outcome.COMPLETE: "goal reached",
+        Outcome.BUDGET: "budget spent",
+        Outcome.ENDED: "all UAVs ended",
+        Outcome.FAILED: "policy failed",
+    }[record.outcome]
+    return f"{words} {EN_DASH} {record.reason}" if record.reason else words
+
+
+def by_cause(records: Sequence[Record]) -> list[list[Record]]:
+    """Group failed or early ended records by policy and cause, the most frequent first."""
+    groups: dict[tuple[str, str], list[Record]] = {}
+    for record in records:
+        groups.setdefault((record.policy, _cause(record)), []).append(record)
+    return sorted(groups.values(), key=lambda group: -len(group))
+
+
+def _cause(record: Record) -> str:
+    """Return what episodes that ended for the same cause have in common: the message without its numbers."""
+    if record.outcome is Outcome.ENDED:
+        return f"{record.outcome}: {', '.join(uav_ends(record))}"
+    return f"{record.outcome}: " + re.sub(r"-?\d+(\.\d+)?", "#", record.reason)
+
+
+def uav_ends(record: Record) -> list[str]:
+    """Return the different ways in which the UAVs of an episode ended."""
+    return sorted({part.partition(": ")[2] for part in record.reason.split(", ")})

@@ -1,0 +1,38 @@
+"""Figures for print as SVG, PNG and PDF: coverage, times, comparison panels and sweeps.
+
+Equal results give equal bytes: no dates, fixed ids. Policies differ by dash and marker as well as by
+colour, so the figures survive a greyscale printer.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.figures.panel_figures import scenario_figures, sweep_figures
+from indoor_explorers.evaluation.report.figures.scenario_figures import coverage_figure, times_figure
+from indoor_explorers.evaluation.report.style.formatting import slug
+from indoor_explorers.evaluation.report.style.palette import policy_styles
+from indoor_explorers.evaluation.report.style.print_style import LOOK, save
+from indoor_explorers.evaluation.results.results import Results
+
+
+def write_figures(results: Results, folder: Path) -> list[Path]:
+    """Write the figures of every scenario into ``folder`` and return their paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    styles = policy_styles(results.policies)
+    paths = []
+    with mpl.rc_context(LOOK):
+        for number, scenario in enumerate(results.scenarios, 1):
+            comparison = Comparison(results, scenario)
+            if comparison.groups:
+                stem = f"{number:02d}-{slug(scenario)}"
+                paths += save(coverage_figure(comparison, styles), folder, f"{stem}-coverage")
+                paths += save(times_figure(comparison, styles), folder, f"{stem}-{'-'.join(comparison.level.times)}")
+                for name, figure in scenario_figures(comparison, styles):
+                    paths += save(figure, folder, f"{stem}-{name}")
+        for name, figure in sweep_figures(results, styles):
+            paths += save(figure, folder, name)
+    return paths
