@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.ablation.scoring import Judged
-from indoor_explorers.evaluation.report.style.palette import COLOURS, Style, styles
+from indoor_explorers.evaluation.report.style.palette import COLOURS, PolicyStyle, policy_styles
 from indoor_explorers.evaluation.report.style.print_style import LOOK, plain, save, sheet, strokes
 
 #: Variants whose learning is drawn beside the full one's: those that differ most.
@@ -125,10 +125,10 @@ def _far_apart(ranked: Sequence[Judged], full: Judged) -> list[Judged]:
 
 def _learning(axes: Axes, shown: Sequence[Judged]) -> None:
     """Draw the mean steps to the goal by moves made, with a band over the trainings."""
-    looks = styles(judged.variant for judged in shown)
+    styles = policy_styles(judged.variant for judged in shown)
     for judged in shown:
         if all(curve.shape[1] for curve in judged.curves):
-            _curve(axes, judged, looks[judged.variant])
+            _curve(axes, judged, styles[judged.variant])
     axes.set(yscale="log", xlabel="moves made in training", ylabel="mean steps to the goal")
     axes.set_title("How they learn: greedy evaluations, apart from training", fontsize=8.5)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 1e3:,.0f}k" if value else "0"))
@@ -143,11 +143,11 @@ def _learning(axes: Axes, shown: Sequence[Judged]) -> None:
     _note(axes, "Lines: means of the trainings; bands: from the best to the worst of them.")
 
 
-def _curve(axes: Axes, judged: Judged, look: Style) -> None:
+def _curve(axes: Axes, judged: Judged, style: PolicyStyle) -> None:
     moves, values = on_one_grid(judged.curves)
     label = plain(judged.variant)
-    axes.plot(moves, values.mean(axis=0), **strokes(look) | {"marker": "", "label": label})
-    axes.fill_between(moves, values.min(axis=0), values.max(axis=0), color=look.hex, alpha=0.15, linewidth=0)
+    axes.plot(moves, values.mean(axis=0), **strokes(style) | {"marker": "", "label": label})
+    axes.fill_between(moves, values.min(axis=0), values.max(axis=0), color=style.hex, alpha=0.15, linewidth=0)
 
 
 def on_one_grid(curves: Sequence[NDArray[np.float64]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
