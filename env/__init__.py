@@ -1,19 +1,26 @@
-"""The shared world: scenarios, the simulator, what a UAV may know, and the policy interface."""
+"""The shared world: scenarios, the simulator, what a UAV may know, and the policy interface.
+
+A name is imported when it is first asked for, so that a program pays only for what it uses.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from indoor_explorers.env.conformance import Finding, check_policy, run_checks
-from indoor_explorers.env.errors import InputError, PolicyError
-from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, Action
-from indoor_explorers.env.interfaces.pettingzoo import env, parallel_env
-from indoor_explorers.env.observations.incremental import LivePlanes
-from indoor_explorers.env.policies.policy import Pilot, Policy
-from indoor_explorers.env.policies.registry import make_policy, policy_names
-from indoor_explorers.env.policies.view import Briefing, Mate, Message, View
-from indoor_explorers.env.scenarios.loading import load_scenario
-from indoor_explorers.env.scenarios.presets import PRESETS, scenario
-from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.env.simulation.world import World
+if TYPE_CHECKING:
+    from indoor_explorers.env.conformance import Finding, check_policy, run_checks
+    from indoor_explorers.env.errors import InputError, PolicyError
+    from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, Action
+    from indoor_explorers.env.interfaces.pettingzoo import env, parallel_env
+    from indoor_explorers.env.observations.incremental import LivePlanes
+    from indoor_explorers.env.policies.policy import Pilot, Policy
+    from indoor_explorers.env.policies.registry import make_policy, policy_names
+    from indoor_explorers.env.policies.view import Briefing, Mate, Message, View
+    from indoor_explorers.env.scenarios.loading import load_scenario
+    from indoor_explorers.env.scenarios.presets import PRESETS, scenario
+    from indoor_explorers.env.scenarios.scenario import Scenario
+    from indoor_explorers.env.simulation.world import World
 
 __all__ = [
     "FREE",
@@ -43,8 +50,37 @@ __all__ = [
     "scenario",
 ]
 
+#: The public names of each module.
+_MODULES = {
+    "conformance": ("Finding", "check_policy", "run_checks"),
+    "errors": ("InputError", "PolicyError"),
+    "grid.cells": ("FREE", "OCCUPIED", "UNKNOWN", "Action"),
+    "interfaces.pettingzoo": ("env", "parallel_env"),
+    "observations.incremental": ("LivePlanes",),
+    "policies.policy": ("Pilot", "Policy"),
+    "policies.registry": ("make_policy", "policy_names"),
+    "policies.view": ("Briefing", "Mate", "Message", "View"),
+    "scenarios.loading": ("load_scenario",),
+    "scenarios.presets": ("PRESETS", "scenario"),
+    "scenarios.scenario": ("Scenario",),
+    "simulation.world": ("World",),
+}
+
 gymnasium.register(
     id="IndoorExplorers-v0",
     entry_point="indoor_explorers.env.interfaces.gymnasium_env:IndoorExplorersEnv",
     vector_entry_point="indoor_explorers.env.interfaces.vector:IndoorExplorersVectorEnv",
 )
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its module."""
+    for module, names in _MODULES.items():
+        if name in names:
+            value = globals()[name] = getattr(import_module(f"{__name__}.{module}"), name)
+            return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *__all__]

@@ -99,6 +99,19 @@ def test_importing_the_command_line_loads_neither_torch_nor_ompl():
     assert done.stdout.strip() == "[]"
 
 
+def test_public_names_of_the_world_are_imported_when_they_are_asked_for():
+    code = """
+import sys
+import indoor_explorers.env as env
+assert not {"numba", "scipy", "pydantic", "pettingzoo"} & set(sys.modules)
+assert all(hasattr(env, name) for name in env.__all__)
+assert sorted(env.__all__) == sorted(name for names in env._MODULES.values() for name in names)
+assert "numba" in sys.modules
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.parametrize("learner", ["dddqn", "thesis"])
 def test_flying_a_shipped_network_needs_no_torch(learner):
     code = f"import sys, indoor_explorers.learners.{learner}.policy; print('torch' in sys.modules)"

@@ -23,8 +23,8 @@ def test_the_function_and_the_command_take_every_field():
 def test_the_three_ways_ask_for_the_same_experiment(tmp_path):
     file = tmp_path / "plan.toml"
     file.write_text('policies = ["random"]\nscenarios = ["thesis-open"]\nepisodes = 3\nseed = 4\n[set]\ngoal = 0.5\n')
-    words = "--policies random --scenario thesis-open --episodes 3 --seed 4 --set goal=0.5 --out x".split()
-    given = vars(build_parser().parse_args(["compare", *words]))
+    words = [*("--policies", "random", "--scenario", "thesis-open", "--episodes", "3"), "--seed", "4"]
+    given = vars(build_parser().parse_args(["compare", *words, "--set", "goal=0.5", "--out", "x"]))
     typed = ComparisonRequest(**{key: value for key, value in given.items() if key in ComparisonRequest.model_fields})
     asked = ComparisonRequest.of(
         policies=["random"], scenario=PRESETS["thesis-open"], episodes=3, seed=4, settings={"goal": 0.5}
@@ -44,7 +44,7 @@ def test_a_request_cannot_be_changed_and_refuses_what_it_does_not_know(tmp_path)
         ComparisonRequest().team = 3
     with pytest.raises(InputError, match="comparison: unknown key 'polices'; did you mean 'policies'"):
         compare(tmp_path, polices=["random"])
-    with pytest.raises(InputError, match="comparison: team: Input should be a valid integer.*got 'many'"):
+    with pytest.raises(InputError, match=r"comparison: team: Input should be a valid integer.*got 'many'"):
         compare(tmp_path, team="many")
     with pytest.raises(InputError, match="experiment: episodes: Input should be greater than or equal to 1, got 0"):
         compare(tmp_path, episodes=0)
