@@ -35,7 +35,7 @@ from indoor_explorers.evaluation.report.changes.against_table import against_lin
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
 from indoor_explorers.evaluation.results.combine import combined
-from indoor_explorers.evaluation.results.coverage_level import level_of
+from indoor_explorers.evaluation.results.coverage_threshold import threshold_of
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.thesis import run_thesis
@@ -56,7 +56,7 @@ def run_compare(arguments: argparse.Namespace) -> int:
     given = {name: value for name, value in vars(arguments).items() if name in ComparisonRequest.model_fields}
     request = ComparisonRequest.of(**given)
     experiment = plan(request)
-    levels = {scenario.name: level_of(scenario.goal) for scenario in experiment.scenarios}
+    levels = {scenario.name: threshold_of(scenario.goal) for scenario in experiment.scenarios}
     with ProgressBar(console, levels) as bar:
         results = run(experiment, arguments.out, request, watcher=bar, command=arguments.words)
     console.print(headline_table(results, console.width))

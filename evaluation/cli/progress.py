@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.results.coverage_level import NEARLY_ALL, Level, shared
+from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, shared
 
 #: Seconds between two lines where the output is no terminal.
 SAY_EVERY = 30.0
@@ -30,7 +30,7 @@ class Means:
         self._area = 0.0
         self._coverage = 0.0
 
-    def add(self, record: Record, level: Level = NEARLY_ALL) -> None:
+    def add(self, record: Record, level: CoverageThreshold = T99) -> None:
         """Take one more episode in, of a scenario judged by ``level``."""
         self.episodes += 1
         self.failed += record.outcome is Outcome.FAILED
@@ -48,7 +48,7 @@ class Means:
 class ProgressBar:
     """Show the progress of a run, live on a terminal; elsewhere say a line at the start and now and then."""
 
-    def __init__(self, console: Console, levels: Mapping[str, Level] | None = None) -> None:
+    def __init__(self, console: Console, levels: Mapping[str, CoverageThreshold] | None = None) -> None:
         """Write to ``console``; ``levels`` are what scenarios are judged by, 99 % for those not in it."""
         self._console = console
         self._levels = levels or {}
@@ -91,7 +91,7 @@ class ProgressBar:
     def flown(self, records: Sequence[Record]) -> None:
         """Count finished episodes."""
         for record in records:
-            level = self._levels.get(record.task.scenario, NEARLY_ALL)
+            level = self._levels.get(record.task.scenario, T99)
             self._means.setdefault(record.policy, Means()).add(record, level)
         self._flown += len(records)
         self._bar.update(self._task, completed=self._flown, rate=f"{self._rate:.1f} episodes/s")
@@ -101,7 +101,7 @@ class ProgressBar:
 
     @property
     def _reached(self) -> str:
-        level = shared(self._levels.values()) if self._levels else NEARLY_ALL
+        level = shared(self._levels.values()) if self._levels else T99
         return f"{level.percent} reached" if level else "reached"
 
     @property

@@ -35,14 +35,14 @@ def make_engine(
     if name not in ENGINES:
         raise InputError(f"expected an engine, {' or '.join(ENGINES)}, got {name!r}")
     if name == "ray":
-        return partial(_ray_flight(workers, address), decision_timeout=decision_timeout, memory_limit=memory_limit)
+        return partial(_ray_engine(workers, address), decision_timeout=decision_timeout, memory_limit=memory_limit)
     if address is not None:
         raise InputError(f"expected --engine ray with --address {address}, got --engine local; leave one of them out")
     crew = (os.cpu_count() or 1) if workers is None else workers
     return partial(fly_jobs, workers=crew, limits=limits_for(crew, decision_timeout, memory_limit))
 
 
-def _ray_flight(workers: int | None, address: str | None) -> Callable[..., Iterator[list[Record]]]:
+def _ray_engine(workers: int | None, address: str | None) -> Callable[..., Iterator[list[Record]]]:
     if workers == 0:
         raise InputError("expected at least 1 of --workers with --engine ray, got 0; leave it out for all CPUs")
     try:

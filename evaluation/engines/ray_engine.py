@@ -133,14 +133,14 @@ def fly_jobs_on_ray(
         RunError: a job failed again and again; all others that had been submitted were yielded before.
     """
     with connected(address):
-        flight = _Flight(workers, (decision_timeout, memory_limit))
+        flight = _JobQueue(workers, (decision_timeout, memory_limit))
         try:
             yield from flight.fly(jobs)
         finally:
             flight.cancel()
 
 
-class _Flight:
+class _JobQueue:
     """Keep jobs in flight on the cluster that this process is connected to."""
 
     def __init__(self, workers: int | None, allowed: tuple[float | None, float | None]) -> None:

@@ -9,9 +9,9 @@ from typing import NamedTuple
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.engines.limits import Limits
-from indoor_explorers.evaluation.engines.worker_handle import Child, Death
+from indoor_explorers.evaluation.engines.worker_handle import WorkerExit, WorkerHandle
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.episodes.running import Flight, failed_record
+from indoor_explorers.evaluation.episodes.running import RunningEpisode, failed_record
 from indoor_explorers.evaluation.episodes.shared_steps import Steps
 from indoor_explorers.evaluation.experiment.experiment import Job
 
@@ -27,7 +27,7 @@ class _Attempt(NamedTuple):
 
     records: list[Record]
     """Of all its tasks, or of those that were finished when the process ended."""
-    death: Death | None
+    exit: WorkerExit | None
     """How it ended, None when all is well."""
     fresh: bool
     """Whether the process had flown nothing before."""
@@ -36,7 +36,7 @@ class _Attempt(NamedTuple):
 
 
 class Supervisor:
-    """Fly jobs in one child process, and replace that when it dies, hangs or takes too much memory.
+    """Fly jobs in one worker process, and replace that when it dies, hangs or takes too much memory.
 
     Of a job of several episodes nobody knows which one the process died of. So those without a record are flown again
     one by one: episodes do not depend on their batch, and the guilty ones fail alone. An episode fails only in a
@@ -50,8 +50,8 @@ class Supervisor:
         self._limits = limits
         self._turn = threading.Lock()
         self._closed = threading.Event()
-        self._children: list[Child] = []
-        weakref.finalize(self, _close_all, self._children)
+        self._workers: list[WorkerHandle] = []
+        weakref.finalize(self, _close_all, self._workers)
 
     def fly(self, job: Job) -> list[Record]:
         """Return a record for every task of the job.
@@ -72,69 +72,69 @@ class Supervisor:
     def close(self) -> None:
         """End the process; a job that is being flown ends with a RunError."""
         self._closed.set()
-        for child in list(self._children):
-            child.kill()
+        for worker in list(self._workers):
+            worker.kill()
         with self._turn:
-            _close_all(self._children)
+            _close_all(self._workers)
 
     def _fly_alone(self, job: Job) -> Record:
-        deaths = 0
+        exits = 0
         while True:
             tried = self._try(job)
-            if tried.death is None:
+            if tried.exit is None:
                 return tried.records[0]
-            deaths += tried.fresh
-            if tried.steps is not None and deaths >= 1 + tried.death.from_outside:
-                return _failed(job, tried.death, tried.steps)
+            exits += tried.fresh
+            if tried.steps is not None and exits >= 1 + tried.exit.from_outside:
+                return _failed(job, tried.exit, tried.steps)
 
     def _try(self, job: Job) -> _Attempt:
         """Fly a job once, as far as it goes."""
-        child = self._child()
-        fresh = child.fresh
+        worker = self._worker()
+        fresh = worker.fresh
         try:
-            child.send(job)
+            worker.send(job)
             records = []
-            while isinstance(message := child.hear(), Record):
+            while isinstance(message := worker.hear(), Record):
                 records.append(message)
-            if isinstance(message, Death) and not self._closed.is_set():
-                return _Attempt(records, message, fresh, self._buried(child, job.scenario.team))
+            if isinstance(message, WorkerExit) and not self._closed.is_set():
+                return _Attempt(records, message, fresh, self._discard(worker, job.scenario.team))
             if message is not None:
-                raise RunError(CLOSED) if isinstance(message, Death) else message
+                raise RunError(CLOSED) if isinstance(message, WorkerExit) else message
         except BaseException:
-            self._buried(child, job.scenario.team)
+            self._discard(worker, job.scenario.team)
             raise
         return _Attempt(records, None, fresh, None)
 
-    def _child(self) -> Child:
+    def _worker(self) -> WorkerHandle:
         """Return the process, a new one where there is none."""
-        if self._children:
-            return self._children[0]
+        if self._workers:
+            return self._workers[0]
         for _ in range(STARTS):
-            child = Child(self._limits)
-            self._children.append(child)
-            if self._closed.is_set():  # asked only now, as whoever closes kills the children that are listed by then
-                self._buried(child, 1)
+            worker = WorkerHandle(self._limits)
+            self._workers.append(worker)
+            if self._closed.is_set():  # asked only now, as whoever closes kills the workers that are listed by then
+                self._discard(worker, 1)
                 raise RunError(CLOSED)
-            if (death := child.hear()) is None:
-                return child
-            self._buried(child, 1)
-        raise RunError(f"a worker process cannot be started: {death.reason}")
+            if (ended := worker.hear()) is None:
+                return worker
+            self._discard(worker, 1)
+        raise RunError(f"a worker process cannot be started: {ended.reason}")
 
-    def _buried(self, child: Child, team: int) -> Steps:
+    def _discard(self, worker: WorkerHandle, team: int) -> Steps:
         """Let go of a process that is of no use any more; return the steps of the episode that it flew alone."""
-        steps = child.steps(team)
-        child.close()
-        self._children.remove(child)
+        steps = worker.steps(team)
+        worker.close()
+        self._workers.remove(worker)
         return steps
 
 
-def _close_all(children: list[Child]) -> None:
-    while children:
-        children.pop().close()
+def _close_all(workers: list[WorkerHandle]) -> None:
+    while workers:
+        workers.pop().close()
 
 
-def _failed(job: Job, death: Death, steps: Steps) -> Record:
+def _failed(job: Job, ended: WorkerExit, steps: Steps) -> Record:
     (task,) = job.tasks
     floorplan = draw_floorplan(job.scenario, task.seed, task.map_index)
-    flight = Flight(0, task, failure=death.reason)
+    flight = RunningEpisode(0, task, failure=ended.reason)
     return failed_record(flight, job.policy.name, job.scenario, floorplan, steps)

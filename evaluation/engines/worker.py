@@ -20,8 +20,8 @@ from numba.core import event
 
 from indoor_explorers.env import Briefing, InputError, Pilot, Policy
 from indoor_explorers.env.errors import RunError
-from indoor_explorers.evaluation.episodes.runner import BREAKING, fly, told
-from indoor_explorers.evaluation.episodes.shared_steps import Clock, Spool
+from indoor_explorers.evaluation.episodes.runner import BREAKING, describe_error, fly
+from indoor_explorers.evaluation.episodes.shared_steps import Clock, SharedStepBuffer
 from indoor_explorers.evaluation.experiment.experiment import Job
 
 #: Seconds between two looks at whether the driver still lives.
@@ -31,23 +31,23 @@ _Listener: Any = event.Listener
 _register: Any = event.register
 
 
-def serve(connection: Connection, spool: Spool, driver: int) -> None:
+def serve(connection: Connection, buffer: SharedStepBuffer, driver: int) -> None:
     """Fly jobs until the connection closes: of each, send every record, then None; or what went wrong.
 
     Ctrl-C is left to the driver; when that is killed, the process leaves. What policies print goes to the standard
     error, as the standard output is the command's.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGUSR1, spool.clock.interrupt)
+    signal.signal(signal.SIGUSR1, buffer.clock.interrupt)
     os.dup2(2, 1)
     threading.Thread(target=_leave_with, args=(driver,), daemon=True).start()
-    _register("numba:compile", Compiling(spool.clock))
+    _register("numba:compile", Compiling(buffer.clock))
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver is gone
         connection.send(None)
         warm: set[str] = set()
         while True:
             job = connection.recv()
-            _serve_job(job, connection, spool, cold=job.policy.name not in warm)
+            _serve_job(job, connection, buffer, cold=job.policy.name not in warm)
             warm.add(job.policy.name)
 
 
@@ -57,15 +57,15 @@ def _leave_with(driver: int) -> None:
     os._exit(1)
 
 
-def _serve_job(job: Job, connection: Connection, spool: Spool, *, cold: bool) -> None:
+def _serve_job(job: Job, connection: Connection, buffer: SharedStepBuffer, *, cold: bool) -> None:
     try:
-        for record in fly(_made(job, spool.clock), job.policy.name, job.scenario, job.tasks, spool, cold=cold):
+        for record in fly(_made(job, buffer.clock), job.policy.name, job.scenario, job.tasks, buffer, cold=cold):
             connection.send(record)
         connection.send(None)
     except InputError as error:
         connection.send(error)
     except Exception as error:
-        broken = RunError(f"an episode of {job.policy.name} cannot be flown: {told(error)}")
+        broken = RunError(f"an episode of {job.policy.name} cannot be flown: {describe_error(error)}")
         broken.add_note(traceback.format_exc())
         connection.send(broken)
 

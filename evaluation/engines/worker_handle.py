@@ -16,7 +16,7 @@ from loky.backend.process import LokyProcess
 from indoor_explorers.env.grid.compiled import QUIET
 from indoor_explorers.evaluation.engines.limits import Limits
 from indoor_explorers.evaluation.engines.worker import serve
-from indoor_explorers.evaluation.episodes.shared_steps import Spool, Steps, overdue
+from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer, Steps, overdue_reason
 
 #: Every worker keeps to one thread: the processes are the parallelism.
 ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
@@ -27,10 +27,10 @@ GRACE = 2.0
 #: Signals that may come from elsewhere, such as from the system when it is short of memory.
 FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 #: Seconds that a process may take to end after it was told to.
-FAREWELL = 5.0
+SHUTDOWN_GRACE = 5.0
 
 
-class Death(NamedTuple):
+class WorkerExit(NamedTuple):
     """How a worker ended."""
 
     reason: str
@@ -38,19 +38,19 @@ class Death(NamedTuple):
     """Whether somebody else than the policy may have ended it."""
 
 
-class Child:
+class WorkerHandle:
     """One worker process: a fresh interpreter that never imports the caller's main module."""
 
     def __init__(self, limits: Limits) -> None:
         self.fresh = True
         """Whether it has flown nothing yet."""
         self._limits = limits
-        self._spool = Spool()
+        self._buffer = SharedStepBuffer()
         self._asked, self._waited, self._looked = 0.0, 0.0, time.monotonic()
-        self._condemned = False
+        self._marked = False
         self._connection, theirs = Pipe()
         self._process = LokyProcess(
-            target=serve, args=(theirs, self._spool, os.getpid()), env=ONE_THREAD | {QUIET: "1"}
+            target=serve, args=(theirs, self._buffer, os.getpid()), env=ONE_THREAD | {QUIET: "1"}
         )
         self._process.start()
         theirs.close()
@@ -58,28 +58,28 @@ class Child:
     def send(self, job: Any) -> None:
         """Send a job; a worker that is dead already does not mind. The steps of the one before are forgotten."""
         self.fresh = False
-        self._spool.begin()
+        self._buffer.begin()
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):
             self._connection.send(job)
 
     def hear(self) -> Any:
-        """Wait for its next message and return it, or its :class:`Death`; watches it meanwhile."""
+        """Wait for its next message and return it, or its :class:`WorkerExit`; watches it meanwhile."""
         while True:
             ready = wait([self._connection, self._process.sentinel], self._patience)
             if self._connection in ready:
                 try:
                     return self._connection.recv()
                 except (EOFError, ConnectionResetError):
-                    return self._death()
+                    return self._exit()
             if ready or self._process.exitcode is not None:
-                return self._death()
+                return self._exit()
             if (reason := self._look()) is not None:
                 self.kill()
-                return Death(reason)
+                return WorkerExit(reason)
 
     def steps(self, team: int) -> Steps:
         """Return the steps of the episode that it flies, or flew last, alone."""
-        return self._spool.steps(team)
+        return self._buffer.steps(team)
 
     def kill(self) -> None:
         """End it at once."""
@@ -92,7 +92,7 @@ class Child:
         """End it and let go of all that it shares."""
         self.kill()
         self._connection.close()
-        self._spool.close()
+        self._buffer.close()
 
     @property
     def _patience(self) -> float:
@@ -100,22 +100,22 @@ class Child:
         limit = self._limits.decision_timeout
         return LOOK_EVERY if limit is None else min(LOOK_EVERY, limit / 2)
 
-    def _death(self) -> Death:
+    def _exit(self) -> WorkerExit:
         code = self._exit_code()
         if code is None:
             self.kill()
-            return Death("the process of the policy closed its connection")
+            return WorkerExit("the process of the policy closed its connection")
         if code >= 0:
-            return Death(f"the process of the policy ended with exit code {code}")
+            return WorkerExit(f"the process of the policy ended with exit code {code}")
         name = signal.Signals(-code).name if -code in set(signal.Signals) else "unknown"
-        return Death(f"the process of the policy was killed by signal {-code} ({name})", -code in FROM_OUTSIDE)
+        return WorkerExit(f"the process of the policy was killed by signal {-code} ({name})", -code in FROM_OUTSIDE)
 
     def _exit_code(self) -> int | None:
         """Wait for its end and return how it ended, None when it goes on.
 
         Looks instead of joining: a policy can close the pipe that joining would wait for.
         """
-        until = time.monotonic() + FAREWELL
+        until = time.monotonic() + SHUTDOWN_GRACE
         code: int | None = self._process.exitcode
         while code is None and time.monotonic() < until:
             time.sleep(0.005)
@@ -130,12 +130,12 @@ class Child:
         limit, waited = self._limits.decision_timeout, self._decision_seconds()
         if limit is None or waited <= limit:
             return None
-        if not self._condemned:
-            self._condemned = True
-            self._spool.clock.condemn(self._asked, limit)
+        if not self._marked:
+            self._marked = True
+            self._buffer.clock.mark_overdue(self._asked, limit)
             with contextlib.suppress(ProcessLookupError):
                 os.kill(self._process.pid, signal.SIGUSR1)
-        return overdue(limit) if waited > limit + GRACE else None
+        return overdue_reason(limit) if waited > limit + GRACE else None
 
     def _decision_seconds(self) -> float:
         """Return how long the decision going on has been seen to go on.
@@ -143,10 +143,10 @@ class Child:
         The time between two looks counts at most twice what it should be, so that a machine that was asleep, or a job
         that was stopped by Ctrl-Z, puts no blame on the policy.
         """
-        now, asked = time.monotonic(), self._spool.clock.asked
+        now, asked = time.monotonic(), self._buffer.clock.asked
         passed, self._looked = min(now - self._looked, 2 * self._patience), now
         if asked != self._asked or not asked:
-            self._asked, self._waited, self._condemned = asked, 0.0, False
+            self._asked, self._waited, self._marked = asked, 0.0, False
         else:
             self._waited += passed
         return self._waited

@@ -16,7 +16,7 @@ from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.visibility import Sights, bit_count, look, sights_of
 from indoor_explorers.env.sensing.lidar import optics
-from indoor_explorers.evaluation.episodes.mst_bound import steps_by_witnesses
+from indoor_explorers.evaluation.episodes.mst_bound import spanning_tree_bound
 
 #: Cells times cells in lidar range up to which walls are looked at: a tenth of a second.
 EFFORT = 20_000_000
@@ -32,7 +32,7 @@ def least_steps(world: World, episode: int, share: float) -> int:
     - by sight: the first scans show S cells. Who gets from x to y has seen V(x), so that V(y) - V(x) - S is all that
       y adds, at most some g(y) over all neighbours x.
     - by distance: in t steps nothing is seen but what can be seen from cells at most t steps from a start.
-    - by witnesses: see :mod:`indoor_explorers.evaluation.episodes.mst_bound`.
+    - by spanning tree: see :mod:`indoor_explorers.evaluation.episodes.mst_bound`.
 
     For the first two, the most that can be seen in t steps is found by taking, in each step, the N largest gains among
     the cells that can be reached by then and are not taken yet, N UAVs entering no more. No choice does better: if
@@ -58,7 +58,7 @@ def least_steps(world: World, episode: int, share: float) -> int:
         by_range,
         _steps_by_gain(news, steps, needed - seen, team),
         _steps_by_distance(sights, steps, needed),
-        steps_by_witnesses(sights, truth.shape[1], team, total - needed),
+        spanning_tree_bound(sights, truth.shape[1], team, total - needed),
     )
 
 

@@ -1,4 +1,4 @@
-"""A lower bound from places that a team must look at, wherever they are: witnesses.
+"""The spanning-tree bound: from groups of cells one of which a team must look at, wherever they are.
 
 A team that may miss k counted cells must see one at least of any k + 1. So it must enter the region from which at
 least one cell of such a group can be seen: for every group there is. The ways that N UAVs fly, their starts taken
@@ -22,7 +22,7 @@ GROUPS, WORDS = 32, 3_000_000
 FAR = np.int32(2**30)
 
 
-def steps_by_witnesses(sights: Sights, width: int, team: int, missable: int) -> int:
+def spanning_tree_bound(sights: Sights, width: int, team: int, missable: int) -> int:
     """Return a bound on the steps of a team that may miss so many of the counted cells of a map of that width.
 
     The first ``team`` cells of ``sights`` are the starts. Groups are the cells around those seen last by a team that

@@ -9,13 +9,13 @@ from indoor_explorers.env import Scenario, World
 from indoor_explorers.evaluation.episodes.record import Record
 
 
-def flown_scenario(settings: Mapping[str, Any]) -> Scenario:
+def recorded_scenario(settings: Mapping[str, Any]) -> Scenario:
     """Return a stored scenario; its map source is left out, since records bring their own maps."""
     kept = {key: value for key, value in settings.items() if key not in ("fingerprint", "map")}
     return Scenario.model_validate(kept)
 
 
-def refly(record: Record, scenario: Scenario) -> Iterator[World]:
+def resimulate(record: Record, scenario: Scenario) -> Iterator[World]:
     """Yield the world of a record at its start and after each of its S steps, its episode in place 0.
 
     Positions, beliefs, radio contacts and coverage are those of the recorded flight, whatever flew it; what pilots

@@ -15,8 +15,8 @@ from indoor_explorers.env.simulation.rollout import Uav, rollout
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.recorder import Log
-from indoor_explorers.evaluation.episodes.running import Flight, failed_record
-from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, Spool, Steps
+from indoor_explorers.evaluation.episodes.running import RunningEpisode, failed_record
+from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer, Steps
 from indoor_explorers.evaluation.experiment.experiment import Task
 
 #: Belief cells (episodes x agents x map) of one batch: bounds its memory to a few hundred megabytes.
@@ -34,14 +34,14 @@ def fly(
     name: str,
     scenario: Scenario,
     tasks: Sequence[Task],
-    spool: Spool | None = None,
+    buffer: SharedStepBuffer | None = None,
     *,
     cold: bool = False,
 ) -> Iterator[Record]:
     """Fly the tasks of one scenario and yield their records.
 
     Tasks on maps of one shape fly in lock-step, so that a batched policy gets one forward pass for all of
-    them. A policy that raises costs only the episode it raised in. A ``spool`` is told of decisions that are going
+    them. A policy that raises costs only the episode it raised in. A ``buffer`` is told of decisions that are going
     on and, of a task alone, of every step. The first decisions of a policy that is ``cold`` in this process load and
     compile: they are left out of the latencies.
     """
@@ -56,10 +56,10 @@ def fly(
         for start in range(0, len(alike), batch):
             some = alike[start : start + batch]
             try:
-                yield from _fly_batch(policy, name, scenario, some, spool, cold)
+                yield from _fly_batch(policy, name, scenario, some, buffer, cold)
             except _Undivided:  # episodes do not depend on their batch: alone, each shows whether it is to blame
                 for one in some:
-                    yield from _fly_batch(policy, name, scenario, [one], spool, cold)
+                    yield from _fly_batch(policy, name, scenario, [one], buffer, cold)
             cold = False
 
 
@@ -68,12 +68,12 @@ def _fly_batch(
     name: str,
     scenario: Scenario,
     tasks: Sequence[tuple[Task, Floorplan]],
-    spool: Spool | None,
+    buffer: SharedStepBuffer | None,
     cold: bool,
 ) -> list[Record]:
     world = World(scenario, len(tasks))
-    flights = [Flight.begin(world, place, *task) for place, task in enumerate(tasks)]
-    batch = _Batch(policy, world, flights, spool, cold)
+    flights = [RunningEpisode.begin(world, place, *task) for place, task in enumerate(tasks)]
+    batch = _Batch(policy, world, flights, buffer, cold)
     batch.fly()
     return [
         failed_record(flight, name, scenario, floorplan, Steps(flown.actions, flown.seconds[1:], flown.sent[1:]))
@@ -88,21 +88,26 @@ class _Batch:
     """Fly a batch of episodes that have begun."""
 
     def __init__(
-        self, policy: Policy, world: World, flights: Sequence[Flight], spool: Spool | None, cold: bool
+        self,
+        policy: Policy,
+        world: World,
+        flights: Sequence[RunningEpisode],
+        buffer: SharedStepBuffer | None,
+        cold: bool,
     ) -> None:
         self.log = Log(world)
         self._policy = policy
         self._world = world
         self._flights = flights
-        self._clock = Clock() if spool is None else spool.clock
-        self._spool = spool if world.batch == 1 else None
+        self._clock = Clock() if buffer is None else buffer.clock
+        self._buffer = buffer if world.batch == 1 else None
         self._seconds = np.zeros(world.batch)
         self._cold = cold
 
     def fly(self) -> None:
         """Fly every episode to its end."""
-        if self._spool is not None:
-            self._spool.begin()
+        if self._buffer is not None:
+            self._buffer.begin()
         for flight in self._flights:
             self._brief(flight)
         for actions in rollout(self._world, self._ask):
@@ -110,12 +115,12 @@ class _Batch:
                 break
             self._cold = False
             self.log.add(actions, self._seconds)
-            if self._spool is not None:
-                self._spool.add(actions[0], self._seconds[0], int(self._world.state.sent_bytes[0].sum()))
+            if self._buffer is not None:
+                self._buffer.add(actions[0], self._seconds[0], int(self._world.state.sent_bytes[0].sum()))
         for flight in self._flights:
             self._tally(flight)
 
-    def _brief(self, flight: Flight) -> None:
+    def _brief(self, flight: RunningEpisode) -> None:
         try:
             with self._clock:
                 for agent in range(self._world.scenario.team):
@@ -124,7 +129,7 @@ class _Batch:
         except BREAKING as error:
             self._fail(flight, error)
 
-    def _tally(self, flight: Flight) -> None:
+    def _tally(self, flight: RunningEpisode) -> None:
         if flight.failure:
             return
         try:
@@ -138,8 +143,8 @@ class _Batch:
         except BREAKING as error:
             self._fail(flight, error)
 
-    def _fail(self, flight: Flight, error: BaseException) -> None:
-        flight.failure = told(error)
+    def _fail(self, flight: RunningEpisode, error: BaseException) -> None:
+        flight.failure = describe_error(error)
         self.log.running[flight.place] = False
 
     def _ask(self, flying: list[Uav]) -> Iterator[tuple[Uav, int]]:
@@ -184,7 +189,7 @@ class _Batch:
         return not flight.failure
 
 
-def told(error: BaseException) -> str:
+def describe_error(error: BaseException) -> str:
     """Return what an exception of a policy says, in one short line that can be written anywhere."""
     try:
         text = str(error)

@@ -19,7 +19,7 @@ from indoor_explorers.evaluation.experiment.experiment import Task
 
 
 @dataclass
-class Flight:
+class RunningEpisode:
     """One running episode of a batch."""
 
     place: int
@@ -34,7 +34,7 @@ class Flight:
     failure: str = ""
 
     @classmethod
-    def begin(cls, world: World, place: int, task: Task, floorplan: Floorplan) -> Flight:
+    def begin(cls, world: World, place: int, task: Task, floorplan: Floorplan) -> RunningEpisode:
         """Begin an episode in its place of the world."""
         world.begin(place, task.seed, floorplan=floorplan)
         return cls(place, task, least_steps(world, place, LEVELS["t99"]))
@@ -96,13 +96,17 @@ class Flight:
         }
 
 
-def failed_record(flight: Flight, policy: str, scenario: Scenario, floorplan: Floorplan, steps: Steps) -> Record:
+def failed_record(
+    flight: RunningEpisode, policy: str, scenario: Scenario, floorplan: Floorplan, steps: Steps
+) -> Record:
     """Return the record of an episode that broke off, from the steps before: they are flown again.
 
     So everything in it is what it was after the last whole step, whatever became of the world it was flown in.
     """
     world = World(scenario)
-    again = replace(Flight.begin(world, 0, flight.task, floorplan), latencies=flight.latencies, failure=flight.failure)
+    again = replace(
+        RunningEpisode.begin(world, 0, flight.task, floorplan), latencies=flight.latencies, failure=flight.failure
+    )
     log = Log(world)
     for actions in steps.actions:
         world.step(actions[None])

@@ -1,4 +1,4 @@
-"""What a flying process leaves behind when it dies: a few bytes of memory that its driver sees, too.
+"""Memory that a worker shares with its driver: since when it decides, and the steps of its episode, if it dies.
 
 The first page is a clock of the decision that is going on. The rows behind it are the steps of an episode that is
 flown alone: what its record needs and flying it again cannot tell.
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 #: Numbers of the first page: when the decision going on was asked for, the one that takes too long (0 is none), and
 #: the limit in seconds that it broke.
-ASKED, CONDEMNED, LIMIT = 0, 1, 2
+ASKED, OVERDUE, LIMIT = 0, 1, 2
 
 
 class DecisionTimeout(BaseException):
@@ -46,10 +46,10 @@ class Clock:
         """When the decision that is going on began, 0 while there is none."""
         return self._times[ASKED]
 
-    def condemn(self, asked: float, limit: float) -> None:
+    def mark_overdue(self, asked: float, limit: float) -> None:
         """Say that the decision that began at ``asked`` takes longer than ``limit`` seconds."""
         self._times[LIMIT] = limit
-        self._times[CONDEMNED] = asked
+        self._times[OVERDUE] = asked
 
     def interrupt(self, *signal: object) -> None:
         """Raise, once, if the decision that is going on takes too long; fits as a signal's handler.
@@ -58,12 +58,12 @@ class Clock:
             DecisionTimeout: it does.
 
         """
-        if self.asked and self._times[CONDEMNED] == self.asked:
-            self._times[CONDEMNED] = 0.0
-            raise DecisionTimeout(overdue(self._times[LIMIT]))
+        if self.asked and self._times[OVERDUE] == self.asked:
+            self._times[OVERDUE] = 0.0
+            raise DecisionTimeout(overdue_reason(self._times[LIMIT]))
 
 
-def overdue(limit: float) -> str:
+def overdue_reason(limit: float) -> str:
     """Return why an episode failed whose policy took longer than ``limit`` seconds."""
     return f"decision took longer than {limit:g} s (--decision-timeout)"
 
@@ -79,7 +79,7 @@ class Steps(NamedTuple):
     """(S,) bytes sent from the start to after each step."""
 
 
-class Spool:
+class SharedStepBuffer:
     """Share a clock and the steps of one episode between two processes; pickled only while one of them starts."""
 
     def __init__(self, inherited: Any = None) -> None:
@@ -89,8 +89,8 @@ class Spool:
         self._page = mmap.mmap(self._file, mmap.PAGESIZE)
         self.clock = Clock(self._page)
 
-    def __reduce__(self) -> tuple[Callable[..., Spool], tuple[Any]]:
-        return Spool, (DupFd(self._file),)
+    def __reduce__(self) -> tuple[Callable[..., SharedStepBuffer], tuple[Any]]:
+        return SharedStepBuffer, (DupFd(self._file),)
 
     def close(self) -> None:
         """Let go of the file; the clock stands still from now on."""
@@ -121,6 +121,6 @@ def _row(team: int) -> np.dtype[Any]:
 def _anonymous_file() -> int:
     """Open a file without a name: in memory where the system can, so that a full disk does not matter."""
     if hasattr(os, "memfd_create"):
-        return os.memfd_create("spool")
+        return os.memfd_create("steps")
     with tempfile.TemporaryFile() as file:
         return os.dup(file.fileno())

@@ -10,7 +10,7 @@ from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent
 from indoor_explorers.evaluation.report.summary.facts import denominator
 from indoor_explorers.evaluation.report.tables.headline_table import latency
-from indoor_explorers.evaluation.results.coverage_level import NEARLY_ALL, Level, tabled
+from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, contrasts
 
 
@@ -85,15 +85,15 @@ def caption(comparison: Comparison) -> list[str]:
         _interval_kind(comparison, min(counts)),
         f"Coverage is the {denominator(settings)}.",
         f"{_times(comparison.level)}; an episode that never gets there counts as its budget of {limit} steps.",
-        *(["A dash: the goal of this scenario does not ask for that level."] if comparison.level != NEARLY_ALL else []),
+        *(["A dash: the goal of this scenario does not ask for that level."] if comparison.level != T99 else []),
         "Bold: better than every other policy (sign-flip test, p of at most 0.05 after Holm's adjustment).",
         *(["Policies that know the map do not compete."] if any(map(comparison.privileged, comparison.groups)) else []),
     ]
 
 
-def _times(level: Level) -> str:
+def _times(level: CoverageThreshold) -> str:
     """Say what the times are that the scenario asks for."""
-    levels = [Level(key) for key in level.times]
+    levels = [CoverageThreshold(key) for key in level.times]
     titles, shares = (" and ".join(words) for words in zip(*((e.title, e.percent) for e in levels), strict=True))
     return f"{titles} {'are the first steps' if len(levels) > 1 else 'is the first step'} with {shares} coverage"
 

@@ -28,7 +28,7 @@ from indoor_explorers.evaluation.report.summary.definitions import definitions
 from indoor_explorers.evaluation.report.summary.overview import lead, line
 from indoor_explorers.evaluation.report.summary.reproduce import experiment_files, row_command
 from indoor_explorers.evaluation.report.tables.ratio_table import ratio_tables
-from indoor_explorers.evaluation.results.coverage_level import shared
+from indoor_explorers.evaluation.results.coverage_threshold import shared
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
@@ -89,7 +89,7 @@ def render(
             listed=LISTED,
             swatches={name: swatch(style) for name, style in styles.items()},
             policies=results.policies,
-            privileged=results.knowing,
+            privileged=results.privileged_policies,
             definitions=definitions(shared(results.levels)),
             runs=facts.run_rows(results.runs),
             run_count=len(results.runs),

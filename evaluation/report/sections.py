@@ -21,7 +21,7 @@ from indoor_explorers.evaluation.report.summary.headline import headline
 from indoor_explorers.evaluation.report.tables.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.report.tables.measures_table import MeasureRow, measures_table
 from indoor_explorers.evaluation.report.tables.results_table import Column, TableCell, columns_of, results_table
-from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
@@ -40,7 +40,7 @@ class Section:
     settings: Mapping[str, Any]
     phrases: list[str]
     denominator: str
-    level: Level
+    level: CoverageThreshold
     """What the scenario is judged by."""
     headline: Markup
     episodes: int

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.experiment.selection import chosen_baselines
-from indoor_explorers.evaluation.results.coverage_level import drawn
+from indoor_explorers.evaluation.results.coverage_threshold import drawn
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Block, PairedRatio, paired_ratios
 
@@ -56,7 +56,7 @@ class Ratios:
     @classmethod
     def of(cls, results: Results, asked: Sequence[str] | None = None) -> Ratios:
         """Compare with the policies asked for, or with the usual ones; see :func:`chosen_baselines`."""
-        return cls(results, chosen_baselines(list(results.policies), results.knowing, asked))
+        return cls(results, chosen_baselines(list(results.policies), results.privileged_policies, asked))
 
     @property
     def metrics(self) -> tuple[str, ...]:
@@ -75,7 +75,7 @@ class Ratios:
 
     def _counts(self, scenario: str, to: str, metric: str) -> bool:
         """Return whether there is anything to compare: tasks in common, and a goal that asks for the level."""
-        asked = self.results.asks(scenario, metric)
+        asked = self.results.applies_to(scenario, metric)
         return asked and (scenario, to) in self.results.groups and bool(self._tasks[scenario])
 
     @cached_property

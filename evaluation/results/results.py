@@ -17,7 +17,7 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, extended
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.results.coverage_level import Level, asks, level_of
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
 from indoor_explorers.evaluation.results.store import Store
 from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean, bootstrap_means, interquartile_mean
 
@@ -63,7 +63,7 @@ class Results:
         return {key: records for key, records in groups.items() if records}
 
     @property
-    def knowing(self) -> list[str]:
+    def privileged_policies(self) -> list[str]:
         """The policies that are given the true map: yardsticks, in table order."""
         return [name for name, about in self.policies.items() if about.get("privileged")]
 
@@ -78,18 +78,18 @@ class Results:
                 lines.append(f"runs differ in {key}: {', '.join(values)}{effect}")
         return lines
 
-    def level(self, scenario: str) -> Level:
+    def level(self, scenario: str) -> CoverageThreshold:
         """Return the coverage level that a scenario is judged by."""
-        return level_of(self._goal(scenario))
+        return threshold_of(self._goal(scenario))
 
     @property
-    def levels(self) -> list[Level]:
+    def levels(self) -> list[CoverageThreshold]:
         """The level of each scenario, in table order."""
         return [self.level(scenario) for scenario in self.scenarios]
 
-    def asks(self, scenario: str, metric: str) -> bool:
+    def applies_to(self, scenario: str, metric: str) -> bool:
         """Return whether a scenario's goal asks for a metric, as it does not for T99 at a goal of 90 %."""
-        return asks(self._goal(scenario), metric)
+        return applies_to(self._goal(scenario), metric)
 
     def _goal(self, scenario: str) -> float:
         return float(self.scenarios[scenario].get("goal", 1.0))
@@ -116,7 +116,7 @@ class Results:
         The policy is the first that knows the map and flew the task.
         """
         records = self.groups[scenario, policy]
-        known = self.references.get(scenario, {}) if self.asks(scenario, metric) else {}
+        known = self.references.get(scenario, {}) if self.applies_to(scenario, metric) else {}
         least = [_value(known[record.task], metric) if record.task in known else 0.0 for record in records]
         return np.array([_value(r, metric) / (b or np.nan) for r, b in zip(records, least, strict=True)], np.float64)
 
@@ -128,7 +128,7 @@ class Results:
     def references(self) -> dict[str, dict[Task, Record]]:
         """Each task by scenario as the first policy that knows the map flew it; empty where none does."""
         found: dict[str, dict[Task, Record]] = {}
-        for policy in reversed(self.knowing):
+        for policy in reversed(self.privileged_policies):
             for scenario in self.scenarios:
                 records = self.groups.get((scenario, policy), [])
                 found.setdefault(scenario, {}).update({record.task: record for record in records})

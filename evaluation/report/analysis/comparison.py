@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Contrast, Estimate, bootstrap_mean, contrasts, maps_are_sampled
 
@@ -29,7 +29,7 @@ class Comparison:
         return {policy: records for (scenario, policy), records in groups if scenario == self.scenario}
 
     @cached_property
-    def level(self) -> Level:
+    def level(self) -> CoverageThreshold:
         """The coverage level that the scenario is judged by."""
         return self.results.level(self.scenario)
 
@@ -54,7 +54,7 @@ class Comparison:
     def estimate(self, policy: str, metric: str) -> Estimate:
         """Return the mean of a metric with its interval; a NaN mean where nothing was measured or asked for."""
         missing = Estimate(float("nan"), None, None)
-        if not self.results.asks(self.scenario, metric):
+        if not self.results.applies_to(self.scenario, metric):
             return missing
         return self.results.estimates(self.scenario, policy).get(metric, missing)
 

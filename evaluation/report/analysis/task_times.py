@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class TaskTimes:
     """(E, P) whether the level was reached."""
     maps: NDArray[np.str_]
     """(E,) which map each task was flown on; equal maps have equal labels."""
-    level: Level
+    level: CoverageThreshold
     """What the scenario is judged by."""
 
     @classmethod

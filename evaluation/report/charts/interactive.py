@@ -79,7 +79,7 @@ def times_data(comparison: Comparison, styles: Styles) -> dict[str, Any]:
 
 def levels_drawn(comparison: Comparison) -> list[str]:
     """Return the levels whose times a scenario's page shows, the one it is judged by first."""
-    asked = [name for name in TIMES if comparison.results.asks(comparison.scenario, name)]
+    asked = [name for name in TIMES if comparison.results.applies_to(comparison.scenario, name)]
     return asked or [comparison.level.key]
 
 

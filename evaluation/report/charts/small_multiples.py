@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, focus_step, settled
 from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.report.style.palette import DASHES, MARKER_PATHS, PolicyStyle, Styles
-from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 
 #: The most panels; more maps than this are shown by folder, or the first of them.
 MOST = 24
@@ -90,7 +90,7 @@ def _where(comparison: Comparison, indices: set[int]) -> Groups:
     return {policy: records for policy, records in kept.items() if records}
 
 
-def _map_panel(groups: Groups, folder: str, limit: int, styles: Styles, level: Level) -> Panel:
+def _map_panel(groups: Groups, folder: str, limit: int, styles: Styles, level: CoverageThreshold) -> Panel:
     task = _median_task(groups)
     records = [record for group in groups.values() for record in group]
     name = next(record.floorplan.name for record in records if record.task == task)
@@ -134,7 +134,7 @@ def family(comparison: Comparison) -> str:
     return " and ".join(folders) if 0 < len(folders) <= 2 else f"{source} maps"
 
 
-def _drawing(groups: Groups, limit: int, styles: Styles, level: Level) -> Markup:
+def _drawing(groups: Groups, limit: int, styles: Styles, level: CoverageThreshold) -> Markup:
     """Draw the mean coverage of each policy over 0 to ``limit`` steps, with a line at ``level``."""
     steps = np.unique(np.linspace(0, limit, POINTS).round()).astype(np.int64)
     x = LEFT + (RIGHT - LEFT) * steps / limit

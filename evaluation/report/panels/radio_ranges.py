@@ -9,7 +9,7 @@ from indoor_explorers.evaluation.report.analysis.sweeps import RadioSweep
 from indoor_explorers.evaluation.report.panels.plot_data import Plot, PlotAxis, PlotSeries, bounds
 from indoor_explorers.evaluation.report.style.formatting import fixed, with_interval
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
-from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate, bootstrap_mean
 
@@ -47,7 +47,9 @@ def range_plots(results: Results, sweep: RadioSweep, styles: Styles) -> list[Plo
     policies = [
         policy for policy in results.policies if sum((name, policy) in results.groups for name in sweep.scenarios) > 1
     ]
-    times = [Quantity(key, Level(key).title, "steps", 1, 1) for key in results.level(sweep.scenarios[0]).times]
+    times = [
+        Quantity(key, CoverageThreshold(key).title, "steps", 1, 1) for key in results.level(sweep.scenarios[0]).times
+    ]
     shown = (*times, *OTHERS) if policies else ()
     return [_plot(results, sweep, quantity, policies, styles) for quantity in shown]
 

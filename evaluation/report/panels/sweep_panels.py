@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.report.panels.radio_ranges import range_plots
 from indoor_explorers.evaluation.report.panels.team_scaling import scaling_plots
 from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.report.style.palette import Styles
-from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.results.results import Results
 
 
@@ -65,7 +65,7 @@ def _panel(title: str, sweep: RadioSweep | TeamScaling, plots: Sequence[Plot], r
         sweep.scenarios,
         list(dict.fromkeys(each.name for each in series)),
         plots,
-        [Level(key).title for key in results.level(sweep.scenarios[0]).times],
+        [CoverageThreshold(key).title for key in results.level(sweep.scenarios[0]).times],
         " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1]))),
         any(each.dots for each in series),
         any(any(each.hollow or []) for each in series),

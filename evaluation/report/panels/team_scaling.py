@@ -13,7 +13,7 @@ from indoor_explorers.evaluation.report.panels.plot_data import Guide, Plot, Plo
 from indoor_explorers.evaluation.report.panels.radio_ranges import APART
 from indoor_explorers.evaluation.report.style.formatting import percent, with_interval
 from indoor_explorers.evaluation.report.style.palette import Styles
-from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate, ratio_of_means
 
@@ -83,7 +83,7 @@ def scaling_plots(results: Results, scaling: TeamScaling, styles: Styles) -> lis
     """Return speed-up to 90 % and to the level, and efficiency to the level; empty when no policy was flown in both."""
     plots, judging = [], results.level(scaling.scenarios[0])
     for metric in judging.times:
-        level = Level(metric).percent
+        level = CoverageThreshold(metric).percent
         found = {policy: speed_ups(results, scaling, policy, metric) for policy in results.policies}
         found = {policy: each for policy, each in found.items() if each}
         if found:

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.episodes.resimulate import refly
+from indoor_explorers.evaluation.episodes.resimulate import resimulate
 from indoor_explorers.evaluation.report.style.packing import Keyed, folded, packed, runs
 
 #: The step at which a cell becomes known that never does.
@@ -41,7 +41,7 @@ def resimulated(record: Record, scenario: Scenario) -> ReplayEpisode:
     known = np.full((record.team, record.floorplan.truth.size), NEVER, np.int32)
     linked = np.zeros((record.steps + 1, record.team, record.team), np.bool_)
     read = [0] * record.team
-    for step, world in enumerate(refly(record, scenario)):
+    for step, world in enumerate(resimulate(record, scenario)):
         state = world.state
         linked[step] = state.linked[0]
         for agent, length in enumerate(state.known[0].tolist()):

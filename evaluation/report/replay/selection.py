@@ -10,14 +10,14 @@ import numpy as np
 
 from indoor_explorers.env.grid.cells import OCCUPIED
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.episodes.resimulate import flown_scenario
+from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import ending
 from indoor_explorers.evaluation.report.replay.packed_episode import ReplayEpisode, pack_episode, resimulated
 from indoor_explorers.evaluation.report.style.packing import bits, text
 from indoor_explorers.evaluation.report.style.palette import DASHES, Styles
-from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 
 
 class Detail(NamedTuple):
@@ -121,7 +121,7 @@ def _by_lateness(comparison: Comparison) -> list[Task]:
     return sorted(common, key=lambda task: (*np.mean(flown[task], axis=0).tolist(), task))
 
 
-def _lateness(record: Record, level: Level) -> tuple[float, float]:
+def _lateness(record: Record, level: CoverageThreshold) -> tuple[float, float]:
     late = record.metrics.get(level.key)
     return (float(record.budget) if late is None else late), -(record.metrics.get("auc") or 0.0)
 
@@ -133,7 +133,7 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
     that is not enough either.
     """
     flown = {r.policy: r for records in comparison.groups.values() for r in records if r.task == pick.task}
-    scenario = flown_scenario(comparison.results.scenarios[comparison.scenario])
+    scenario = recorded_scenario(comparison.results.scenarios[comparison.scenario])
     again = [resimulated(flown[name], scenario) for name in comparison.ranking if name in flown]
     flights = [flight for flight in again if flight.faithful]
     if not flights:

@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import counted, percent
-from indoor_explorers.evaluation.results.coverage_level import shared
+from indoor_explorers.evaluation.results.coverage_threshold import shared
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
@@ -193,8 +193,8 @@ def _unlike_sizes(results: Results) -> Iterator[str]:
 
 
 def _yardsticks(results: Results) -> Iterator[str]:
-    if results.knowing:
-        yield f"Yardsticks that are given the true map, and do not compete: {', '.join(results.knowing)}."
+    if results.privileged_policies:
+        yield f"Yardsticks that are given the true map, and do not compete: {', '.join(results.privileged_policies)}."
 
 
 def _censored(results: Results) -> Iterator[str]:

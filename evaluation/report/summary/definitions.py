@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from indoor_explorers.evaluation.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.report.style.formatting import percent
-from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, RESAMPLES
 
 
@@ -68,7 +68,7 @@ TERMS = {
 }
 
 
-def definitions(level: Level | None) -> dict[str, Definition]:
+def definitions(level: CoverageThreshold | None) -> dict[str, Definition]:
     """Return all terms by key, the metrics first, of scenarios judged by a level; None where each has its own."""
     metrics = {
         key: Definition(

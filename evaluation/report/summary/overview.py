@@ -11,7 +11,7 @@ from markupsafe import Markup
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import percent, with_interval
 from indoor_explorers.evaluation.report.summary.headline import NAME, headline
-from indoor_explorers.evaluation.results.coverage_level import Level, shared
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class OverviewRow:
     scenario: str
     first: str
     """The policy with the lowest mean time among those that do not know the map; empty where nothing was flown."""
-    level: Level
+    level: CoverageThreshold
     """What the scenario is judged by."""
     time: str
     """Its mean steps to the level."""

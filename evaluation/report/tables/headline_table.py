@@ -12,7 +12,7 @@ from rich.text import Text
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, percent, with_interval
-from indoor_explorers.evaluation.results.coverage_level import Level, shared, tabled
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared, tabled
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Estimate
 
@@ -24,17 +24,17 @@ WIDEST = 135
 A_TIME = 22
 
 
-def headings(levels: Sequence[Level]) -> list[str]:
+def headings(levels: Sequence[CoverageThreshold]) -> list[str]:
     """Return what the columns of scenarios judged by these levels hold: times, success, failures, AUC and latency."""
-    times = [f"{Level(key).title} [steps]" for key in tabled(levels)]
+    times = [f"{CoverageThreshold(key).title} [steps]" for key in tabled(levels)]
     level = shared(levels)
     return [*times, f"{level.percent} reached" if level else "reached", "failed", "AUC", "decision p50"]
 
 
-def narrow(levels: Sequence[Level]) -> list[str]:
+def narrow(levels: Sequence[CoverageThreshold]) -> list[str]:
     """Return the first of :func:`headings`, shorter: times and success."""
     level = shared(levels)
-    return [*(Level(key).title for key in tabled(levels)), level.percent if level else "reached"]
+    return [*(CoverageThreshold(key).title for key in tabled(levels)), level.percent if level else "reached"]
 
 
 def headline_table(results: Results, width: int = WIDE) -> Table:
@@ -68,7 +68,9 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
 
 def knowing(results: Results) -> str | None:
     """Return the policy that ratios of steps are taken to: the first one that knows the map and flew any task."""
-    return next((name for name in results.knowing if any(policy == name for _, policy in results.groups)), None)
+    return next(
+        (name for name in results.privileged_policies if any(policy == name for _, policy in results.groups)), None
+    )
 
 
 def _row(comparison: Comparison, policy: str, times: Sequence[str]) -> list[Text]:

@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.report.analysis.failures import failed
 from indoor_explorers.evaluation.report.charts.dot_plots import Scale, episode_dot_plot
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, interval, percent
 from indoor_explorers.evaluation.report.style.palette import Styles
-from indoor_explorers.evaluation.results.coverage_level import Level, tabled
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import Estimate
 
 
@@ -80,13 +80,13 @@ DECIMALS = {"auc": 3, "overlap": 2, "collisions": 2}
 WITH_INTERVAL = (*LEVELS, "auc", "path_length")
 
 
-def columns_of(level: Level) -> tuple[Column, ...]:
+def columns_of(level: CoverageThreshold) -> tuple[Column, ...]:
     """Return the columns of a scenario judged by a level; levels above it have a time, a dash, and no more."""
-    times = (column for key in tabled([level]) for column in _time_columns(Level(key), key in level.times))
+    times = (column for key in tabled([level]) for column in _time_columns(CoverageThreshold(key), key in level.times))
     return (*times, Column(f"{level.key}_dots", f"{level.title} by episode", "steps", ranked=False), *OTHERS)
 
 
-def _time_columns(level: Level, asked: bool) -> list[Column]:
+def _time_columns(level: CoverageThreshold, asked: bool) -> list[Column]:
     time = Column(level.key, level.title, "steps")
     return [time, Column(f"{level.key}_reached", f"reached {percent(level.share)}", "", False)] if asked else [time]
 

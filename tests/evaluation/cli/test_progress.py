@@ -10,7 +10,7 @@ from indoor_explorers.evaluation.cli import progress
 from indoor_explorers.evaluation.cli.progress import Means, ProgressBar
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.results.coverage_level import Level
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from tests.evaluation.plugins import Wander, WrongAction
 
 ROOM = PRESETS["thesis-obstacles"].for_evaluation()
@@ -36,9 +36,9 @@ def test_means_are_those_of_the_records(records):
 def test_what_is_reached_is_the_level_of_the_scenario(records):
     means, screen = Means(), io.StringIO()
     for record in records[:4]:
-        means.add(record, Level("t50"))
+        means.add(record, CoverageThreshold("t50"))
     assert means.cells()[2] == f"{sum(r.metrics['t50'] is not None for r in records[:4]) / 4:.0%}"
-    for levels, words in (({}, "99 % reached"), ({ROOM.name: Level("t90")}, "90 % reached")):
+    for levels, words in (({}, "99 % reached"), ({ROOM.name: CoverageThreshold("t90")}, "90 % reached")):
         bar = ProgressBar(Console(file=screen, width=100), levels)
         bar.begin(5, 9)
         bar.flown(records)

@@ -12,7 +12,7 @@ from indoor_explorers.env import PRESETS
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.evaluation.engines.limits import Limits
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
-from indoor_explorers.evaluation.engines.worker_handle import Child
+from indoor_explorers.evaluation.engines.worker_handle import WorkerHandle
 from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
 from indoor_explorers.evaluation.episodes.record import Outcome
 from indoor_explorers.evaluation.episodes.runner import fly
@@ -163,14 +163,14 @@ def test_closing_ends_a_flight_at_once():
 
 @pytest.mark.usefixtures("plugins_found")
 def test_the_steps_of_a_flight_are_forgotten_with_the_next_job():
-    child = Child(Limits(None, LIMITS.memory))
+    worker = WorkerHandle(Limits(None, LIMITS.memory))
     try:
-        assert child.hear() is None
-        child.send(job("Wander", [2]))
-        (record,) = iter(child.hear, None)
-        assert len(child.steps(2).actions) == record.steps
-        child.send(job("Wander", [2, 3]))
-        assert len(list(iter(child.hear, None))) == 2
-        assert len(child.steps(2).actions) == 0
+        assert worker.hear() is None
+        worker.send(job("Wander", [2]))
+        (record,) = iter(worker.hear, None)
+        assert len(worker.steps(2).actions) == record.steps
+        worker.send(job("Wander", [2, 3]))
+        assert len(list(iter(worker.hear, None))) == 2
+        assert len(worker.steps(2).actions) == 0
     finally:
-        child.close()
+        worker.close()

@@ -15,7 +15,7 @@ from indoor_explorers.env.sensing.lidar import optics, scan
 from indoor_explorers.evaluation.episodes import lower_bounds
 from indoor_explorers.evaluation.episodes.lower_bounds import least_steps
 from indoor_explorers.evaluation.episodes.metrics import first_step
-from indoor_explorers.evaluation.episodes.mst_bound import _between, _spanning_tree, steps_by_witnesses
+from indoor_explorers.evaluation.episodes.mst_bound import _between, _spanning_tree, spanning_tree_bound
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
 
@@ -134,4 +134,4 @@ def test_regions_and_their_tree_are_those_of_plain_searches(seed):
     field = distance_field(truth, cells[0])
     entered = [field[scan(truth, cell, 3.0) == 1].min() for cell in cells]
     assert between[0, 1] == max(entered)
-    assert steps_by_witnesses(sights, 17, 1, len(cells)) == 0
+    assert spanning_tree_bound(sights, 17, 1, len(cells)) == 0

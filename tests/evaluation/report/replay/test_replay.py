@@ -9,7 +9,7 @@ import pytest
 from indoor_explorers.env import PRESETS
 from indoor_explorers.env.grid.cells import OCCUPIED
 from indoor_explorers.evaluation.episodes.record import Outcome
-from indoor_explorers.evaluation.episodes.resimulate import refly
+from indoor_explorers.evaluation.episodes.resimulate import resimulate
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
@@ -89,7 +89,7 @@ def test_a_replay_is_the_recorded_flight_with_what_each_uav_knew(results, stride
     for record in results.records:
         reader = Reader(pack_episode(resimulated(record, LOSSY), stride), 4, record.floorplan.truth.size)
         shown = frame_steps(record.steps, stride)
-        for step, world in enumerate(refly(record, LOSSY)):
+        for step, world in enumerate(resimulate(record, LOSSY)):
             if step not in shown:
                 continue
             reader.frame()

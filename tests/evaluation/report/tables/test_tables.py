@@ -17,7 +17,7 @@ from indoor_explorers.evaluation.report.summary.headline import headline
 from indoor_explorers.evaluation.report.tables.contrast_table import contrast_table
 from indoor_explorers.evaluation.report.tables.measures_table import measures_table
 from indoor_explorers.evaluation.report.tables.results_table import columns_of, results_table
-from indoor_explorers.evaluation.results.coverage_level import NEARLY_ALL
+from indoor_explorers.evaluation.results.coverage_threshold import T99
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import contrasts
 from tests.evaluation.report.records import made_up, results_of
@@ -144,7 +144,7 @@ def test_who_freezes_stands_out_and_older_results_that_did_not_measure_it_load()
     older = [replace(r, metrics={k: v for k, v in r.metrics.items() if k not in WASTED}) for r in older]
     found = results_of([*policy("frozen", 40.0), *policy("fine", 3.0), *older])
     cells = dict(results_table(Comparison(found, "room"), policy_styles(found.policies)))
-    place = [column.key for column in columns_of(NEARLY_ALL)].index("longest_idle")
+    place = [column.key for column in columns_of(T99)].index("longest_idle")
     frozen, fine, missing = (cells[name][place] for name in ("frozen", "fine", "older"))
     assert (frozen.text, frozen.detail, frozen.bad) == ("14.0", "\u2264 40", True)
     assert (fine.text, fine.bad) == ("1.7", False)

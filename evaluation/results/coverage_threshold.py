@@ -15,7 +15,7 @@ JUDGING = ("t99", "t95", "t90", "t50")
 
 
 @dataclass(frozen=True)
-class Level:
+class CoverageThreshold:
     """A coverage level by the key of the metric that is its time."""
 
     key: str
@@ -43,30 +43,30 @@ class Level:
 
 
 #: What most scenarios are judged by.
-NEARLY_ALL = Level("t99")
+T99 = CoverageThreshold("t99")
 
 
-def level_of(goal: float) -> Level:
+def threshold_of(goal: float) -> CoverageThreshold:
     """Return the level that a scenario with this goal coverage is judged by."""
-    return Level(next((key for key in JUDGING if asks(goal, key)), JUDGING[-1]))
+    return CoverageThreshold(next((key for key in JUDGING if applies_to(goal, key)), JUDGING[-1]))
 
 
-def asks(goal: float, metric: str) -> bool:
+def applies_to(goal: float, metric: str) -> bool:
     """Return whether a goal coverage asks for a metric: a time, or what is made of one, up to the goal; all others."""
     return LEVELS.get(metric.partition("_")[0], 0.0) <= max(goal, LEVELS[JUDGING[-1]])
 
 
-def shared(levels: Iterable[Level]) -> Level | None:
+def shared(levels: Iterable[CoverageThreshold]) -> CoverageThreshold | None:
     """Return the one level that all are; None where they differ or there is none."""
     different = set(levels)
     return different.pop() if len(different) == 1 else None
 
 
-def tabled(levels: Iterable[Level]) -> tuple[str, ...]:
+def tabled(levels: Iterable[CoverageThreshold]) -> tuple[str, ...]:
     """Return the times that a table of scenarios judged by these levels has a column for, by rising coverage."""
     return tuple(sorted({"t90", "t99", *(level.key for level in levels)}, key=LEVELS.__getitem__))
 
 
-def drawn(levels: Iterable[Level]) -> tuple[str, ...]:
-    """Return the :attr:`~Level.times` of all these levels, by rising coverage."""
+def drawn(levels: Iterable[CoverageThreshold]) -> tuple[str, ...]:
+    """Return the :attr:`~CoverageThreshold.times` of all these levels, by rising coverage."""
     return tuple(sorted({key for level in levels for key in level.times}, key=LEVELS.__getitem__))
