@@ -1,72 +1,150 @@
-"""Machine code is kept for the present state of the sources, and compiling it is announced once."""
+"""Machine code is found again by its contents, in any copy of the sources, and compiling is announced once."""
 
 import os
-import pickle
-import shutil
 import subprocess
 import sys
-from pathlib import Path
+import textwrap
 
-import numba
+import pytest
 
-import indoor_explorers.env
-from indoor_explorers.env.grid.compiled import NOTICE, QUIET, _stamp, _top
+from indoor_explorers.env.grid import compile_cache
+from indoor_explorers.env.grid.compiled import NOTICE, QUIET
 
 CODE = """
 import numpy as np
 from indoor_explorers.env.grid.cells import largest_part
 print(largest_part(np.ones((2, 3), bool)).sum())
 """
+#: A module of two compiled functions, one of which calls the other and reads a constant.
+MODULE = """
+from indoor_explorers.env.grid.compiled import kernel, leaf
+
+FACTOR = 2
+
+@leaf()
+def inner(x: int) -> int:
+    '''Double a number.'''
+    return FACTOR * x
+
+@kernel()
+def outer(x: int) -> int:
+    return inner(x) + 1
+
+@kernel()
+def apart(x: int) -> int:
+    return x - 1
+"""
+#: Prints the results and which functions were compiled for them.
+CALLS = """
+from indoor_explorers.env.grid import compile_cache
+compiled = []
+compile_cache.listeners[:] = [lambda name: name and compiled.append(name)]
+import made
+print(made.outer(3), made.apart(3), *sorted(compiled))
+"""
+
+
+def run(code, cache, folder=None, **more):
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)} | more
+    done = subprocess.run(
+        [sys.executable, *(["-P"] if folder is None else []), "-c", code],
+        env=environment,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.strip(), done.stderr
 
 
 def test_compiling_is_announced_once_and_not_at_all_when_the_code_was_kept(tmp_path):
-    def run(**more):
-        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / more.get(QUIET, "0"))} | more
-        done = subprocess.run(
-            [sys.executable, "-P", "-c", CODE], env=environment, capture_output=True, text=True, check=True
-        )
-        assert done.stdout == "6\n"
-        return done.stderr
-
-    assert run() == NOTICE
-    assert run() == ""
-    assert run(**{QUIET: "1"}) == ""
+    assert run(CODE, tmp_path / "0") == ("6", NOTICE)
+    assert run(CODE, tmp_path / "0") == ("6", "")
+    assert run(CODE, tmp_path / "1", **{QUIET: "1"}) == ("6", "")
 
 
 def test_kept_code_that_cannot_be_read_any_more_is_compiled_again(tmp_path):
-    def run():
-        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-        return subprocess.run(
-            [sys.executable, "-P", "-c", CODE], env=environment, capture_output=True, text=True, check=True
-        ).stderr
-
-    run()
-    indexes = list(tmp_path.rglob("*largest_part*.nbi"))
-    for index in indexes:
-        version = pickle.dumps(numba.__version__)
-        index.write_bytes(version + b"cgone_module\nGone\n.")  # names a class of a module that is not there
-    assert indexes
-    assert run() == NOTICE
-    assert run() == ""
+    run(CODE, tmp_path)
+    entries = list(tmp_path.rglob("*largest_part*.nbc"))
+    for entry in entries:
+        entry.write_bytes(b"cgone_module\nGone\n.")  # names a class of a module that is not there
+    assert entries
+    assert run(CODE, tmp_path) == ("6", NOTICE)
+    assert run(CODE, tmp_path) == ("6", "")
 
 
-def test_a_change_in_any_file_of_the_package_makes_kept_code_stale(tmp_path):
-    copy = Path(shutil.copytree(Path(indoor_explorers.env.__file__).parent, tmp_path / "env"))
-
-    def stamp():
-        _stamp.cache_clear()
-        return _stamp(copy)
-
-    before = stamp()
-    assert stamp() == before
-    (copy / "maps" / "thesis.py").write_text("# another file\n")
-    changed = stamp()
-    assert changed != before
-    (copy / "maps" / "new.py").write_text("")
-    assert stamp() not in {before, changed}
-    _stamp.cache_clear()
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """A cache that holds the machine code of :data:`MODULE`."""
+    folder = tmp_path_factory.mktemp("first")
+    (folder / "made.py").write_text(MODULE)
+    cache = tmp_path_factory.mktemp("cache")
+    assert run(CALLS, cache, folder)[0] == "7 2 apart inner outer"
+    return cache
 
 
-def test_the_package_of_a_file_is_the_outermost_one():
-    folder = Path(indoor_explorers.env.__file__).parent
-    assert _top(folder / "maps") == _top(folder) == folder
+@pytest.mark.parametrize(
+    ("changed", "compiled"),
+    [
+        (MODULE, "7 2"),
+        ("# a comment that moves all lines\n" + MODULE.replace("Double a number", "Another word"), "7 2"),
+        (MODULE.replace("FACTOR = 2", "FACTOR = 3"), "10 2 inner outer"),
+        (MODULE.replace("FACTOR * x", "FACTOR * x + 1"), "8 2 inner outer"),
+        (MODULE.replace("inner(x) + 1", "inner(x) + 2"), "8 2 outer"),
+        (MODULE.replace("x - 1", "x - 2"), "7 1 apart"),
+        (MODULE.replace("@leaf()", "@kernel()"), "7 2 inner outer"),
+    ],
+    ids=["another copy", "words", "constant", "called function", "caller", "apart", "options"],
+)
+def test_what_has_changed_is_compiled_with_its_callers_and_nothing_else(kept, tmp_path, changed, compiled):
+    (tmp_path / "made.py").write_text(changed)
+    assert run(CALLS, kept, tmp_path)[0] == compiled
+
+
+def test_where_nothing_can_be_written_code_is_compiled_and_not_kept(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))  # no folder can be made below a file
+    monkeypatch.setattr(compile_cache.tempfile, "gettempdir", lambda: str(tmp_path / "file"))
+    compile_cache.cache_folder.cache_clear()
+    try:
+        assert compile_cache.cache_folder() is None
+    finally:
+        compile_cache.cache_folder.cache_clear()
+
+
+def test_a_folder_that_cannot_be_written_is_replaced_by_one_for_temporary_files(tmp_path):
+    (tmp_path / "file").write_text("")
+    code = textwrap.dedent(
+        """
+        from indoor_explorers.env.grid.compile_cache import cache_folder
+        print(cache_folder())
+        """
+    )
+    found, _ = run(code, tmp_path / "file", TMPDIR=str(tmp_path))
+    assert found.startswith(str(tmp_path / "indoor-explorers-"))
+
+
+def test_two_processes_that_start_together_compile_a_function_once(tmp_path):
+    (tmp_path / "made.py").write_text(MODULE)
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    processes = [
+        subprocess.Popen(
+            [sys.executable, "-c", CALLS], cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True
+        )
+        for _ in range(2)
+    ]
+    outputs = [process.communicate(timeout=300)[0].split() for process in processes]
+    assert all(words[:2] == ["7", "2"] for words in outputs)
+    assert sorted(name for words in outputs for name in words[2:]) == ["apart", "inner", "outer"]
+
+
+def test_entries_that_nobody_uses_are_removed_after_a_while(tmp_path):
+    run(CODE, tmp_path)
+    (folder,) = tmp_path.glob("*/compiled")
+    old, *others = sorted(folder.rglob("*.nbc"))
+    os.utime(old, (0, 0))
+    os.utime(folder / "last-cleaned", (0, 0))
+    run("from indoor_explorers.env.grid.compile_cache import cache_folder; cache_folder()", tmp_path)
+    assert not old.exists()
+    assert all(entry.exists() for entry in others)
+    assert others

@@ -1,0 +1,215 @@
+"""Machine code on disk, found by what it was made from.
+
+An entry's key is a hash of the function with all that it calls (:mod:`indoor_explorers.env.grid.fingerprints`), the
+types of its arguments, the processor and the versions of Python, numba, numpy and llvmlite. So a second copy of the
+project finds what the first one compiled, and a change compiles what depends on it, and nothing else. Processes that
+need the same function at the same time compile it once: the others wait.
+
+Entries lie in the user's cache folder, below ``NUMBA_CACHE_DIR`` where that is set, or in the folder for temporary
+files where the former cannot be written. Entries that no process has used for two months are removed.
+
+numba offers no public way to say where and under which key machine code is kept, so this file stands in for
+``numba.core.caching.FunctionCache`` with the five methods that dispatchers call. It is the only one to do so.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import pickle
+import platform
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+from filelock import BaseFileLock, FileLock, Timeout
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps as numba_pickle
+from platformdirs import user_cache_path
+
+from indoor_explorers.env.grid.fingerprints import fingerprint, type_key
+
+#: Days after which an entry that no process has used is removed.
+KEPT_DAYS = 60
+#: Seconds that a process waits for another one to compile the same function, before it does so itself.
+PATIENCE = 120.0
+_DAY = 24 * 60 * 60
+
+#: Called with the function's name when one has to be compiled, and again with None when it is done.
+Listener = Callable[[str | None], None]
+listeners: list[Listener] = []
+
+
+class CompileCache:
+    """The kept machine code of one function; what numba's dispatchers ask of a cache."""
+
+    def __init__(self, function: FunctionType, options: Mapping[str, Any]) -> None:
+        self._function = function
+        self._options = repr(sorted(options.items()))
+        self._waiting: dict[str, BaseFileLock] = {}
+        self._enabled = True
+
+    @property
+    def cache_path(self) -> str | None:
+        """Return the folder that entries lie in, None for none."""
+        return None if cache_folder() is None else str(cache_folder())
+
+    def enable(self) -> None:
+        """Keep machine code."""
+        self._enabled = True
+
+    def disable(self) -> None:
+        """Neither find nor keep machine code."""
+        self._enabled = False
+
+    def flush(self) -> None:
+        """Do nothing: an entry belongs to all functions of its key."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what was compiled for argument types before, or None; then :meth:`save_overload` is to follow."""
+        target_context.refresh()
+        file = self._file(sig, target_context.codegen())
+        if file is None:
+            _tell(self._function.__qualname__)
+            return None
+        found = _read(file, target_context)
+        if found is None:
+            self._wait_for_others(file)
+            found = _read(file, target_context)
+            if found is None:
+                _tell(self._function.__qualname__)
+            else:
+                self._release(file)
+        return found
+
+    def save_overload(self, sig: Any, result: Any) -> None:
+        """Keep what was compiled; a full disk or a read-only folder loses the entry and nothing else."""
+        _tell(None)
+        file = self._file(sig, result.codegen)
+        if file is None:
+            return
+        with contextlib.suppress(OSError):
+            if not result.library.has_dynamic_globals:  # addresses of this process
+                _write(file, numba_pickle(result._reduce()))
+        self._release(file)
+
+    def _file(self, sig: Any, codegen: Any) -> Path | None:
+        folder = cache_folder() if self._enabled else None
+        if folder is None:
+            return None
+        arguments = getattr(sig, "args", sig)
+        facts = (
+            fingerprint(self._function),
+            self._options,
+            [type_key(kind) for kind in arguments],
+            codegen.magic_tuple(),
+            _versions(),
+        )
+        name = hashlib.sha256(repr(facts).encode()).hexdigest()
+        return folder / name[:2] / f"{self._function.__name__}-{name[2:34]}.nbc"
+
+    def _wait_for_others(self, file: Path) -> None:
+        """Wait until no other process compiles this entry, and keep others from it."""
+        lock = FileLock(file.with_suffix(".lock"), timeout=PATIENCE)
+        try:
+            file.parent.mkdir(exist_ok=True)
+            lock.acquire()
+        except (OSError, Timeout, NotImplementedError):  # some file systems have no locks
+            return
+        self._waiting[file.name] = lock
+
+    def _release(self, file: Path) -> None:
+        lock = self._waiting.pop(file.name, None)
+        if lock is not None:
+            lock.release()
+            file.with_suffix(".lock").unlink(missing_ok=True)
+
+
+@lru_cache(maxsize=1)
+def cache_folder() -> Path | None:
+    """Return the folder for machine code, made if there is none; None where nothing can be written."""
+    asked = os.environ.get("NUMBA_CACHE_DIR")
+    wanted = Path(asked) / "indoor-explorers" if asked else user_cache_path("indoor-explorers", appauthor=False)
+    shared = Path(tempfile.gettempdir()) / f"indoor-explorers-{_user()}"
+    for folder in (wanted / "compiled", shared / "compiled"):
+        if _can_keep(folder):
+            _remove_old(folder)
+            return folder
+    return None
+
+
+def _user() -> str:
+    return str(os.getuid()) if hasattr(os, "getuid") else platform.node()
+
+
+def _can_keep(folder: Path) -> bool:
+    """Tell whether a folder is there, can be written and belongs to this user: entries are trusted when read."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+        return not hasattr(os, "getuid") or folder.stat().st_uid == os.getuid()
+    except OSError:
+        return False
+
+
+def _remove_old(folder: Path) -> None:
+    """Remove entries that were not used for :data:`KEPT_DAYS`, at most once a day."""
+    mark, now = folder / "last-cleaned", time.time()
+    try:
+        if mark.exists() and now - mark.stat().st_mtime < _DAY:
+            return
+        mark.touch()
+        for file in folder.glob("*/*"):
+            if now - file.stat().st_mtime > KEPT_DAYS * _DAY:
+                file.unlink(missing_ok=True)
+    except OSError:
+        return
+
+
+def _read(file: Path, target_context: Any) -> Any:
+    """Return an entry, None where there is none that can be read: half a file, or names that are not there any more."""
+    try:
+        data = file.read_bytes()
+    except OSError:
+        return None
+    try:
+        found = CompileResult._rebuild(target_context, *pickle.loads(data))
+    except Exception:  # whatever unpickling raises
+        file.unlink(missing_ok=True)
+        return None
+    with contextlib.suppress(OSError):
+        if time.time() - file.stat().st_mtime > _DAY:
+            os.utime(file)  # still in use
+    return found
+
+
+def _write(file: Path, data: bytes) -> None:
+    """Write an entry whole: a reader never finds half of it."""
+    file.parent.mkdir(exist_ok=True)
+    handle, partial = tempfile.mkstemp(dir=file.parent, suffix=".partial")
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(data)
+        Path(partial).replace(file)
+    finally:
+        Path(partial).unlink(missing_ok=True)
+
+
+def _tell(name: str | None) -> None:
+    for listener in listeners:
+        listener(name)
+
+
+@lru_cache(maxsize=1)
+def _versions() -> tuple[str, ...]:
+    return (sys.version, numba.__version__, llvmlite.__version__, np.__version__)
