@@ -78,9 +78,9 @@ def run_training(
 
         def show(progress: Any) -> None:
             bar.update(line, total=progress.total_steps, completed=progress.steps, description=_now(progress))
-            if progress.trial is not None and shown[-1:] != [progress.trial]:
-                shown.append(progress.trial)
-                figures = ", ".join(f"{name} {_short(value)}" for name, value in progress.trial._asdict().items())
+            if progress.evaluation is not None and shown[-1:] != [progress.evaluation]:
+                shown.append(progress.evaluation)
+                figures = ", ".join(f"{name} {_short(value)}" for name, value in progress.evaluation.items())
                 console.print(f"evaluation: {figures}", highlight=False)
 
         weights = module.train(config, scenario, out, seed=seed, resume=resume, report=show)

@@ -23,16 +23,17 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.learners.baselines.config import EGOCENTRIC, BaselineConfig
 from indoor_explorers.learners.baselines.evaluation import Scores, best_moves
-from indoor_explorers.learners.baselines.record import RECORD, Record, read_record
+from indoor_explorers.learners.baselines.trainee import BaselineRecord
 from indoor_explorers.learners.guard import WatchedPilot
-from indoor_explorers.learners.sessions.session import one_thread
+from indoor_explorers.learners.sessions.process import one_thread
+from indoor_explorers.learners.sessions.record import RECORD, read_record
 
 
 @dataclass(frozen=True)
 class Trained:
     """What a folder of a training holds, as far as flying it needs."""
 
-    record: Record
+    record: BaselineRecord
     """How it was made."""
     config: BaselineConfig
     """Its hyperparameters."""
@@ -147,16 +148,14 @@ def folder_and_model(path: str, model: str) -> tuple[Path, Path]:
     return (given.parent, given) if given.is_file() else (given, given / model)
 
 
-def read_training(folder: Path, learners: Sequence[str]) -> tuple[Record, Any, Any]:
+def read_training(folder: Path, learners: Sequence[str]) -> tuple[BaselineRecord, Any, Any]:
     """Return the record of a folder, the module of its learner and its configuration.
 
     Raises:
         InputError: it is no training of one of these learners, or their library is not installed.
 
     """
-    record = read_record(folder)
-    if record.learner not in learners:
-        raise InputError(f"{folder}: expected a training of {', '.join(learners)}, got one of {record.learner}")
+    record = read_record(folder, BaselineRecord, learners)
     try:
         module = import_module(f"{__package__}.{record.learner.replace('-', '_')}")
     except ModuleNotFoundError as error:

@@ -20,7 +20,7 @@ from indoor_explorers.learners.baselines.acting import (
     TrainedPolicy,
     read_training,
 )
-from indoor_explorers.learners.baselines.record import RECORD
+from indoor_explorers.learners.sessions.record import RECORD
 
 #: The learners whose networks this policy flies; each has a module of that name.
 LEARNERS = ("rllib-ppo", "rllib-sac")

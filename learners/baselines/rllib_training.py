@@ -31,13 +31,12 @@ from safetensors.torch import save_file
 from indoor_explorers.env.errors import InputError, RunError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.learners.baselines.record import new_record
 from indoor_explorers.learners.baselines.rllib import Rllib
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig, quietly
 from indoor_explorers.learners.baselines.rllib_team import TrainingTeam, rllib_team
-from indoor_explorers.learners.baselines.training_monitor import Books
+from indoor_explorers.learners.baselines.trainee import BaselineTrainee, new_record
 from indoor_explorers.learners.sessions.seeds import training_seeds
-from indoor_explorers.learners.sessions.session import Progress
+from indoor_explorers.learners.sessions.session import Progress, Session
 
 CHECKPOINT = "checkpoint"
 PACKAGES = ("ray", "pettingzoo")
@@ -72,19 +71,15 @@ def train_rllib(
     task = config.task(scenario)
     briefing = TrainingTeam(task, config.recipe, iter(())).world.briefing(0, 0)
     record = new_record(learner, PACKAGES, config, scenario, briefing, seed)
-    books = Books.opened(record, config, scenario, out, CHECKPOINT, resume=resume, report=report)
-    seeds = count(first + books.record.steps)
+    session = Session(record, config, out, CHECKPOINT, resume=resume, report=report)
+    seeds = count(first + session.record.steps)
     register_env(TEAM, lambda _: rllib_team(task, config.environment_recipe, seeds))
     with _local_ray(), quietly():
-        trainee = _Trainee(config, _algorithm(config, seed), out)
+        trainee = RllibTrainee(config, _algorithm(config, seed), scenario, seed)
         try:
-            if books.resumed:
-                trainee.restore()
-            with books.kept(trainee):
-                while trainee.steps < config.total_steps and not books.interrupted:
-                    books.between_updates(trainee)
-                    trainee.update()
-                    books.report(trainee)
+            if session.checkpoint is not None:
+                trainee.restore(session.checkpoint)
+            session.run(trainee, trainee.update)
         finally:
             trainee.stop()
     return out / Rllib.MODEL
@@ -108,14 +103,16 @@ def _shared(agent: Any, episode: Any, **_: Any) -> str:
     return SHARED
 
 
-class _Trainee:
-    """An algorithm of RLlib as the books see it."""
+class RllibTrainee(BaselineTrainee):
+    """An algorithm of RLlib."""
 
-    epsilon = None
+    config: RllibConfig
+    steps = 0
+    loss = math.nan
 
-    def __init__(self, config: RllibConfig, algorithm: Algorithm, out: Path) -> None:
-        self.steps, self.loss = 0, math.nan
-        self._config, self._algorithm, self._out = config, algorithm, out
+    def __init__(self, config: RllibConfig, algorithm: Algorithm, scenario: Scenario, seed: int) -> None:
+        super().__init__(config, scenario, seed)
+        self._algorithm = algorithm
 
     def update(self) -> None:
         """Fly and learn for one round."""
@@ -125,36 +122,39 @@ class _Trainee:
         self.loss = float(learned.get("total_loss", math.nan))
 
     def scores(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
-        return self._config.rate(self._module(), rows)
+        """Return (B, 5) numbers, the higher the better, for observations (B, D)."""
+        return self.config.rate(self._module(), rows)
 
-    def keep(self) -> None:
+    def keep(self, folder: Path) -> None:
+        """Write the network as the one to fly."""
         state = self._module().state_dict()
-        with written_whole(self._out / Rllib.MODEL) as partial:
+        with written_whole(folder / Rllib.MODEL) as partial:
             save_file({name: tensor.contiguous() for name, tensor in state.items()}, partial)
 
     def _module(self) -> TorchRLModule:
         return cast(TorchRLModule, self._algorithm.get_module(SHARED))
 
-    def save(self) -> None:
+    def save(self, folder: Path) -> None:
         """Write the checkpoint beside the last one, and then in its place."""
-        partial, last = self._out / f".{CHECKPOINT}.partial", self._out / CHECKPOINT
+        partial, last = folder / f".{CHECKPOINT}.partial", folder / CHECKPOINT
         shutil.rmtree(partial, ignore_errors=True)
         self._algorithm.save_to_path(str(partial.resolve()))
         (partial / STEPS).write_text(str(self.steps), encoding="utf-8")
         shutil.rmtree(last, ignore_errors=True)
         partial.rename(last)
 
-    def restore(self) -> None:
-        """Go on from the checkpoint."""
-        folder = self._out / CHECKPOINT
+    def restore(self, checkpoint: Path) -> None:
+        """Go on from a checkpoint."""
         try:
-            self.steps = int((folder / STEPS).read_text(encoding="utf-8"))
-            self._algorithm.restore_from_path(str(folder.resolve()))
+            self.steps = int((checkpoint / STEPS).read_text(encoding="utf-8"))
+            self._algorithm.restore_from_path(str(checkpoint.resolve()))
         except DAMAGE as error:
-            raise InputError(f"{folder}: expected a checkpoint of RLlib, got a damaged one ({error!r:.200})") from error
+            raise InputError(
+                f"{checkpoint}: expected a checkpoint of RLlib, got a damaged one ({error!r:.200})"
+            ) from error
 
     def stop(self) -> None:
-        """Let go of everything, the folder for logs that RLlib makes in the user's home included."""
+        """Free everything, and delete the folder for logs that RLlib makes in the user's home."""
         logs = self._algorithm.logdir
         self._algorithm.stop()
         shutil.rmtree(logs, ignore_errors=True)

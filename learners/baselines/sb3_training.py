@@ -28,11 +28,10 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.interfaces.stable_baselines import StableBaselinesVecEnv
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.baselines.config import BaselineConfig
-from indoor_explorers.learners.baselines.record import new_record
 from indoor_explorers.learners.baselines.stable_baselines import StableBaselines
-from indoor_explorers.learners.baselines.training_monitor import Books
+from indoor_explorers.learners.baselines.trainee import BaselineRecord, BaselineTrainee, new_record
 from indoor_explorers.learners.sessions.seeds import training_seeds
-from indoor_explorers.learners.sessions.session import Progress
+from indoor_explorers.learners.sessions.session import Progress, Session
 
 CHECKPOINT, REPLAY = "checkpoint.zip", "replay.pkl"
 PACKAGES = ("stable-baselines3", "sb3-contrib")
@@ -106,78 +105,93 @@ def train_stable_baselines(
         config.environments, scenario=config.task(scenario), observation=config.recipe, first_seed=first
     )
     record = new_record(kind.learner, PACKAGES, config, scenario, envs.envs.world.briefing(0, 0), seed)
-    books = Books.opened(record, config, scenario, out, CHECKPOINT, resume=resume, report=report)
-    trainee = _Trainee(kind, _model(kind, config, envs, out, seed, resumed=books.resumed), out)
+    session = Session(record, config, out, CHECKPOINT, resume=resume, report=report)
+    trainee = StableBaselinesTrainee(kind, _model(kind, config, envs, session, seed), config, scenario, seed)
     envs.seed(first + trainee.steps)
-    with books.kept(trainee):
+    with session.running(trainee):
         remaining = config.total_steps - trainee.steps
         if remaining > 0:
-            trainee.model.learn(remaining, _Callback(books, trainee), log_interval=None, reset_num_timesteps=False)  # type: ignore[arg-type]  # None is meant: never
+            callback = _Callback(session, trainee)
+            trainee.model.learn(remaining, callback, log_interval=None, reset_num_timesteps=False)  # type: ignore[arg-type]  # None is meant: never
     return out / StableBaselines.MODEL
 
 
 def _model(
-    kind: Kind, config: StableBaselinesConfig, envs: StableBaselinesVecEnv, out: Path, seed: int, *, resumed: bool
+    kind: Kind,
+    config: StableBaselinesConfig,
+    envs: StableBaselinesVecEnv,
+    session: Session[BaselineRecord],
+    seed: int,
 ) -> BaseAlgorithm:
-    if not resumed:
+    if session.checkpoint is None:
         return kind.algorithm("MlpPolicy", envs, seed=seed, device="cpu", **config.arguments())
     try:
-        model = kind.algorithm.load(out / CHECKPOINT, env=envs, device="cpu")
+        model = kind.algorithm.load(session.checkpoint, env=envs, device="cpu")
         if isinstance(model, OffPolicyAlgorithm):
-            model.load_replay_buffer(out / REPLAY)
+            model.load_replay_buffer(session.out / REPLAY)
     except DAMAGE as error:
-        raise InputError(f"{out}: expected a checkpoint of {kind.learner}, got a damaged one ({error!r})") from error
+        raise InputError(
+            f"{session.out}: expected a checkpoint of {kind.learner}, got a damaged one ({error!r})"
+        ) from error
     return model
 
 
-class _Trainee:
-    """A model of Stable-Baselines3 as the books see it."""
+class StableBaselinesTrainee(BaselineTrainee):
+    """A model of Stable-Baselines3, which has a loop of its own."""
 
-    def __init__(self, kind: Kind, model: BaseAlgorithm, out: Path) -> None:
-        self.model = model
-        self._kind, self._out = kind, out
+    def __init__(
+        self, kind: Kind, model: BaseAlgorithm, config: StableBaselinesConfig, scenario: Scenario, seed: int
+    ) -> None:
+        super().__init__(config, scenario, seed)
+        self.model, self._kind = model, kind
 
     @property
     def steps(self) -> int:
+        """Moves made."""
         return self.model.num_timesteps
 
     @property
     def loss(self) -> float:
+        """The latest loss; not a number before the first one."""
         told = self.model.logger.name_to_value if hasattr(self.model, "_logger") else {}
         return float(told.get("train/loss", told.get("train/policy_loss", math.nan)))
 
     @property
     def epsilon(self) -> float | None:
+        """Probability of a random move, where the learner has one."""
         return getattr(self.model, "exploration_rate", None)
 
     def scores(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return (B, 5) numbers, the higher the better, for observations (B, D)."""
         self.model.policy.set_training_mode(False)
         return self._kind.rate(self.model.policy, rows)
 
-    def keep(self) -> None:
-        self._save(StableBaselines.MODEL)
+    def keep(self, folder: Path) -> None:
+        """Write the model as the one to fly."""
+        self._save(folder / StableBaselines.MODEL)
 
-    def save(self) -> None:
-        self._save(CHECKPOINT)
+    def save(self, folder: Path) -> None:
+        """Write the checkpoint."""
+        self._save(folder / CHECKPOINT)
         if isinstance(self.model, OffPolicyAlgorithm):
-            with written_whole(self._out / REPLAY) as partial:
+            with written_whole(folder / REPLAY) as partial:
                 self.model.save_replay_buffer(partial)
 
-    def _save(self, name: str) -> None:
-        with written_whole(self._out / name) as partial:
+    def _save(self, path: Path) -> None:
+        with written_whole(path) as partial:
             self.model.save(partial)
 
 
 class _Callback(BaseCallback):
-    """Do the books between updates, and stop after a Ctrl-C."""
+    """Evaluate and write between updates, report, and stop after a Ctrl-C."""
 
-    def __init__(self, books: Books, trainee: _Trainee) -> None:
+    def __init__(self, session: Session[BaselineRecord], trainee: StableBaselinesTrainee) -> None:
         super().__init__()
-        self._books, self._trainee = books, trainee
+        self._session, self._trainee = session, trainee
 
     def _on_rollout_start(self) -> None:
-        self._books.between_updates(self._trainee)
+        self._session.after_update(self._trainee)
 
     def _on_step(self) -> bool:
-        self._books.report(self._trainee)
-        return not self._books.interrupted
+        self._session.report(self._trainee)
+        return not self._session.interrupted

@@ -21,7 +21,7 @@ from indoor_explorers.learners.baselines.acting import (
     TrainedPolicy,
     read_training,
 )
-from indoor_explorers.learners.baselines.record import RECORD
+from indoor_explorers.learners.sessions.record import RECORD
 
 #: The learners whose models this policy flies; each has a module of that name.
 LEARNERS = ("sb3-a2c", "sb3-dqn", "sb3-maskable-ppo", "sb3-ppo", "sb3-qrdqn")

@@ -1,34 +1,51 @@
-"""What checkpoints of trainings in torch have in common: networks and what their optimiser remembers, as arrays."""
+"""The checkpoint of a training in one safetensors file: arrays by name, and everything else as JSON."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
-import torch
 from numpy.typing import NDArray
-from torch import nn
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
+
+CHECKPOINT = "checkpoint.safetensors"
+#: The entry of the metadata that holds everything but arrays.
+STATE = "training"
 
 
-def learner_tensors(networks: Mapping[str, nn.Module], optimiser: torch.optim.Optimizer) -> dict[str, NDArray[Any]]:
-    """Return copies of the weights of networks and of what their optimiser remembers, by name."""
-    found: dict[str, torch.Tensor] = {}
-    for name, network in networks.items():
-        found |= {f"{name}/{key}": value for key, value in network.state_dict().items()}
-    for place, entries in optimiser.state_dict()["state"].items():
-        found |= {f"optimiser/{place}/{key}": value for key, value in entries.items()}
-    return {name: value.cpu().numpy().copy() for name, value in found.items()}
+def write_checkpoint(folder: Path, tensors: Mapping[str, NDArray[Any]], state: Mapping[str, Any]) -> None:
+    """Write the checkpoint of a folder in one go."""
+    write_tensors(folder / CHECKPOINT, tensors, {STATE: json.dumps(state)})
 
 
-def restore_learner(
-    tensors: Mapping[str, NDArray[Any]], networks: Mapping[str, nn.Module], optimiser: torch.optim.Optimizer
-) -> None:
-    """Go on exactly where :func:`learner_tensors` was taken."""
-    for name, network in networks.items():
-        network.load_state_dict({key: torch.from_numpy(tensors[f"{name}/{key}"]) for key in network.state_dict()})
-    state: dict[int, dict[str, torch.Tensor]] = {}
-    for name, array in tensors.items():
-        if name.startswith("optimiser/"):
-            _, place, key = name.split("/")
-            state.setdefault(int(place), {})[key] = torch.from_numpy(array)
-    optimiser.load_state_dict(optimiser.state_dict() | {"state": state})
+def read_checkpoint(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Return the arrays of a checkpoint, and everything else.
+
+    Raises:
+        InputError: it is missing or damaged.
+
+    """
+    tensors, metadata = read_tensors(path)
+    with reporting_damage(path):
+        return tensors, json.loads(metadata[STATE])
+
+
+@contextmanager
+def reporting_damage(path: Path) -> Iterator[None]:
+    """Tell what is amiss with a checkpoint that is gone on from inside of this.
+
+    Raises:
+        InputError: something is missing from it or has another shape.
+
+    """
+    try:
+        yield
+    except (KeyError, RuntimeError, TypeError, ValueError) as error:
+        raise InputError(
+            f"{path}: expected a checkpoint of this version, got something else ({error!r}); train again"
+        ) from error

@@ -23,11 +23,11 @@ def training_seeds(seed: int) -> int:
     return SEED_BLOCK * (1 + 2 * seed)
 
 
-def survey_seeds(seed: int) -> int:
-    """Return where the seeds of what is flown before a training begin: the last quarter of its own."""
+def prior_seeds(seed: int) -> int:
+    """Return where the seeds of the maps that the map prior is fitted to begin: the last quarter of the training's."""
     return training_seeds(seed) + 3 * SEED_BLOCK // 4
 
 
-def trial_seeds(seed: int) -> int:
+def evaluation_seeds(seed: int) -> int:
     """Return where the episode seeds of a training's evaluations begin."""
     return training_seeds(seed) + SEED_BLOCK

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
+from indoor_explorers.learners.sessions.evaluation import T90
 from indoor_explorers.learners.thesis.vector_flight import Fleet
 
 
-class Trial(NamedTuple):
+class GreedyFigures(NamedTuple):
     """How the network did at one moment of the training; coverage is the team's, as the task counts it."""
 
     episodes: int
@@ -32,14 +33,6 @@ class Trial(NamedTuple):
     """Share of the UAVs that the stuck rule ended."""
 
 
-class Flown(NamedTuple):
-    """A trial, and the curve behind it."""
-
-    trial: Trial
-    by_step: list[float]
-    """Mean coverage after 0, 1, 2, ... steps; an episode that has ended keeps its own."""
-
-
 def evaluate(
     choose: Callable[[NDArray[np.uint8]], NDArray[np.int64]],
     task: Scenario,
@@ -49,8 +42,12 @@ def evaluate(
     *,
     frames: int,
     identity: bool,
-) -> Flown:
-    """Fly ``episodes`` episodes with seeds from ``first_seed`` on; ``choose`` maps images (P, K, H, W) to moves."""
+) -> tuple[GreedyFigures, list[float]]:
+    """Fly ``episodes`` episodes with seeds from ``first_seed`` on, after ``trained`` episodes of training.
+
+    ``choose`` maps images (P, K, H, W) to moves. Also returns the mean coverage after 0, 1, 2, ... steps; an episode
+    that has ended keeps its own.
+    """
     seeds = iter(range(first_seed, first_seed + episodes))
     team = range(task.team)
     fleet = Fleet(task, episodes, lambda: next(seeds), frames=frames, identity=identity, pilots=team)
@@ -62,22 +59,20 @@ def evaluate(
         fleet.step(actions, flying)
         score += world.state.reward.ravel()
         curve.append(world.team_coverage)
-    return Flown(
-        _trial(np.array(curve), world.state.budget, score, fleet.end, trained),
-        [round(float(share), 4) for share in np.mean(curve, axis=1)],
-    )
+    figures = _figures(np.array(curve), world.state.budget, score, fleet.end, trained)
+    return figures, [round(float(share), 4) for share in np.mean(curve, axis=1)]
 
 
-def _trial(
+def _figures(
     curve: NDArray[np.float64],
     budget: NDArray[np.int64],
     score: NDArray[np.float64],
     end: NDArray[np.uint8],
     trained: int,
-) -> Trial:
-    enough = curve >= 0.9
+) -> GreedyFigures:
+    enough = curve >= T90
     reached = enough.any(axis=0)
-    return Trial(
+    return GreedyFigures(
         episodes=trained,
         score=float(score.mean()),
         coverage=float(curve[-1].mean()),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from indoor_explorers.learners.dddqn.learning.targets import q_target
-from indoor_explorers.learners.sessions.checkpoint import learner_tensors, restore_learner
+from indoor_explorers.learners.sessions.networks import learner_tensors, restore_learner
 from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.network import ThesisNetwork, new_network
 from indoor_explorers.learners.thesis.observation import LEVELS

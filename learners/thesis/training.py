@@ -1,8 +1,8 @@
-"""One training as an object: what happens in a tick, and everything that a checkpoint must hold."""
+"""One training as an object: what happens in an update, and everything that a checkpoint must hold."""
 
 from __future__ import annotations
 
-import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,32 +12,36 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.learners.sessions.seeds import training_seeds, trial_seeds
-from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
+from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
+from indoor_explorers.learners.sessions.seeds import evaluation_seeds, training_seeds
+from indoor_explorers.learners.sessions.session import Status, Trainee, crossed_multiple
+from indoor_explorers.learners.sessions.tensors import WEIGHTS
 from indoor_explorers.learners.thesis.config import TrainingConfig
-from indoor_explorers.learners.thesis.evaluation import Flown, Trial, evaluate
+from indoor_explorers.learners.thesis.evaluation import evaluate
 from indoor_explorers.learners.thesis.history import History
 from indoor_explorers.learners.thesis.learner import Learner, greedy
 from indoor_explorers.learners.thesis.replay import Places, Replay
 from indoor_explorers.learners.thesis.sizes import MOVES, Eye
 from indoor_explorers.learners.thesis.vector_flight import Fleet
-from indoor_explorers.learners.thesis.weights import load_weights
+from indoor_explorers.learners.thesis.weights import load_weights, write_weights
+
+EPISODES = "episodes.csv"
 
 
-class Training:
-    """Train on the world's batch directly; a tick is a move of all UAVs, and learning as often as is due."""
+class Training(Trainee):
+    """Train on the world's batch directly; an update is a move of all UAVs, and learning as often as is due."""
 
-    def __init__(self, config: TrainingConfig, scenario: Scenario, seed: int) -> None:
+    unit = "episodes"
+    steps = 0
+
+    def __init__(self, config: TrainingConfig, scenario: Scenario, seed: int, checkpoint: Path | None = None) -> None:
         self._first_seed = training_seeds(seed)
         self.config, self.seed = config, seed
         self.task = config.task(scenario)
-        self.steps = self.begun = 0
-        self.seconds = 0.0
-        """Flown up to the checkpoint that it goes on from."""
-        self.evaluations: list[Flown] = []
+        self.begun = 0
+        self.greedy_curve: list[float] = []
+        """Mean coverage by step in the last evaluation."""
         self.losses: list[float] = []
-        self.commits: list[str | None] = []
-        """Commits of the source that the training ran under, the one it began with first."""
         self.rng = np.random.default_rng(np.random.SeedSequence(seed))
         pilots = range(self.task.team if config.mates == "learn" else 1)
         looks: dict[str, Any] = {"frames": config.frame_stack, "identity": config.identity}
@@ -48,6 +52,8 @@ class Training:
         self.history = History(config.environments)
         if config.initial_weights is not None:
             self.learner.start_from(self._weights(Path(config.initial_weights)))
+        if checkpoint is not None:
+            self._restore(checkpoint)
 
     def _weights(self, path: Path) -> dict[str, NDArray[np.float32]]:
         eye, arrays = load_weights(path)
@@ -69,12 +75,7 @@ class Training:
         """Tell whether all episodes have been flown."""
         return self.episodes >= self.config.episodes
 
-    @property
-    def trials(self) -> list[Trial]:
-        """The evaluations so far."""
-        return [flown.trial for flown in self.evaluations]
-
-    def tick(self) -> None:
+    def update(self) -> None:
         """Make one move of every UAV, remember it, learn, and begin new episodes where due."""
         fleet, state = self.fleet, self.fleet.world.state
         pupils = fleet.columns_of(np.arange(self.config.environments))
@@ -111,72 +112,82 @@ class Training:
         self.steps += moves
         if self.replay.filled < config.batch:
             return
-        if before // config.target_every < self.steps // config.target_every:
+        if crossed_multiple(before, self.steps, config.target_every):
             self.learner.copy_target()
         for _ in range(self.steps // config.learn_every - before // config.learn_every):
             self.losses.append(float(self.learner.update(self.replay.sample(config.batch, self.rng))))
 
-    def take_trial(self) -> Trial:
-        """Evaluate the network."""
+    def evaluate(self) -> dict[str, int | float]:
+        """Evaluate the network, and keep the curve behind it."""
         online, config = self.learner.online, self.config
-        flown = evaluate(
+        found, self.greedy_curve = evaluate(
             lambda images: greedy(online, images),
             self.task,
             config.evaluation_episodes,
-            trial_seeds(self.seed),
+            evaluation_seeds(self.seed),
             self.episodes,
             frames=config.frame_stack,
             identity=config.identity,
         )
-        self.evaluations.append(flown)
-        return flown.trial
+        return found._asdict()
 
-    def identity(self) -> dict[str, Any]:
-        """Return what makes this training: a checkpoint of another one is refused."""
-        return {"config": self.config.model_dump(mode="json"), "task": self.task.fingerprint, "seed": self.seed}
+    def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
+        """Return the same for all: the thesis kept the last network, not the best."""
+        return ()
 
-    def save(self, path: Path, seconds: float = 0.0) -> None:
-        """Write everything to a safetensors file, and how many seconds it took since :attr:`seconds`."""
-        places = {f"replay/{name}": array[: self.replay.filled] for name, array in self.replay.data._asdict().items()}
-        notes = self.identity() | {
+    def keep(self, folder: Path) -> None:
+        """Keep nothing: :meth:`save` writes the network as it is."""
+
+    def status(self) -> Status:
+        """Return what to report; the steps to come are a guess, since the number of episodes is what is fixed."""
+        loss = float(np.mean(self.losses)) if self.losses else float("nan")
+        self.losses.clear()
+        share = min(max(self.episodes, 1) / self.config.episodes, 1.0)
+        return Status(
+            total_steps=max(int(self.steps / share), 1),
+            epsilon=self.config.epsilon(self.steps),
+            loss=loss,
+            episodes=self.episodes,
+        )
+
+    def results(self) -> dict[str, Any]:
+        """Return the thesis's curves: coverage by step, in training and in the last evaluation."""
+        return {
+            "episodes": self.episodes,
+            "training_coverage_by_step": self.history.by_step(),
+            "greedy_coverage_by_step": self.greedy_curve,
+        }
+
+    def save(self, folder: Path) -> None:
+        """Write everything, the network as it is, and the table of episodes."""
+        data = {f"replay/{name}": array[: self.replay.filled] for name, array in self.replay.data._asdict().items()}
+        state = {
             "steps": self.steps,
             "begun": self.begun,
-            "seconds": self.seconds + seconds,
             "written": self.replay.written,
-            "evaluations": self.evaluations,
-            "commits": self.commits,
+            "greedy_curve": self.greedy_curve,
             "rng": self.rng.bit_generator.state,
         }
-        tensors = self.learner.tensors() | self.fleet.tensors() | self.history.tensors() | places
-        write_tensors(path, tensors, {"training": json.dumps(notes)})
+        tensors = self.learner.tensors() | self.fleet.tensors() | self.history.tensors() | data
+        write_checkpoint(folder, tensors, state)
+        write_weights(folder / WEIGHTS, self.learner.arrays(), self.eye)
+        self.history.write(folder / EPISODES, self.config.episodes)
 
-    def load(self, path: Path) -> None:
+    def _restore(self, path: Path) -> None:
         """Go on exactly where :meth:`save` left off.
 
         Raises:
-            InputError: the file is damaged, or from another configuration, scenario or seed.
+            InputError: the file is damaged.
 
         """
-        tensors, metadata = read_tensors(path)
-        try:
-            notes = json.loads(metadata["training"])
-            self._refuse_others(notes, path)
+        tensors, state = read_checkpoint(path)
+        with reporting_damage(path):
             for part in (self.learner, self.fleet, self.history):
                 part.restore(tensors)
             for name, array in self.replay.data._asdict().items():
                 array[: len(tensors[f"replay/{name}"])] = tensors[f"replay/{name}"]
-        except (KeyError, RuntimeError, json.JSONDecodeError) as error:
-            raise InputError(
-                f"{path}: expected a checkpoint of this version, got something else ({error!r})"
-            ) from error
-        self.steps, self.begun, self.replay.written = notes["steps"], notes["begun"], notes["written"]
-        self.seconds, self.commits = notes["seconds"], notes.get("commits", [None])  # unknown in checkpoints of before
-        self.evaluations = [Flown(Trial(*trial), curve) for trial, curve in notes["evaluations"]]
-        self.rng.bit_generator.state = notes["rng"]
-
-    def _refuse_others(self, notes: dict[str, Any], path: Path) -> None:
-        mine = self.identity()
-        for key, value in {"seed": mine["seed"], "task": mine["task"], **mine["config"]}.items():
-            found = (notes if key in ("seed", "task") else notes["config"]).get(key)
-            if found != value:
-                raise InputError(f"{path}: expected {key} {value}, got {found}; resume with the same one")
+            self.steps, self.begun, self.replay.written = state["steps"], state["begun"], state["written"]
+            self.rng.bit_generator.state = state["rng"]
+            if "evaluations" in state:  # in checkpoints of before
+                state["greedy_curve"] = state["evaluations"][-1][1] if state["evaluations"] else []
+            self.greedy_curve = state["greedy_curve"]

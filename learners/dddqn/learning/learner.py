@@ -17,7 +17,7 @@ from indoor_explorers.learners.dddqn.learning.replay import Batch
 from indoor_explorers.learners.dddqn.learning.targets import masked, q_target, shortfall
 from indoor_explorers.learners.dddqn.network.model import DuelingNetwork, new_network
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, layout, tour_costs
-from indoor_explorers.learners.sessions.checkpoint import learner_tensors, restore_learner
+from indoor_explorers.learners.sessions.networks import learner_tensors, restore_learner
 
 #: Instructions of a processor that make bfloat16 matrices faster than float32 ones.
 _FAST = ("avx512_bf16", "amx_bf16")

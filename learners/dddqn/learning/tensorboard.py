@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from types import TracebackType
 from typing import Any
+
+from indoor_explorers.learners.sessions.session import Progress
 
 FOLDER = "tensorboard"
 
@@ -17,7 +20,7 @@ class Scalars:
         self._writer: Any = None
 
     def __enter__(self) -> Scalars:
-        """Begin another event file in the training's folder."""
+        """Begin a new event file in the training's folder."""
         try:
             from tensorboardX import SummaryWriter  # type: ignore[import-untyped]  # has no types
         except ModuleNotFoundError:
@@ -32,8 +35,17 @@ class Scalars:
         if self._writer is not None:
             self._writer.close()
 
-    def write(self, steps: int, scalars: dict[str, float]) -> None:
-        """Note figures by name after so many steps of training."""
+    def write(self, progress: Progress) -> None:
+        """Write the figures of a moment."""
         if self._writer is not None:
-            for name, value in scalars.items():
-                self._writer.add_scalar(name, value, steps)
+            for name, value in scalars(progress).items():
+                self._writer.add_scalar(name, value, progress.steps)
+
+
+def scalars(progress: Progress) -> dict[str, float]:
+    """Return the figures of a training by name, without those that are missing."""
+    found = {name: getattr(progress, name) for name in ("epsilon", "loss", "episode_steps", "episodes")}
+    found = {f"training/{name}": value for name, value in found.items() if value is not None}
+    found["training/steps_per_second"] = progress.steps_per_second
+    found |= {f"evaluation/{name}": value for name, value in (progress.evaluation or {}).items() if name != "steps"}
+    return {name: float(value) for name, value in found.items() if not math.isnan(value)}

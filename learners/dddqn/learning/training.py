@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -15,18 +14,20 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.dddqn.learning.evaluation import Trial, evaluate, mean_trial
+from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
 from indoor_explorers.learners.dddqn.learning.multi_task_flight import Flocks
 from indoor_explorers.learners.dddqn.learning.prior_fitting import collect_all, fit_prior
 from indoor_explorers.learners.dddqn.learning.replay import Replay
+from indoor_explorers.learners.dddqn.network.model import arrays
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, no_prior, prior_arrays, prior_from
-from indoor_explorers.learners.sessions.seeds import survey_seeds, training_seeds, trial_seeds
-from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
-
-#: Coverage until which a step costs ``reward_early_step`` more.
-EARLY = 0.9
+from indoor_explorers.learners.dddqn.weights import write_weights
+from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
+from indoor_explorers.learners.sessions.evaluation import T90, mean_evaluation
+from indoor_explorers.learners.sessions.seeds import evaluation_seeds, prior_seeds, training_seeds
+from indoor_explorers.learners.sessions.session import Status, Trainee
+from indoor_explorers.learners.sessions.tensors import WEIGHTS
 
 
 class Flown(NamedTuple):
@@ -42,25 +43,24 @@ class Flown(NamedTuple):
     age: NDArray[np.int64]
 
 
-class Training:
-    """Train on the world's batch directly; every tick is a move of all UAVs and some updates of the network.
+class Training(Trainee):
+    """Train on the world's batch directly; every update is a tick: a move of all UAVs and some updates of the network.
 
     In a tick the UAVs fly in one thread, by the weights from its beginning, while the network learns from earlier
     ticks in another. Neither sees what the other does before the tick ends, so the same seed gives the same training.
     """
 
+    steps = 0
+
     def __init__(self, config: TrainingConfig, scenario: Scenario, seed: int, checkpoint: Path | None = None) -> None:
         self.config, self.seed, self._first_seed = config, seed, training_seeds(seed)
         self.tasks = config.tasks(scenario)
-        self.steps = self.episodes = 0
-        self.trials: list[Trial] = []
+        self.episodes = 0
         self.losses: list[float] = []
         self.ended: list[int] = []
         """Steps of the episodes that ended since this was last cleared."""
-        self.commits: list[str | None] = []
-        """Commits of the source that the training ran under, the one it began with first."""
-        found = None if checkpoint is None else self._read(checkpoint)
-        self.prior = self._survey() if found is None else prior_from(_part(found[0], "prior."))
+        found = None if checkpoint is None else read_checkpoint(checkpoint)
+        self.prior = self._fit_prior() if found is None else prior_from(_part(found[0], "prior."))
         self.flying_rng, self.learning_rng = (
             np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(2)
         )
@@ -78,11 +78,11 @@ class Training:
         if found is not None and checkpoint is not None:
             self._restore(*found, checkpoint)
 
-    def _survey(self) -> MapPrior:
+    def _fit_prior(self) -> MapPrior:
         observation = self.config.observation
         if not (observation.tours or "chance" in observation.layers):
             return no_prior()
-        return fit_prior(collect_all(self.tasks, survey_seeds(self.seed), self.config.prior_notes), self.seed)
+        return fit_prior(collect_all(self.tasks, prior_seeds(self.seed), self.config.prior_notes), self.seed)
 
     def _slots(self) -> int:
         slots = self.config.replay_steps // self.flock.columns
@@ -108,7 +108,7 @@ class Training:
         """Tell whether all moves have been made."""
         return self.steps >= self.config.total_steps
 
-    def tick(self) -> None:
+    def update(self) -> None:
         """Make one move of every UAV and learn meanwhile; then remember the move and begin new episodes."""
         self.learner.refresh()
         flying = self._pool.submit(self._fly)
@@ -124,7 +124,7 @@ class Training:
         over, age = flock.over, flock.age
         flock.observe()
         action, explored = self._choose()
-        reward = flock.step(action) + self._early_steps * (flock.coverage < EARLY)
+        reward = flock.step(action) + self._early_steps * (flock.coverage < T90)
         return Flown(flock.scene, flock.moves, action, reward, flock.terminal & ~over, explored, over, age)
 
     def _choose(self) -> tuple[NDArray[np.int64], Mask]:
@@ -144,78 +144,63 @@ class Training:
         self.replay.reprioritise(batch.place, errors)
         return loss
 
-    def take_trial(self) -> Trial:
-        """Evaluate the averaged weights and keep them when they are the best so far."""
-        first, episodes = trial_seeds(self.seed), self.config.evaluation_episodes
-        trial = mean_trial(
-            [evaluate(self.learner, task, self.prior, episodes, first, self.steps) for task in self.tasks]
+    def evaluate(self) -> dict[str, int | float]:
+        """Evaluate the averaged weights on all scenarios; return the means."""
+        first, episodes = evaluation_seeds(self.seed), self.config.evaluation_episodes
+        found = [evaluate(self.learner, task, self.prior, episodes, first, self.steps) for task in self.tasks]
+        return mean_evaluation(found)._asdict()
+
+    def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
+        """Return the score of the averaged weights."""
+        return (evaluation["score"],)
+
+    def keep(self, folder: Path) -> None:
+        """Keep the averaged weights as the best; :meth:`save` writes them."""
+        self.learner.best.load_state_dict(self.learner.average.state_dict())
+
+    def status(self) -> Status:
+        """Return what to report; begin the means anew."""
+        loss, episode_steps = (float(np.mean(past)) if past else float("nan") for past in (self.losses, self.ended))
+        self.losses.clear()
+        self.ended.clear()
+        return Status(
+            total_steps=self.config.total_steps,
+            epsilon=self.config.epsilon(self.share),
+            loss=loss,
+            episodes=self.episodes,
+            episode_steps=episode_steps,
         )
-        if not self.trials or trial.score <= min(other.score for other in self.trials):
-            self.learner.best.load_state_dict(self.learner.average.state_dict())
-        self.trials.append(trial)
-        return trial
 
-    def identity(self) -> dict[str, Any]:
-        """Return what makes this training: a checkpoint of another one is refused."""
-        task = " ".join(task.fingerprint for task in self.tasks)
-        return {"config": self.config.model_dump(mode="json"), "task": task, "seed": self.seed}
+    def results(self) -> dict[str, Any]:
+        """Return how many episodes have begun."""
+        return {"episodes": self.episodes}
 
-    def save(self, path: Path) -> None:
-        """Write everything to a safetensors file."""
-        notes = self.identity() | {
+    def save(self, folder: Path) -> None:
+        """Write everything, and the best weights."""
+        state = {
             "steps": self.steps,
             "episodes": self.episodes,
-            "trials": self.trials,
-            "commits": self.commits,
             "flying_rng": self.flying_rng.bit_generator.state,
             "learning_rng": self.learning_rng.bit_generator.state,
         }
         tensors = self.learner.tensors() | self.flock.tensors() | self.replay.tensors() | prior_arrays(self.prior)
-        write_tensors(path, tensors, {"training": json.dumps(notes)})
+        write_checkpoint(folder, tensors, state)
+        write_weights(
+            folder / WEIGHTS,
+            arrays(self.learner.best),
+            prior_arrays(self.prior),
+            self.config.observation,
+            self.config.network,
+        )
 
-    def _read(self, path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-        """Return the arrays and notes of a checkpoint of this training.
-
-        Raises:
-            InputError: the file is damaged, or from another configuration, scenario or seed.
-
-        """
-        tensors, metadata = read_tensors(path)
-        try:
-            notes = json.loads(metadata["training"])
-            self._refuse_others(notes, path)
-        except (KeyError, json.JSONDecodeError) as error:
-            raise _damaged(path, error) from error
-        return tensors, notes
-
-    def _restore(self, tensors: dict[str, NDArray[Any]], notes: dict[str, Any], path: Path) -> None:
+    def _restore(self, tensors: dict[str, NDArray[Any]], state: dict[str, Any], path: Path) -> None:
         """Go on exactly where :meth:`save` left off."""
-        try:
-            self.learner.restore(tensors)
-            self.flock.restore(tensors)
-            self.replay.restore(tensors)
-            self.trials = [Trial(*trial) for trial in notes["trials"]]
-        except (KeyError, RuntimeError, TypeError, ValueError) as error:
-            raise _damaged(path, error) from error
-        self.steps, self.episodes = notes["steps"], notes["episodes"]
-        self.commits = notes.get("commits", [None])  # unknown in checkpoints of before
-        self.flying_rng.bit_generator.state = notes["flying_rng"]
-        self.learning_rng.bit_generator.state = notes["learning_rng"]
-
-    def _refuse_others(self, notes: dict[str, Any], path: Path) -> None:
-        mine = self.identity()
-        for part in ("seed", "task"):
-            if notes[part] != mine[part]:
-                raise InputError(f"{path}: expected {part} {mine[part]}, got {notes[part]}; resume with the same one")
-        for key, value in mine["config"].items():
-            if notes["config"].get(key) != value:
-                raise InputError(
-                    f"{path}: expected {key} {value}, got {notes['config'].get(key)}; resume with the same settings"
-                )
-
-
-def _damaged(path: Path, error: Exception) -> InputError:
-    return InputError(f"{path}: expected a checkpoint of this version, got something else ({error!r})")
+        with reporting_damage(path):
+            for part in (self.learner, self.flock, self.replay):
+                part.restore(tensors)
+            self.steps, self.episodes = state["steps"], state["episodes"]
+            self.flying_rng.bit_generator.state = state["flying_rng"]
+            self.learning_rng.bit_generator.state = state["learning_rng"]
 
 
 def _part(tensors: Mapping[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:

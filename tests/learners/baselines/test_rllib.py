@@ -107,12 +107,12 @@ def test_the_masking_network_gives_illegal_moves_no_chance(trained: Path) -> Non
 
 
 def test_an_interrupted_training_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(books: Any, trainee: Any) -> None:
-        if trainee.steps >= 50 and not books.resumed:
+    def interrupt(session: Any, trainee: Any) -> None:
+        if trainee.steps >= 50 and session.checkpoint is None:
             os.kill(os.getpid(), signal.SIGINT)
 
     with monkeypatch.context() as patched:
-        patched.setattr("indoor_explorers.learners.baselines.training_monitor.Books.report", interrupt)
+        patched.setattr("indoor_explorers.learners.sessions.session.Session.report", interrupt)
         assert train("rllib-ppo", tmp_path / "out", *PPO) == 130
     cut = record_of(tmp_path / "out")["steps"]
     assert 50 <= cut < 300

@@ -64,7 +64,7 @@ def test_a_training_says_how_it_was_made(learner: str, trained: dict[str, Path])
     assert record["config"]["hidden"] == [16]
     assert {"stable-baselines3", "sb3-contrib", "torch", "python"} <= record["versions"].keys()
     assert record["steps"] >= 300
-    assert [set(trial) for trial in record["evaluations"]] == [{"steps", "t90", "t_goal", "missed"}] * 2
+    assert [set(row) for row in record["evaluations"]] == [{"steps", "t90", "t_goal", "missed", "score"}] * 2
     assert not list(trained[learner].glob(".*"))
 
 
@@ -157,12 +157,12 @@ def test_the_same_seed_gives_the_same_weights(trained: dict[str, Path], tmp_path
 
 @pytest.mark.parametrize("learner", ["sb3-maskable-ppo", "sb3-dqn"])
 def test_an_interrupted_training_goes_on(learner: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(books: Any, trainee: Any) -> None:
-        if trainee.steps >= 100 and not books.resumed:
+    def interrupt(session: Any, trainee: Any) -> None:
+        if trainee.steps >= 100 and session.checkpoint is None:
             os.kill(os.getpid(), signal.SIGINT)
 
     with monkeypatch.context() as patched:
-        patched.setattr("indoor_explorers.learners.baselines.training_monitor.Books.report", interrupt)
+        patched.setattr("indoor_explorers.learners.sessions.session.Session.report", interrupt)
         assert train(learner, tmp_path / "out", *SETTINGS[learner]) == 130
     cut = record_of(tmp_path / "out")
     assert 100 <= cut["steps"] < 300
@@ -251,7 +251,9 @@ def test_what_is_no_training_is_one_line(copy: Path, tmp_path: Path) -> None:
     (copy / "training.json").write_text(json.dumps(record_of(copy) | {"learner": "rllib-ppo"}))
     assert "got one of rllib-ppo" in refusal(copy)
     (copy / "training.json").write_text(json.dumps({"policy": "dddqn"}))
-    assert "expected the record of a baseline's training" in refusal(copy)
+    assert "expected a training of sb3-a2c, sb3-dqn, sb3-maskable-ppo, sb3-ppo, sb3-qrdqn, got one of dddqn" in refusal(
+        copy
+    )
     (copy / "training.json").write_text("{")
     assert "expected JSON" in refusal(copy)
 

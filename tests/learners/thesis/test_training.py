@@ -10,10 +10,12 @@ from safetensors.numpy import load_file
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.simulation.state import End
+from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
+from indoor_explorers.learners.sessions.record import RECORD
 from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
-from indoor_explorers.learners.thesis.train import CHECKPOINT, EPISODES, RECORD, train
-from indoor_explorers.learners.thesis.training import Training
+from indoor_explorers.learners.thesis.train import train
+from indoor_explorers.learners.thesis.training import EPISODES, Training
 
 from .rooms import TINY, short, write_network
 
@@ -25,7 +27,7 @@ def changed(**settings):
 def flown(config, scenario, ticks, seed=1):
     training = Training(config, scenario, seed)
     for _ in range(ticks):
-        training.tick()
+        training.update()
     return training
 
 
@@ -37,7 +39,7 @@ class Stop(Exception):
 def test_a_training_cut_at_any_moment_goes_on_bit_for_bit(tmp_path, monkeypatch, settings):
     config, scenario = changed(**settings), short("thesis-team-2-radio-3")
     whole = train(config, scenario, tmp_path / "whole", seed=3)
-    monkeypatch.setattr(Training, "take_trial", _stopping(Training.take_trial, after=1))
+    monkeypatch.setattr(Training, "evaluate", _stopping(Training.evaluate, after=1))
     with pytest.raises(Stop):
         train(config, scenario, tmp_path / "cut", seed=3)
     monkeypatch.undo()
@@ -50,13 +52,13 @@ def test_a_training_cut_at_any_moment_goes_on_bit_for_bit(tmp_path, monkeypatch,
     assert _evaluations(whole.parent) == _evaluations(resumed.parent)
 
 
-def _stopping(take_trial, after):
+def _stopping(evaluate, after):
     taken = []
 
     def stop_after(training):
         if len(taken) == after:
             raise Stop
-        taken.append(take_trial(training))
+        taken.append(evaluate(training))
         return taken[-1]
 
     return stop_after
@@ -69,10 +71,10 @@ def _evaluations(folder):
 
 def test_a_resumed_training_records_each_commit_that_it_ran_under(tmp_path, monkeypatch):
     commits = iter(["first", "second", "second"])
-    monkeypatch.setattr("indoor_explorers.learners.thesis.train.source_commit", lambda: next(commits))
+    monkeypatch.setattr("indoor_explorers.learners.sessions.record.source_commit", lambda: next(commits))
     for after in (0, 1):
         with monkeypatch.context() as cut:
-            cut.setattr(Training, "take_trial", _stopping(Training.take_trial, after))
+            cut.setattr(Training, "evaluate", _stopping(Training.evaluate, after))
             with pytest.raises(Stop):
                 train(TINY, short("thesis-open"), tmp_path, seed=3, resume=True)
     train(TINY, short("thesis-open"), tmp_path, seed=3, resume=True)
@@ -93,7 +95,7 @@ def test_what_is_left_behind(tmp_path):
     assert {row["end"] for row in rows} <= {"collision", "out_of_bounds", "stuck", "budget", "goal"}
     assert len(record["training_coverage_by_step"]) == max(int(row["steps"]) for row in rows)
     assert seen[-1].episodes >= 12
-    assert seen[-1].trial.episodes == seen[-1].episodes
+    assert seen[-1].evaluation["episodes"] == seen[-1].episodes
     assert seen[-1].total_steps >= seen[-1].steps > 0
 
 
@@ -129,7 +131,7 @@ def test_learning_is_due_every_ten_moves_and_copying_by_the_target_interval(monk
     copies = []
     monkeypatch.setattr(training.learner, "copy_target", lambda: copies.append(training.steps))
     for _ in range(60):
-        training.tick()
+        training.update()
     assert training.steps == 180
     assert len(training.losses) == 18
     assert [steps // 50 for steps in copies] == [1, 2, 3]
@@ -183,11 +185,11 @@ def test_random_mates_fly_at_random_and_evaluations_fly_all_by_the_network():
     for network in (twin.learner.online, twin.learner.target):
         for value in network.parameters():
             value.data.neg_()
-    twin.tick()
+    twin.update()
     others = [1, 2, 3, 5, 6, 7]
     cells = [each.fleet.world.state.cell.reshape(-1, 2)[others] for each in (training, twin)]
     assert np.array_equal(*cells)
-    assert training.take_trial() != twin.take_trial()
+    assert training.evaluate() != twin.evaluate()
 
 
 def test_mates_and_identity_change_nothing_for_one_uav():
@@ -210,7 +212,7 @@ def test_training_and_evaluation_never_share_an_episode():
     assert ((seeds > 7 * SEED_BLOCK) & (seeds < 8 * SEED_BLOCK)).all()
     before = {name: array.copy() for name, array in training.fleet.tensors().items()}
     rng = training.rng.bit_generator.state
-    training.take_trial()
+    training.evaluate()
     assert all(np.array_equal(before[name], array) for name, array in training.fleet.tensors().items())
     assert training.rng.bit_generator.state == rng
 
@@ -243,8 +245,8 @@ def test_a_short_training_learns_to_explore():
         evaluation_episodes=30,
     )
     training = Training(config, short("thesis-open", 60), 1)
-    before = training.take_trial()
+    before = training.evaluate()
     while training.steps < 3500:
-        training.tick()
-    after = training.take_trial()
-    assert after.coverage > before.coverage + 0.1
+        training.update()
+    after = training.evaluate()
+    assert after["coverage"] > before["coverage"] + 0.1

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from collections.abc import Callable
 from itertools import count
 from pathlib import Path
@@ -11,13 +13,16 @@ import pytest
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingConfig
-from indoor_explorers.learners.dddqn.learning.evaluation import Trial, mean_trial
 from indoor_explorers.learners.dddqn.learning.multi_task_flight import Flocks, shares
 from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.observation.scales import sensor
-from indoor_explorers.learners.dddqn.train import CHECKPOINT, train
+from indoor_explorers.learners.dddqn.train import Progress, train
+from indoor_explorers.learners.sessions import session
+from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
+from indoor_explorers.learners.sessions.evaluation import Evaluation, mean_evaluation
+from indoor_explorers.learners.sessions.record import Record, read_record
 from indoor_explorers.learners.sessions.tensors import read_tensors
 from tests.learners.dddqn.rooms import TINY, small_room
 
@@ -76,17 +81,19 @@ def test_only_episodes_that_all_have_ended_begin_anew() -> None:
     assert np.flatnonzero(flocks.age == 0).tolist() == [1, 6, 7]
 
 
-def test_a_training_on_several_scenarios_resumes_bit_for_bit(tmp_path: Path) -> None:
+def test_a_training_on_several_scenarios_resumes_bit_for_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "REPORT_EVERY", 0.0)
     config = with_hall(tmp_path)
     whole = train(config, small_room(), tmp_path / "whole", seed=1)
     cut = tmp_path / "cut"
-    cut.mkdir()
-    training = Training(config, small_room(), 1)
-    while training.steps < config.total_steps // 2:
-        training.tick()
-        if training.steps >= config.evaluation_every > training.steps - training.flock.columns:
-            training.take_trial()
-    training.save(cut / CHECKPOINT)
+
+    def interrupt(progress: Progress) -> None:
+        if progress.evaluation is not None:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        train(config, small_room(), cut, seed=1, report=interrupt)
+    assert 300 <= read_record(cut, Record, ["dddqn"]).steps < 400
     assert train(config, small_room(), cut, seed=1, resume=True).read_bytes() == whole.read_bytes()
     first, second = (read_tensors(tmp_path / name / CHECKPOINT) for name in ("whole", "cut"))
     assert first[1] == second[1]
@@ -112,5 +119,6 @@ def test_rewards_are_scaled_by_the_lidar() -> None:
     assert rewards.goal == plain.reward_goal
 
 
-def test_trials_are_averaged() -> None:
-    assert mean_trial([Trial(7, 10.0, 20.0, 0.0, 0.5), Trial(7, 30.0, 50.0, 0.5, 1.0)]) == (7, 20.0, 35.0, 0.25, 0.75)
+def test_evaluations_are_averaged() -> None:
+    found = [Evaluation(7, 10.0, 20.0, 0.0, 0.5), Evaluation(7, 30.0, 50.0, 0.5, 1.0)]
+    assert mean_evaluation(found) == (7, 20.0, 35.0, 0.25, 0.75)

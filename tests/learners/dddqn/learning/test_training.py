@@ -22,7 +22,9 @@ from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
-from indoor_explorers.learners.dddqn.train import CHECKPOINT, RECORD, Progress, train
+from indoor_explorers.learners.dddqn.train import Progress, train
+from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
+from indoor_explorers.learners.sessions.record import RECORD
 from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from indoor_explorers.learners.sessions.tensors import read_tensors
 from tests.learners.dddqn.rooms import TINY, small_room
@@ -72,9 +74,9 @@ def test_the_record_tells_how_the_weights_were_made(tmp_path: Path) -> None:
     record = json.loads((path.parent / RECORD).read_text())
     assert record["config"] == TINY.model_dump(mode="json")
     assert (record["seed"], record["fingerprint"]) == (5, scenario.fingerprint)
-    assert [trial["steps"] >= 300 for trial in record["evaluations"]] == [True, True]
+    assert [evaluation["steps"] >= 300 for evaluation in record["evaluations"]] == [True, True]
     assert seen[-1].steps >= seen[-1].total_steps == TINY.total_steps
-    assert seen[-1].trial is not None
+    assert seen[-1].evaluation == record["evaluations"][-1]
     assert {"numpy", "torch", "python"} <= record["versions"].keys()
 
 
@@ -82,7 +84,7 @@ def test_a_resumed_training_records_each_commit_that_it_ran_under(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     commits = iter(["first", "second", "second", "third"])
-    monkeypatch.setattr("indoor_explorers.learners.dddqn.train.source_commit", lambda: next(commits))
+    monkeypatch.setattr("indoor_explorers.learners.sessions.record.source_commit", lambda: next(commits))
     longer = TINY.model_copy(update={"total_steps": 1600})
     for _ in range(3):
         _, report = interrupt_at(1)
@@ -123,7 +125,7 @@ def test_goals_are_terminal_and_budgets_are_not() -> None:
     training = Training(TINY.model_copy(update={"total_steps": 10**6, "goal": 0.5}), small_room(), 1)
     ends = []
     for _ in range(150):
-        training.tick()
+        training.update()
         slot = (training.replay.written - 1) % len(training.replay.data.action)
         end = training.flock.flocks[0].world.state.end.ravel()
         data = training.replay.data
@@ -136,7 +138,7 @@ def test_a_cut_episode_leaves_its_final_state_and_then_begins_anew() -> None:
     scenario = small_room().with_settings({"budget": 5})
     training = Training(TINY, scenario, 1)
     for _ in range(12):
-        training.tick()
+        training.update()
     data = training.replay.data
     assert np.flatnonzero(data.over[:12, 0]).tolist() == [5, 11]
     assert not data.terminal[:12].any()
@@ -146,7 +148,7 @@ def test_a_cut_episode_leaves_its_final_state_and_then_begins_anew() -> None:
 def test_exploratory_moves_are_legal_and_marked() -> None:
     training = Training(TINY.model_copy(update={"epsilon_first": 1.0, "epsilon_last": 1.0}), small_room(4), 1)
     for _ in range(60):
-        training.tick()
+        training.update()
     assert training.replay.data.explored[:60].all()
     assert training.flock.flocks[0].world.state.collisions.sum() == 0
 
@@ -154,12 +156,12 @@ def test_exploratory_moves_are_legal_and_marked() -> None:
 def test_training_and_evaluation_never_share_an_episode() -> None:
     training = Training(TINY, small_room(), 3)
     for _ in range(200):
-        training.tick()
+        training.update()
     seeds = np.array(training.flock.flocks[0].world.seeds)
     assert ((seeds > 7 * SEED_BLOCK) & (seeds < 8 * SEED_BLOCK)).all()
     before = training.flock.tensors()
     copies = {name: array.copy() for name, array in before.items()}
-    training.take_trial()
+    training.evaluate()
     assert all(np.array_equal(copies[name], array) for name, array in before.items())
 
 

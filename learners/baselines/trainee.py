@@ -1,0 +1,81 @@
+"""A model of some library in training, as a session sees it, and the record of that training."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from indoor_explorers.env.observations import make_encoder
+from indoor_explorers.env.policies.view import Briefing
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.learners.baselines.config import BaselineConfig
+from indoor_explorers.learners.baselines.evaluation import evaluate
+from indoor_explorers.learners.sessions.record import Record, record_facts
+from indoor_explorers.learners.sessions.seeds import evaluation_seeds
+from indoor_explorers.learners.sessions.session import Status, Trainee
+
+
+class BaselineRecord(Record):
+    """How a library's model in a folder was made."""
+
+    shape: tuple[int, int]
+    """(H, W) of the scenario's maps in cells."""
+    inputs: int = Field(ge=1)
+    """Numbers in an observation."""
+
+
+def new_record(
+    learner: str,
+    packages: Iterable[str],
+    config: BaselineConfig,
+    scenario: Scenario,
+    briefing: Briefing,
+    seed: int,
+) -> BaselineRecord:
+    """Return the record of a training that begins; ``briefing`` is that of one of its episodes."""
+    facts = record_facts(learner, ("gymnasium", *packages), config, scenario, [config.task(scenario)], seed)
+    inputs = int(np.prod(make_encoder(config.recipe, briefing).space.shape or ()))
+    return BaselineRecord(**facts, shape=briefing.shape, inputs=inputs)
+
+
+class BaselineTrainee(Trainee):
+    """What the models of all libraries have in common."""
+
+    def __init__(self, config: BaselineConfig, scenario: Scenario, seed: int) -> None:
+        self.config, self._task, self._seed = config, config.task(scenario), seed
+
+    @property
+    def done(self) -> bool:
+        """Tell whether all moves have been made."""
+        return self.steps >= self.config.total_steps
+
+    @property
+    @abstractmethod
+    def loss(self) -> float:
+        """The latest loss; not a number before the first one."""
+
+    @property
+    def epsilon(self) -> float | None:
+        """Probability of a random move, where the learner has one."""
+        return None
+
+    @abstractmethod
+    def scores(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return (B, 5) numbers, the higher the better, for observations (B, D)."""
+
+    def status(self) -> Status:
+        """Return what to report."""
+        return Status(total_steps=self.config.total_steps, epsilon=self.epsilon, loss=self.loss)
+
+    def evaluate(self) -> dict[str, int | float]:
+        """Evaluate the model."""
+        config, first = self.config, evaluation_seeds(self._seed)
+        return evaluate(self.scores, config.recipe, self._task, config.evaluation_episodes, first, self.steps)._asdict()
+
+    def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
+        """Return the steps to the goal, and to 90 % among equals."""
+        return evaluation["t_goal"], evaluation["t90"]

@@ -1,0 +1,34 @@
+"""What checkpoints of trainings in torch have in common: networks and what their optimiser remembers, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import torch
+from numpy.typing import NDArray
+from torch import nn
+
+
+def learner_tensors(networks: Mapping[str, nn.Module], optimiser: torch.optim.Optimizer) -> dict[str, NDArray[Any]]:
+    """Return copies of the weights of networks and of what their optimiser remembers, by name."""
+    found: dict[str, torch.Tensor] = {}
+    for name, network in networks.items():
+        found |= {f"{name}/{key}": value for key, value in network.state_dict().items()}
+    for place, entries in optimiser.state_dict()["state"].items():
+        found |= {f"optimiser/{place}/{key}": value for key, value in entries.items()}
+    return {name: value.cpu().numpy().copy() for name, value in found.items()}
+
+
+def restore_learner(
+    tensors: Mapping[str, NDArray[Any]], networks: Mapping[str, nn.Module], optimiser: torch.optim.Optimizer
+) -> None:
+    """Go on exactly where :func:`learner_tensors` was taken."""
+    for name, network in networks.items():
+        network.load_state_dict({key: torch.from_numpy(tensors[f"{name}/{key}"]) for key in network.state_dict()})
+    state: dict[int, dict[str, torch.Tensor]] = {}
+    for name, array in tensors.items():
+        if name.startswith("optimiser/"):
+            _, place, key = name.split("/")
+            state.setdefault(int(place), {})[key] = torch.from_numpy(array)
+    optimiser.load_state_dict(optimiser.state_dict() | {"state": state})

@@ -1,0 +1,144 @@
+"""The record of a training: ``training.json`` in its folder, and nothing in it that could run."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.provenance import source_commit, versions
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.scenarios.validation import validated
+
+RECORD = "training.json"
+#: Packages that the result of any training depends on.
+PACKAGES = ("indoor-explorers", "numpy", "numba", "torch")
+
+
+class Record(BaseModel):
+    """How the network in a folder was made."""
+
+    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
+
+    learner: str
+    """Name of the learner, such as ``sb3-ppo``."""
+    seed: int
+    """Of the training."""
+    scenario: dict[str, Any]
+    """What it was trained on."""
+    fingerprint: str
+    """Of the scenario."""
+    task: str | None = None
+    """Fingerprints of all scenarios with the rewards of the training; None in records of before."""
+    config: dict[str, Any]
+    """Every hyperparameter."""
+    versions: dict[str, str]
+    """Of Python and the packages that matter."""
+    commit: str | None
+    """Of the source tree that the training began under."""
+    commits: tuple[str | None, ...] = ()
+    """All commits that it ran under, first one first; none in records of before."""
+    seconds: float = 0.0
+    """Time that it took, evaluations included."""
+    done: bool = False
+    """Whether it has come to its end."""
+    steps: int = 0
+    """Moves made."""
+    evaluations: tuple[dict[str, int | float], ...] = ()
+    """Figures of each evaluation, oldest first."""
+
+    def resumed(self, before: Record, path: Path) -> dict[str, Any]:
+        """Return what the record of a training that is resumed takes over from the one ``before``.
+
+        Raises:
+            InputError: ``before``, read from ``path``, is of another seed, scenario or configuration.
+
+        """
+        for part in ("seed", "task", "fingerprint"):
+            found, mine = getattr(before, part), getattr(self, part)
+            if found not in (mine, None):
+                raise InputError(f"{path}: expected {part} {mine}, got {found}; resume with the same one")
+        for key, value in self.config.items():
+            if before.config.get(key) != value:
+                raise InputError(
+                    f"{path}: expected {key} {value}, got {before.config.get(key)}; resume with the same settings"
+                )
+        commits = before.commits or (before.commit,)
+        if commits[-1] != self.commit:
+            commits = (*commits, self.commit)
+        kept = {name: getattr(before, name) for name in ("seconds", "steps", "evaluations", "commit")}
+        return {**kept, "commits": commits}
+
+
+Kind = TypeVar("Kind", bound=Record)
+
+
+def record_facts(
+    learner: str,
+    packages: Iterable[str],
+    config: BaseModel,
+    scenario: Scenario,
+    tasks: Sequence[Scenario],
+    seed: int,
+) -> dict[str, Any]:
+    """Return the fields of the :class:`Record` of a training that begins.
+
+    Args:
+        learner: Name of the learner.
+        packages: What its result depends on beside :data:`PACKAGES`.
+        config: Its hyperparameters.
+        scenario: What it is trained on.
+        tasks: The same as it is flown in training, with its goal and rewards, and further ones.
+        seed: Of the training.
+
+    """
+    commit = source_commit()
+    return {
+        "learner": learner,
+        "seed": seed,
+        "scenario": scenario.model_dump(mode="json"),
+        "fingerprint": scenario.fingerprint,
+        "task": " ".join(task.fingerprint for task in tasks),
+        "config": config.model_dump(mode="json"),
+        "versions": {"python": platform.python_version()} | versions((*PACKAGES, *packages)),
+        "commit": commit,
+        "commits": (commit,),
+    }
+
+
+def write_record(record: Record, folder: Path, results: Mapping[str, Any]) -> None:
+    """Write a record, and ``results`` of the learner's own, into the folder of a training in one go."""
+    facts = {**record.model_dump(mode="json"), **results}
+    with written_whole(folder / RECORD) as partial:
+        partial.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
+
+
+def read_record(folder: Path, kind: type[Kind], learners: Collection[str]) -> Kind:
+    """Return the record of a folder.
+
+    Raises:
+        InputError: there is no such folder, or none of these learners was trained in it.
+
+    """
+    path = folder / RECORD
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            f"{folder}: expected the folder of a training, found no {RECORD} in it; give the --out of indoor-explorers "
+            "train"
+        ) from error
+    except ValueError as error:
+        raise InputError(f"{path}: expected JSON, got {error}; train again") from error
+    facts = data if isinstance(data, dict) else {}
+    learner = facts.get("learner", facts.get("policy"))  # the latter in records of before
+    if learner not in learners:
+        found = "something else" if learner is None else f"one of {learner}"
+        raise InputError(f"{folder}: expected a training of {', '.join(learners)}, got {found}; see its {RECORD}")
+    return validated(kind, facts | {"learner": learner}, str(path))

@@ -1,0 +1,139 @@
+"""The session around a training: schedules, the best network, resuming, and records written before."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+import signal
+from collections.abc import Mapping
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from indoor_explorers.env import InputError
+from indoor_explorers.learners.dddqn.config import TrainingConfig
+from indoor_explorers.learners.sessions.record import RECORD, Record, read_record, record_facts
+from indoor_explorers.learners.sessions.session import Session, Status, Trainee, crossed_multiple
+from tests.learners.dddqn.rooms import small_room
+
+CHECKPOINT = "checkpoint.txt"
+SCHEDULE = SimpleNamespace(evaluation_every=10, checkpoint_every=20)
+
+
+class Counter(Trainee):
+    """Counts to 50 by threes; its evaluations are as bad as ``costs`` say."""
+
+    steps = 0
+    done = False
+
+    def __init__(self, session: Session[Record], costs: Mapping[int, float] | None = None) -> None:
+        self.costs = costs or {}
+        self.kept: list[int] = []
+        if session.checkpoint is not None:
+            self.steps = int(session.checkpoint.read_text())
+
+    def update(self) -> None:
+        self.steps += 3
+        self.done = self.steps >= 50
+
+    def status(self) -> Status:
+        return Status(total_steps=50)
+
+    def evaluate(self) -> dict[str, int | float]:
+        return {"steps": self.steps, "cost": self.costs.get(self.steps, 0.0)}
+
+    def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
+        return (evaluation["cost"],)
+
+    def keep(self, folder: Path) -> None:
+        self.kept.append(self.steps)
+
+    def save(self, folder: Path) -> None:
+        (folder / CHECKPOINT).write_text(str(self.steps))
+
+
+def session(out: Path, seed: int = 1, *, resume: bool = False) -> Session[Record]:
+    room, config = small_room(), TrainingConfig()
+    record = Record(**record_facts("counter", (), config, room, [config.task(room)], seed))
+    return Session(record, SCHEDULE, out, CHECKPOINT, resume=resume, report=None)
+
+
+def steps(out: Path) -> list[float]:
+    return [evaluation["steps"] for evaluation in read_record(out, Record, ["counter"]).evaluations]
+
+
+def test_a_multiple_is_crossed_once() -> None:
+    counts = [0, 3, 9, 10, 11, 19, 20, 45]
+    assert [b for a, b in itertools.pairwise(counts) if crossed_multiple(a, b, 10)] == [10, 20, 45]
+
+
+def test_evaluations_are_due_by_steps_and_at_the_end_and_the_best_is_kept(tmp_path: Path) -> None:
+    run = session(tmp_path)
+    trainee = Counter(run, {12: 3.0, 21: 2.0, 30: 4.0, 42: 2.0, 51: 5.0})
+    run.run(trainee, trainee.update)
+    assert steps(tmp_path) == [12, 21, 30, 42, 51]
+    assert trainee.kept == [12, 21, 42]
+    record = read_record(tmp_path, Record, ["counter"])
+    assert (record.steps, record.done) == (51, True)
+
+
+def test_a_killed_training_goes_on_from_its_checkpoint_and_evaluates_again(tmp_path: Path) -> None:
+    run = session(tmp_path)
+    trainee = Counter(run)
+
+    def update() -> None:
+        trainee.update()
+        if trainee.steps > 40:
+            raise MemoryError
+
+    with pytest.raises(MemoryError):
+        run.run(trainee, update)
+    assert (steps(tmp_path), (tmp_path / CHECKPOINT).read_text()) == ([12, 21, 30], "21")
+    run = session(tmp_path, resume=True)
+    trainee = Counter(run)
+    assert trainee.steps == 21
+    run.run(trainee, trainee.update)
+    assert steps(tmp_path) == [12, 21, 30, 42, 51]
+
+
+def test_an_interrupt_waits_for_the_update_and_everything_is_written(tmp_path: Path) -> None:
+    run = session(tmp_path)
+    trainee = Counter(run)
+
+    def update() -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        trainee.update()
+
+    with pytest.raises(KeyboardInterrupt):
+        run.run(trainee, update)
+    assert ((tmp_path / CHECKPOINT).read_text(), trainee.kept) == ("3", [3])
+    assert (read_record(tmp_path, Record, ["counter"]).done, steps(tmp_path)) == (False, [])
+
+
+def test_other_trainings_are_refused(tmp_path: Path) -> None:
+    run = session(tmp_path)
+    trainee = Counter(run)
+    run.run(trainee, trainee.update)
+    with pytest.raises(InputError, match="already holds a training; give --resume"):
+        session(tmp_path)
+    with pytest.raises(InputError, match="expected seed 2, got 1"):
+        session(tmp_path, 2, resume=True)
+    with pytest.raises(InputError, match="expected a training of dddqn, got one of counter"):
+        read_record(tmp_path, Record, ["dddqn"])
+
+
+def test_a_record_of_before_is_resumed(tmp_path: Path) -> None:
+    """It had neither a task nor, in some, commits, and said ``policy``."""
+    run = session(tmp_path)
+    trainee = Counter(run)
+    run.run(trainee, trainee.update)
+    facts = json.loads((tmp_path / RECORD).read_text())
+    facts["policy"], facts["commit"] = facts.pop("learner"), "first"
+    for name in ("task", "commits", "done", "seconds"):
+        del facts[name]
+    (tmp_path / RECORD).write_text(json.dumps(facts))
+    record = session(tmp_path, resume=True).record
+    assert (record.learner, record.steps, len(record.evaluations)) == ("counter", 51, 5)
+    assert (record.commit, record.commits[0], len(record.commits)) == ("first", "first", 2)
