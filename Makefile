@@ -1,5 +1,6 @@
 # make compare   set everything up, compare the four families and chance, print the table and the report's place
-# make test      set everything up, run the linters and the test suite
+# make test      set everything up, run the linters and all tests but the slow ones: some five minutes on two cores
+# make test-all  the tests that make test leaves out: trainings with other libraries, clusters, wheel, browser
 # make stress    kill a comparison fifty times and see that nothing is lost: some ten minutes
 # make soak      fly every policy over many maps, teams and radios and list who freezes, dithers or fails: an hour
 # make browser   have a Chromium for the tests of the report page, where Debian's can be installed
@@ -9,24 +10,34 @@ VENV ?= .venv
 OUT ?= results/compare
 RUN = $(VENV)/bin
 BROWSERS = chromium chromium-browser google-chrome
+PYTEST = $(RUN)/python -P -m pytest -n 2 --dist loadgroup --no-loadscope-reorder
 APT = DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=0 -o Acquire::http::Timeout=20
 
-.PHONY: compare test stress soak browser clean
+.PHONY: compare test test-all lint warm-up stress soak browser clean
 
 compare: $(VENV)/.installed-compare
 	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/families.toml --out $(OUT)
 
-test: $(VENV)/.installed-test browser
+test: $(VENV)/.installed-test
+	@$(MAKE) --no-print-directory -j 2 warm-up lint  # one core compiles while the other one checks types
+	$(PYTEST) -m "not slow"
+
+test-all: $(VENV)/.installed-test browser warm-up
+	$(PYTEST) -m slow
+
+lint: $(VENV)/.installed-test
 	$(RUN)/ruff check .
 	$(RUN)/ruff format --check .
 	$(RUN)/mypy
-	$(RUN)/python -P -m pytest -n 2 --dist worksteal
+
+warm-up: $(VENV)/.installed-test
+	$(RUN)/python -m tests.warm_up
 
 stress: $(VENV)/.installed-test
 	$(RUN)/python -P tests/stress_resume.py --kills 50
 
 soak: $(VENV)/.installed-test
-	$(RUN)/python -P tests/soak_behaviour.py
+	$(RUN)/python -m tests.behaviour.soak
 
 browser:
 	@for name in $(BROWSERS); do command -v $$name >/dev/null && exit 0; done; \

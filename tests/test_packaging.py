@@ -52,6 +52,7 @@ def test_every_module_has_a_package():
             assert (path.parent / "__init__.py").exists(), path
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_every_module_and_data_file(wheel):
     held = set(zipfile.ZipFile(wheel).namelist())
     listed = subprocess.run(["git", "ls-files", *FLOORS], cwd=ROOT, capture_output=True, text=True, check=True)
@@ -62,6 +63,7 @@ def test_the_wheel_holds_every_module_and_data_file(wheel):
     assert {top for top in tops if not top.endswith(".dist-info")} == {"indoor_explorers"}
 
 
+@pytest.mark.slow
 def test_the_wheel_works_where_the_source_is_not(wheel, tmp_path):
     """Unpacked beside nothing, it imports itself, finds its data, and flies."""
     zipfile.ZipFile(wheel).extractall(tmp_path / "site")

@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.cli.parser import build_parser
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text()
-#: Those that need Ray are run in tests/env/test_rllib.py, where Ray is started once and with little.
+#: Those that need Ray are run in tests/env/interfaces/test_rllib.py, where Ray is started once and with little.
 SNIPPETS = [text for text in re.findall(r"```python\n(.*?)```", README, re.DOTALL) if "from ray" not in text]
 
 

@@ -2,7 +2,11 @@
 
 import re
 
+import pytest
+
 from .conftest import HOSTILE, PLAIN
+
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
 
 
 def lines(page, chart="chart-s1"):

@@ -6,6 +6,8 @@ import pytest
 
 from .conftest import HOSTILE
 
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
+
 
 def test_light_and_dark(page):
     def paper():

@@ -7,6 +7,8 @@ import pytest
 
 from .conftest import HOSTILE, PLAIN
 
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
+
 REPLAY = "#replay-s1"
 
 

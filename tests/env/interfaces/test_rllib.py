@@ -12,6 +12,7 @@ from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 from indoor_explorers.env import PRESETS, parallel_env
 from indoor_explorers.env.observations import Egocentric, Flat
 
+pytestmark = pytest.mark.xdist_group("ray")
 README = (Path(__file__).resolve().parents[3] / "README.md").read_text(encoding="utf-8")
 #: A room of 8 x 8 for two; whoever hits a wall stays where it is.
 PLAYROOM = PRESETS["thesis-team-2"].with_settings(

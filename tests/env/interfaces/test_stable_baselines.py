@@ -129,6 +129,7 @@ def mean_coverage(model, episodes=64, **kwargs):
     return coverage.mean(), paid.mean()
 
 
+@pytest.mark.slow
 def test_ppo_learns_to_explore():
     envs = StableBaselinesVecEnv(16, scenario=PLAYROOM, observation=SMALL)
     model = PPO(

@@ -179,6 +179,7 @@ def order_of(folder: Path, room: Path, **settings) -> Order:
     return Order("dddqn", str(room), "full", 1, {**tiny, "device": "cpu", **settings}, str(folder))
 
 
+@pytest.mark.slow
 def test_a_process_tells_why_it_failed_and_goes_on_where_it_was_interrupted(tmp_path, room):
     (failure,) = train_all([order_of(tmp_path / "bad", room, replay_steps=40)], 1, lambda line: None)
     assert "raise replay_steps or lower environments" in failure.reason

@@ -22,7 +22,10 @@ from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.cli.test_cli import PLUGINS, rows
 
 # Ray leaves sockets, files and processes of its own to the garbage collector.
-pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
+    pytest.mark.xdist_group("ray"),
+]
 
 MEMORY = 80 * 2**20
 PLAN = {"scenario": "thesis-open", "policies": [f"{PLUGINS}:Wander", "frontier-nearest"], "episodes": 30}
@@ -75,14 +78,14 @@ def connected(cluster):
 ON_RAY = {"engine": "ray"}
 
 
-@pytest.mark.slow  # starts the cluster, and processes on it
+@pytest.mark.slow
 def test_the_same_summary_as_the_local_engine(cluster, expected, tmp_path):
     compare(tmp_path, **PLAN, **ON_RAY, address=cluster.address)
     assert rows(tmp_path) == expected
     assert not ray.is_initialized()
 
 
-@pytest.mark.slow  # Ray takes seconds to see that the node is gone
+@pytest.mark.slow
 def test_a_node_that_dies_half_way_changes_nothing(connected, expected, tmp_path):
     nodes = list(connected.worker_nodes)
     compare(tmp_path, **PLAN, **ON_RAY, watcher=Watcher(lambda: connected.remove_node(nodes[0], False)))
@@ -90,7 +93,7 @@ def test_a_node_that_dies_half_way_changes_nothing(connected, expected, tmp_path
     assert rows(tmp_path) == expected
 
 
-@pytest.mark.slow  # starts processes on the cluster three times
+@pytest.mark.slow
 @pytest.mark.usefixtures("connected")
 def test_an_interrupted_run_goes_on_with_the_other_engine(expected, tmp_path):
     for first, second in ((ON_RAY, {"workers": 0}), ({"workers": 0}, ON_RAY)):
@@ -102,6 +105,7 @@ def test_an_interrupted_run_goes_on_with_the_other_engine(expected, tmp_path):
         assert rows(out) == expected
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("connected")
 def test_nodes_need_no_map_files(tmp_path):
     room = np.zeros((12, 9), np.uint8)
@@ -123,6 +127,7 @@ def test_nodes_need_no_map_files(tmp_path):
     assert rows(tmp_path / "ray") == rows(tmp_path / "local")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("connected")
 def test_a_plug_in_that_raises_costs_only_its_own_episodes(tmp_path):
     plan = {"scenario": "thesis-open", "policies": [f"{PLUGINS}:Raises", f"{PLUGINS}:Wander"], "episodes": 12}
@@ -134,6 +139,7 @@ def test_a_plug_in_that_raises_costs_only_its_own_episodes(tmp_path):
     assert 0 < len(failed) < 12
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("connected")
 def test_a_plug_in_that_ends_its_process_costs_only_its_own_episodes(tmp_path):
     plan = {"scenario": "thesis-open", "policies": [f"{PLUGINS}:Exits", "random"], "episodes": 4}
@@ -145,6 +151,7 @@ def test_a_plug_in_that_ends_its_process_costs_only_its_own_episodes(tmp_path):
     assert {record.reason for record in failed} == {"the process of the policy ended with exit code 3"}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("connected")
 def test_nodes_with_other_versions_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(engine, "_versions", lambda: (("numpy", "1.0"),))

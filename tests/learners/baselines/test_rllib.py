@@ -24,6 +24,7 @@ from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from tests.learners.baselines.tiny import flown, record_of, train
 from tests.learners.dddqn.rooms import small_room
 
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("ray")]
 PPO = ("total_steps=300", "environments=2", "rollout=80", "batch=40", "epochs=1")
 SAC = ("total_steps=300", "environments=2", "warmup_steps=40", "batch=8", "replay_steps=400", "intensity=1.0")
 PAIR = {"team": 2, "radio.model": "unlimited"}

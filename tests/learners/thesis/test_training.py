@@ -233,6 +233,7 @@ def test_a_negative_seed_is_refused():
         Training(TrainingConfig(), short("thesis-open"), -1)
 
 
+@pytest.mark.slow
 def test_a_short_training_learns_to_explore():
     config = TrainingConfig(
         **MENDED | {"frame_stack": 1},

@@ -195,6 +195,7 @@ def test_a_flock_goes_on_from_its_tensors() -> None:
     assert np.array_equal(first.moves, second.moves)
 
 
+@pytest.mark.slow
 def test_a_short_training_explores_better_than_none(tmp_path: Path) -> None:
     threads = torch.get_num_threads()
     config = TrainingConfig(

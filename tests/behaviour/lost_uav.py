@@ -1,11 +1,11 @@
-"""Policies that lose a UAV: ``tests.casualties:pso`` is pso, of which UAV 0 flies into a wall soon after the start.
+"""Policies that lose a UAV: ``tests.behaviour.lost_uav:pso`` is pso, but UAV 0 flies into a wall soon after the start.
 
 Fly them where a collision ends a UAV.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -17,25 +17,27 @@ from indoor_explorers.env import Briefing, Message, Pilot, Policy, View, make_po
 STEP = 5
 
 
-class Lost(Pilot):
-    """Listen to another pilot up to a step, then to nobody."""
+class CrashingPilot(Pilot):
+    """Acts as another pilot up to a step, then flies into a wall."""
 
     def __init__(self, pilot: Pilot) -> None:
         self.pilot = pilot
 
     @property
     def message(self) -> Message:  # type: ignore[override]  # a pilot's message is an attribute; this one is passed on
-        """What the other pilot says."""
+        """The message of the policy's own pilot."""
         return self.pilot.message
 
     def act(self, view: View) -> int:
-        """Fly into what is beside the UAV, or on until something is."""
+        """Act as the policy's own pilot, then fly into what is beside the UAV, or on until something is."""
+        if view.step < STEP:
+            return self.pilot.act(view)
         blocked = np.flatnonzero(~view.legal[:4])
         return int(blocked[0]) if len(blocked) else 0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Casualty(Policy):
+class LosesUav(Policy):
     """Fly the policy ``use``, and lose UAV 0."""
 
     use: str
@@ -46,17 +48,10 @@ class Casualty(Policy):
 
     def pilot(self, briefing: Briefing) -> Pilot:
         pilot = self.policy.pilot(briefing)
-        return Lost(pilot) if briefing.agent == 0 else pilot
-
-    def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> Sequence[int]:
-        lost = [isinstance(pilot, Lost) and view.step >= STEP for pilot, view in zip(pilots, views, strict=True)]
-        heard = [k for k, gone in enumerate(lost) if not gone]
-        asked = [getattr(pilots[k], "pilot", pilots[k]) if isinstance(pilots[k], Lost) else pilots[k] for k in heard]
-        chosen = dict(zip(heard, self.policy.act(asked, [views[k] for k in heard]), strict=True)) if heard else {}
-        return [pilots[k].act(views[k]) if gone else chosen[k] for k, gone in enumerate(lost)]
+        return CrashingPilot(pilot) if briefing.agent == 0 else pilot
 
 
-class KnowingCasualty(Casualty):
+class PrivilegedLosesUav(LosesUav):
     """The same of a policy that knows the map."""
 
     privileged = True
@@ -66,4 +61,4 @@ def __getattr__(name: str) -> Callable[[], Policy]:
     """Return what makes the policy ``name`` and loses a UAV of it."""
     if name.startswith("__"):
         raise AttributeError(name)
-    return partial(KnowingCasualty if make_policy(name).privileged else Casualty, use=name)
+    return partial(PrivilegedLosesUav if make_policy(name).privileged else LosesUav, use=name)

@@ -1,0 +1,24 @@
+"""The policies that this project registers, now or later."""
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+PROJECT = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
+#: The class of each policy by name; those of other installed packages are left out.
+CLASSES: dict[str, str] = PROJECT["entry-points"]["indoor_explorers.policies"]
+#: Short names of the best of a family, and the names that they stand for.
+ALIASES = {"frontier": "frontier-joint", "rrt": "rrt-aep"}
+#: Every class once.
+POLICIES = tuple(name for name in CLASSES if name not in ALIASES)
+#: Those that need not explore a whole map: chance, and the thesis's learner as it was.
+UNRELIABLE = ("random", "dddqn-thesis")
+#: Those that explore all of every map they are given.
+EXPLORERS = tuple(name for name in POLICIES if name not in UNRELIABLE)
+
+
+def parametrized(names: Sequence[str]) -> pytest.MarkDecorator:
+    """Return a mark that runs a test for each ``name``, all tests of a policy in one process."""
+    return pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in names])

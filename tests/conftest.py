@@ -1,0 +1,37 @@
+"""How tests are handed to pytest's processes, and the maps that many of them use."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env.grid.arrays import Belief, Cell
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Keep the tests of a file in one process, so that fixtures are set up and machine code is loaded once.
+
+    Where tests of a file have nothing in common, or those of several files do, a mark ``xdist_group`` says so.
+    """
+    for item in items:
+        if item.get_closest_marker("xdist_group") is None:
+            item.add_marker(pytest.mark.xdist_group(item.nodeid.partition("::")[0]))
+
+
+@pytest.fixture(params=range(6))
+def belief(request: pytest.FixtureRequest) -> Belief:
+    """A random half-known map."""
+    rng = np.random.default_rng(request.param)
+    shape = (int(rng.integers(1, 25)), int(rng.integers(2, 25)))
+    blocks = rng.random((-(-shape[0] // 3), -(-shape[1] // 3))) < 0.3
+    unknown = np.kron(blocks, np.ones((3, 3), np.bool_))[: shape[0], : shape[1]].astype(np.bool_)
+    cells = np.where(rng.random(shape) < 0.25, OCCUPIED, FREE)
+    return np.where(unknown, UNKNOWN, cells).astype(np.uint8)
+
+
+@pytest.fixture
+def start(belief: Belief) -> Cell:
+    """A free cell of that map."""
+    row, col = np.argwhere(belief == FREE)[0].tolist()
+    return row, col
