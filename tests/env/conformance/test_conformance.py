@@ -10,7 +10,7 @@ import pytest
 from indoor_explorers.env import Pilot, Policy, PolicyError, World, check_policy, run_checks
 from indoor_explorers.env.conformance import CHECKS
 from indoor_explorers.env.conformance.latency import latency_text
-from tests.env.broken import Flying, Honest, Named, make
+from tests.env.conformance.policies import Flying, Honest, Named, make
 
 
 def findings(kind, policy=Flying):

@@ -10,7 +10,7 @@ import pytest
 from indoor_explorers.evaluation.episodes.metrics import LEVELS
 from indoor_explorers.evaluation.episodes.record import Outcome
 from indoor_explorers.evaluation.exports.planner_arena import write_planner_arena
-from tests.evaluation.hostile import NAMES, SCENARIO, results
+from tests.evaluation.special_names import NAMES, SCENARIO, results
 
 #: Columns that OMPL's benchmark databases have, in their order, and the types they are declared with.
 OMPL = {

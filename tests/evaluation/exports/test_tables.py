@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.results.results import Results
-from tests.evaluation.hostile import NAMES, SCENARIO, results
+from tests.evaluation.special_names import NAMES, SCENARIO, results
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.report.changes.against import HEADLINE, compare_with
 from indoor_explorers.evaluation.report.changes.against_table import against_lines
 from indoor_explorers.evaluation.report.page import render
-from tests.evaluation.hostile import NAMES, SCENARIO, results
+from tests.evaluation.special_names import NAMES, SCENARIO, results
 
 EPISODES = 12
 

@@ -10,7 +10,7 @@ from indoor_explorers.evaluation.cli.parser import build_parser, main
 from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
 from indoor_explorers.evaluation.report.summary.reproduce import experiment_files, quoted, row_command
 from indoor_explorers.evaluation.results.results import Results
-from tests.evaluation.hostile import NAMES, SCENARIO, USE, results
+from tests.evaluation.special_names import NAMES, SCENARIO, USE, results
 
 PLAN = f"""
 policies = ["random", {{use = "{USE}", name = '''{NAMES[1]}''', parameters = {{speed = 3}}}},
