@@ -17,10 +17,12 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, Action, distances_from, step_towards, touches_unknown
+from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, Action
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.bfs import distances_from, step_towards
+from indoor_explorers.env.search.frontiers import touches_unknown
 from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, visible_cells
 
 #: Steps without a new cell that are always granted.

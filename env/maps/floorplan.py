@@ -10,7 +10,8 @@ import numpy as np
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
-from indoor_explorers.env.grid.cells import FREE, OCCUPIED, largest_part
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED
+from indoor_explorers.env.search.connected_parts import largest_part
 
 #: The most cells a map may have (2048 x 2048).
 MAX_CELLS = 2048 * 2048

@@ -14,8 +14,9 @@ from scipy import ndimage, sparse
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
-from indoor_explorers.env.grid.cells import FREE, OCCUPIED, largest_part
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.floorplan import MAX_CELLS, Floorplan
+from indoor_explorers.env.search.connected_parts import largest_part
 
 #: Occupied shares that make a cell solid, most careful first; 0 stands for any occupied pixel at all.
 LADDER = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)

@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, touches_unknown
+from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, kernel
 from indoor_explorers.env.observations.planes import FRONTIER, FULL, MATES, PLANES, SELF, VISITED, codes_of
+from indoor_explorers.env.search.frontiers import touches_unknown
 from indoor_explorers.env.simulation.engine import Engine
 from indoor_explorers.env.simulation.state import State
 from indoor_explorers.env.simulation.world import World

@@ -10,10 +10,11 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError, did_you_mean
-from indoor_explorers.env.grid.cells import FREE, touches_unknown
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.observations.base import Encoder, Views
 from indoor_explorers.env.policies.view import Briefing, Mate, View
+from indoor_explorers.env.search.frontiers import touches_unknown
 
 #: The planes in the order of ``channels``. Each is full where its name holds and 0 elsewhere. ``mates`` marks where
 #: each teammate was last heard, full less the age of that news in steps but never 0; ``visited`` the cells that the

@@ -1,88 +1,72 @@
-"""Breadth-first searches, compiled: what they keep, how they spread, and all distances between some cells.
+"""Breadth-first search for distances: over a grid or a neighbour table, from one source or many.
 
-Cells are flat indices (row * width + column). A search has a number of its own, so that what it has reached needs no
-clearing before the next one.
+All searches visit neighbours in the order of the actions (down, left, up, right), so their queues hold the reached
+cells in a fixed order of rising distance. Searches that need paths are in
+:mod:`indoor_explorers.env.search.shortest_paths`, those that label parts of a map in
+:mod:`indoor_explorers.env.search.connected_parts`. A few searches elsewhere do more for each cell than measure its
+distance, and so have loops of their own; each says what.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
+from indoor_explorers.env.grid.arrays import Belief, Distances
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNREACHABLE
-from indoor_explorers.env.grid.compiled import inner, kernel, leaf
-
-#: (K,) flat cells.
-Cells = NDArray[np.int32]
+from indoor_explorers.env.grid.compiled import leaf
 
 
-class Scratch(NamedTuple):
-    """Buffers of one pilot's searches on a map of H*W cells."""
+@leaf()
+def flood(belief: np.ndarray, through: np.uint8, sources: int, queue: np.ndarray, steps: np.ndarray) -> int:
+    """Fill ``steps`` (H, W) int32 with distances through cells that hold ``through``; return how many are reached.
 
-    queue: Cells
-    """(H*W,) cells in the order they were reached."""
-    parent: Cells
-    """(H*W,) the cell from which each one was reached, -1 for the start."""
-    mark: Cells
-    """(H*W,) the number of the search that reached a cell last, so that nothing needs clearing."""
-
-
-@inner()
-def begin(cell: int, scratch: Scratch, number: int) -> None:
-    """Begin search ``number`` at a flat cell."""
-    scratch.mark[cell] = number
-    scratch.parent[cell] = -1
-    scratch.queue[0] = cell
-
-
-@inner()
-def bar(barred: np.ndarray, scratch: Scratch, number: int) -> None:
-    """Make search ``number`` leave out some flat cells."""
-    for k in range(barred.shape[0]):
-        scratch.mark[barred[k]] = number
-
-
-@inner()
-def spread(cells: np.ndarray, width: int, cell: int, scratch: Scratch, number: int, tail: int) -> int:
-    """Append the free neighbours of ``cell`` that search ``number`` has not reached; return the new tail.
-
-    ``cells`` is the flat belief. The neighbours come in the order of the actions: down, left, up, right.
+    The sources are the first ``sources`` flat cells of ``queue`` (H*W,) int32, in order of their distance, which
+    ``steps`` already holds; all other cells hold ``UNREACHABLE``. The queue ends up with all reached cells.
     """
-    col = np.uint32(cell) % np.uint32(width)
-    inside = (cell + width < cells.shape[0], col > 0, cell >= width, col + 1 < width)
-    for k in range(4):
-        neighbour = cell + (width, -1, -width, 1)[k]
-        if inside[k] and cells[neighbour] == FREE and scratch.mark[neighbour] != number:
-            scratch.mark[neighbour] = number
-            scratch.parent[neighbour] = cell
-            scratch.queue[tail] = neighbour
-            tail += 1
+    height, width = belief.shape
+    head, tail = 0, sources
+    while head < tail:
+        r, c = divmod(queue[head], width)
+        head += 1
+        d = steps[r, c] + 1
+        for k in range(4):
+            rr, cc = r + MOVES[k, 0], c + MOVES[k, 1]
+            if 0 <= rr < height and 0 <= cc < width and belief[rr, cc] == through and steps[rr, cc] > d:
+                steps[rr, cc] = d
+                queue[tail] = rr * width + cc
+                tail += 1
     return tail
 
 
-@kernel()
-def traced(parent: np.ndarray, goal: int) -> np.ndarray:
-    """Return the cells from the start of the last search to ``goal``, both included."""
-    length, cell = 0, goal
-    while cell >= 0:
-        length += 1
-        cell = parent[cell]
-    path = np.empty(length, np.int32)
-    cell = goal
-    for k in range(length - 1, -1, -1):
-        path[k] = cell
-        cell = parent[cell]
-    return path
+@leaf()
+def distances_from(belief: np.ndarray, row: int, col: int, queue: np.ndarray, steps: np.ndarray) -> int:
+    """Fill ``steps`` (H, W) int32 with distances from (row, col) through ``FREE`` cells; return how many are reached.
+
+    ``queue`` (H*W,) int32 is scratch; its first entries are the reached cells in order of distance, as flat indices.
+    Other cells hold ``UNREACHABLE``. The source may hold any value.
+    """
+    steps[:] = UNREACHABLE
+    steps[row, col] = 0
+    queue[0] = row * belief.shape[1] + col
+    return flood(belief, FREE, 1, queue, steps)
 
 
-@kernel()
-def flood(belief: np.ndarray, start: int, target: int, limit: int, queue: np.ndarray, steps: np.ndarray) -> int:
-    """Write the steps from ``start`` to free cells into ``steps`` (H*W,), all ``UNREACHABLE`` before.
+def distance_field(belief: Belief, cell: tuple[int, int]) -> Distances:
+    """Return the (H, W) int32 distances from ``cell`` through known free cells, in steps.
 
-    It ends at ``target``, -1 for none, and ``limit`` steps away. ``queue`` (H*W,) holds the cells reached; returned is
-    how many.
+    Cells that cannot be reached hold :data:`UNREACHABLE`.
+    """
+    steps = np.empty(belief.shape, np.int32)
+    distances_from(belief, cell[0], cell[1], np.empty(belief.size, np.int32), steps)
+    return steps
+
+
+@leaf()
+def flood_nearby(belief: np.ndarray, start: int, target: int, limit: int, queue: np.ndarray, steps: np.ndarray) -> int:
+    """Fill ``steps`` (H*W,) int32 with distances from a flat cell through ``FREE`` cells; return how many are reached.
+
+    The search ends at ``target`` (-1 for none) and ``limit`` steps away. ``steps`` must hold ``UNREACHABLE`` before;
+    after a small search only the reached cells need a reset, which ``queue`` (H*W,) int32 lists.
     """
     height, width = belief.shape
     steps[start], queue[0] = 0, start
@@ -101,55 +85,42 @@ def flood(belief: np.ndarray, start: int, target: int, limit: int, queue: np.nda
 
 
 @leaf()
-def _measure(belief: np.ndarray, start: int, waiting: np.ndarray, missing: int, scratch: Scratch, number: int) -> None:
-    """Search until ``missing`` of the places that are ``waiting`` (H*W,) are reached; parents hold steps instead."""
-    cells, width, steps = belief.reshape(belief.size), belief.shape[1], scratch.parent
-    begin(start, scratch, number)
-    steps[start] = 0
-    missing -= waiting[start]
-    head, tail = 0, 1
-    while head < tail and missing > 0:
-        cell, reached = scratch.queue[head], tail
-        tail = spread(cells, width, cell, scratch, number, tail)
-        for place in range(reached, tail):
-            neighbour = scratch.queue[place]
-            steps[neighbour] = steps[cell] + 1
-            missing -= waiting[neighbour]
-        head += 1
+def flood_table(neighbours: np.ndarray, sources: int, queue: np.ndarray, steps: np.ndarray) -> int:
+    """Fill ``steps`` (M,) int32 with distances over a (M, 4) neighbour table; return how many nodes are reached.
 
-
-@kernel()
-def _wanted(belief: np.ndarray, cells: np.ndarray, row: np.ndarray, waiting: np.ndarray) -> int:
-    """Count in ``waiting`` (H*W,) the free cells to which ``row`` (K,) holds no steps yet; return how many."""
-    missing = 0
-    for j in range(cells.shape[0]):
-        if row[j] < 0 and belief.flat[cells[j]] == FREE:
-            waiting[cells[j]] += 1
-            missing += 1
-    return missing
-
-
-@kernel()
-def complete(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, scratch: Scratch, number: int) -> None:
-    """Replace the negative entries of ``steps`` (K, K) by the steps between (K,) flat cells.
-
-    Makes searches ``number`` to ``number + K - 1``, those that lack most first; each stops when it has what it lacks.
+    -1 in the table is no neighbour. The sources are the first ``sources`` numbers of ``queue`` (M,) int32, in order of
+    their distance, which ``steps`` already holds; all others hold more than any distance.
     """
-    count = cells.shape[0]
-    waiting, reached = np.zeros(belief.size, np.int32), np.zeros(count, np.bool_)
-    order = np.argsort(np.sum(steps >= 0, axis=1), kind="mergesort")
-    for turn in range(count):
-        k = int(order[turn])
-        missing, exhausted = _wanted(belief, cells, steps[k], waiting), False
-        if missing and belief.flat[cells[k]] == FREE:
-            _measure(belief, cells[k], waiting, missing, scratch, number + k)
-        for j in range(count):
-            waiting[cells[j]], reached[j] = 0, scratch.mark[cells[j]] == number + k
-            if steps[k, j] < 0:
-                steps[k, j] = steps[j, k] = scratch.parent[cells[j]] if reached[j] else UNREACHABLE
-                exhausted |= not reached[j]
-        if exhausted:  # what is out of reach from here is so from wherever this search got to
-            for i in range(count):
-                for j in range(count):
-                    if reached[i] and not reached[j] and steps[i, j] < 0:
-                        steps[i, j] = steps[j, i] = UNREACHABLE
+    head, tail = 0, sources
+    while head < tail:
+        node = queue[head]
+        head += 1
+        d = steps[node] + 1
+        for k in range(4):
+            other = neighbours[node, k]
+            if other >= 0 and steps[other] > d:
+                steps[other] = d
+                queue[tail] = other
+                tail += 1
+    return tail
+
+
+@leaf()
+def step_towards(steps: np.ndarray, row: int, col: int) -> int:
+    """Return the first action of a shortest path from the source of a distance field to (row, col).
+
+    ``steps`` (H, W) are the distances from the UAV's own cell. The path is traced back from the target, preferring the
+    moves in the order of :class:`~indoor_explorers.env.grid.cells.Action`. ``Action.STAY`` when the target is the
+    source or cannot be reached.
+    """
+    height, width = steps.shape
+    if steps[row, col] >= UNREACHABLE:
+        return 4
+    action = 4
+    while steps[row, col] > 0:
+        for k in range(4):
+            rr, cc = row - MOVES[k, 0], col - MOVES[k, 1]
+            if 0 <= rr < height and 0 <= cc < width and steps[rr, cc] == steps[row, col] - 1:
+                row, col, action = rr, cc, k
+                break
+    return action

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
-from indoor_explorers.env.grid.cells import FREE, MOVES
+from indoor_explorers.env.grid.cells import FREE, MOVES, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.search.bfs import flood
 from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, visible_cells
 
 #: Cells along one side of a tile.
@@ -48,22 +49,20 @@ class Sights(NamedTuple):
 
 
 @leaf()
-def _number(truth: np.ndarray, starts: np.ndarray, number: np.ndarray, cells: np.ndarray) -> int:
-    """Number the cells that can be reached in ``number`` (H*W,), -1 at first; return how many they are."""
-    height, width = truth.shape
-    count = head = 0
+def _number(truth: np.ndarray, starts: np.ndarray, steps: np.ndarray, cells: np.ndarray, number: np.ndarray) -> int:
+    """Number the cells that can be reached in ``number`` (H*W,), -1 at first; return how many they are.
+
+    ``cells`` (H*W,) lists them. ``steps`` (H, W) is scratch, ``UNREACHABLE`` at first.
+    """
+    sources = 0
     for k in range(starts.shape[0]):
-        if number[starts[k]] < 0:
-            number[starts[k]], cells[count] = count, starts[k]
-            count += 1
-    while head < count:
-        row, col = divmod(cells[head], width)
-        head += 1
-        for k in range(4):
-            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-            if 0 <= r < height and 0 <= c < width and truth[r, c] == FREE and number[r * width + c] < 0:
-                number[r * width + c], cells[count] = count, r * width + c
-                count += 1
+        row, col = divmod(starts[k], truth.shape[1])
+        if steps[row, col] > 0:
+            steps[row, col], cells[sources] = 0, starts[k]
+            sources += 1
+    count = flood(truth, FREE, sources, cells, steps)
+    for k in range(count):
+        number[cells[k]] = k
     return count
 
 
@@ -102,7 +101,8 @@ def _look(
 def _sights(truth: np.ndarray, starts: np.ndarray, whole: bool, lens: Optics) -> Sights:
     height, width = truth.shape
     number, cells = np.full(truth.size, -1, np.int32), np.empty(truth.size, np.int32)
-    cells = cells[: _number(truth, starts, number, cells)].copy()
+    steps = np.full(truth.shape, UNREACHABLE, np.int32)
+    cells = cells[: _number(truth, starts, steps, cells, number)].copy()
     near = np.empty((cells.shape[0], 4), np.int32)
     _link((height, width), number, cells, near)
     total = ((height + TILE - 1) // TILE) * ((width + TILE - 1) // TILE)

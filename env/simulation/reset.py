@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, flood, mark_largest_part
+from indoor_explorers.env.grid.cells import MOVES, OCCUPIED
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid.randomness import Stream, below, stream_key
 from indoor_explorers.env.maps.generators.thesis import Room, draw_room
+from indoor_explorers.env.search.connected_parts import label_part, mark_largest_part
 from indoor_explorers.env.sensing.lidar import Optics
 from indoor_explorers.env.simulation.engine import Engine, Work
 from indoor_explorers.env.simulation.state import Rules, State
@@ -70,7 +71,7 @@ def place_team(key: np.uint64, clustered: bool, start: int, truth: np.ndarray, g
     if clustered:
         first = start if start >= 0 else ground.queue[below(key, 0, size)]
         ground.part[:] = 0
-        flood(truth, first // width, first % width, 1, ground.part, ground.queue)
+        label_part(truth, first // width, first % width, 1, ground.part, ground.queue)
     for n in range(out.shape[0]):
         if not clustered:
             other = n + below(key, n, size - n)
@@ -113,7 +114,7 @@ def _reach(state: State, ground: Ground, b: int) -> int:
     for n in range(state.end.shape[1]):
         row, col = state.cell[b, n, 0], state.cell[b, n, 1]
         if ground.part[row, col] == 0:
-            reachable += flood(state.truth[b], row, col, 1, ground.part, ground.queue)
+            reachable += label_part(state.truth[b], row, col, 1, ground.part, ground.queue)
     return reachable
 
 

@@ -14,6 +14,7 @@ import math
 import numpy as np
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.search.bfs import flood_table
 from indoor_explorers.env.search.visibility import TILE, Sights, look
 
 #: Groups that are tried at most, and words that are looked at for them.
@@ -39,23 +40,14 @@ def spanning_tree_bound(sights: Sights, width: int, team: int, missable: int) ->
 @kernel()
 def _flood(sights: Sights, region: np.ndarray, steps: np.ndarray, queue: np.ndarray) -> int:
     """Fill ``steps`` (M,) with the steps from a region (M,) bool; return how many cells are reached, first in queue."""
-    tail = head = 0
+    sources = 0
     for cell in range(region.shape[0]):
         steps[cell] = FAR
         if region[cell]:
             steps[cell] = 0
-            queue[tail] = cell
-            tail += 1
-    while head < tail:
-        cell = queue[head]
-        head += 1
-        for k in range(4):
-            other = sights.near[cell, k]
-            if other >= 0 and steps[other] == FAR:
-                steps[other] = steps[cell] + 1
-                queue[tail] = other
-                tail += 1
-    return tail
+            queue[sources] = cell
+            sources += 1
+    return int(flood_table(sights.near, sources, queue, steps))
 
 
 @kernel()

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.search.bfs import distances_from
 from indoor_explorers.env.search.visibility import bit_count
 from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, visible_cells
 
@@ -117,7 +118,10 @@ def _gain(weights: np.ndarray, view: np.ndarray) -> float:
 
 @kernel()
 def _quick_step(flight: Flight, stage: Stage, start: int, most: float) -> int:
-    """Return the next cell of the quick policy, -1 when nothing is left to see; ``most`` bounds what a view gains."""
+    """Return the next cell of the quick policy, -1 when nothing is left to see; ``most`` bounds what a view gains.
+
+    The search carries first cells along and ends as soon as no farther cell can be better.
+    """
     flight.steps[:] = -1
     flight.steps[start], flight.queue[0] = 0, start
     head, tail, best, following = 0, 1, 0.0, -1
@@ -138,19 +142,6 @@ def _quick_step(flight: Flight, stage: Stage, start: int, most: float) -> int:
                 flight.queue[tail] = near
                 tail += 1
     return int(following)
-
-
-@kernel()
-def _within_reach(room: np.ndarray, passages: np.ndarray, start: int) -> np.ndarray:
-    """Return the free cells of a flat room (C,) that can be reached from a cell."""
-    reached = np.zeros(room.shape[0], np.bool_)
-    reached[start], fresh = True, [np.int64(start)]
-    while len(fresh) > 0:
-        for near in passages[fresh.pop()]:
-            if near >= 0 and not reached[near] and room[near] == FREE:
-                reached[near] = True
-                fresh.append(np.int64(near))
-    return reached
 
 
 @kernel()
@@ -182,15 +173,17 @@ def _fly_all(
 ) -> np.ndarray:
     cells, weights, known = stage.belief.size, _weights(stage), stage.belief.ravel() == FREE
     flight = _new_flight(cells)
+    queue, distances = np.empty(cells, np.int32), np.empty(stage.belief.shape, np.int32)
     steps = np.empty((tours.shape[0], rooms.shape[0], shares.shape[0]), np.int64)
     for s in range(rooms.shape[0]):
-        reached = _within_reach(rooms[s], stage.passages, start)
-        wanted = shares * reached.sum() - (reached & known).sum()
+        room = rooms[s].reshape(stage.belief.shape)
+        size = distances_from(room, start // room.shape[1], start % room.shape[1], queue, distances)
+        wanted = shares * size - (known & (distances.ravel() < UNREACHABLE)).sum()
         for t in range(tours.shape[0]):
             flight.belief[:] = stage.belief.ravel()
             flight.weights[:] = weights
             flight.visited[:] = False
-            steps[t, s] = _fly(flight, stage, start, tours[t], rooms[s].reshape(stage.belief.shape), wanted, lens)
+            steps[t, s] = _fly(flight, stage, start, tours[t], room, wanted, lens)
     return steps
 
 

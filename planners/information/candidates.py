@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Distances
-from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, UNREACHABLE, spread
+from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.env.search.bfs import flood
+from indoor_explorers.env.search.bfs import flood, flood_nearby
 from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, unknown_in_view, visible_cells
 from indoor_explorers.planners.information.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.information.view_gain import AROUND, known_around
@@ -45,7 +45,7 @@ def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
                     out[r, c] = 1
                     queue[tail] = r * width + c
                     tail += 1
-    spread(belief, UNKNOWN, tail, queue, out)
+    flood(belief, UNKNOWN, tail, queue, out)
 
 
 @leaf()
@@ -111,7 +111,7 @@ def hops(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, limit: int) -
     queue, out = np.empty(belief.size, np.int32), np.full(belief.size, UNREACHABLE, np.int32)
     between = np.empty((count, count))
     for k in range(count):
-        reached = flood(belief, cells[k], -1, limit, queue, out)
+        reached = flood_nearby(belief, cells[k], -1, limit, queue, out)
         for j in range(count):
             between[k, j] = out[cells[j]]
             if between[k, j] >= UNREACHABLE:

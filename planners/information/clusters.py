@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Distances
-from indoor_explorers.env.grid.cells import UNREACHABLE, frontier_mask
+from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.search.frontiers import frontier_mask
 
 #: A cluster is split while a cell is further than this share of the lidar range from its mean.
 SPREAD = 0.5
@@ -35,7 +36,10 @@ class Clusters(NamedTuple):
 
 @kernel()
 def _gather(mask: np.ndarray, seed: int, cells: np.ndarray, count: int) -> int:
-    """Move the 8-connected part around flat cell ``seed`` from ``mask`` to ``cells``; return the new count."""
+    """Move the 8-connected part around flat cell ``seed`` from ``mask`` to ``cells``; return the new count.
+
+    Unlike the searches of :mod:`indoor_explorers.env.search`, this one goes to all eight neighbours.
+    """
     height, width = mask.shape
     first, head = count, count
     cells[count] = seed

@@ -12,8 +12,9 @@ from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.frontiers import on_frontier
 from indoor_explorers.planners.navigation.deadlock import Yielding
-from indoor_explorers.planners.navigation.paths import Paths, count_known, near_any, on_frontier, without
+from indoor_explorers.planners.navigation.paths import Paths, count_known, near_any, without
 from indoor_explorers.planners.navigation.straight_paths import straight_path
 
 #: Steps for which a goal that could not be reached is left alone.

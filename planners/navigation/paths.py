@@ -12,43 +12,24 @@ from collections.abc import Iterable
 import numpy as np
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
-from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE, distances_from, touches_unknown
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.grid.randomness import draw
-from indoor_explorers.env.search.bfs import Cells, Scratch, bar, begin, complete, spread, traced
+from indoor_explorers.env.search.bfs import distances_from
+from indoor_explorers.env.search.frontiers import on_frontier
+from indoor_explorers.env.search.shortest_paths import (
+    Cells,
+    SearchBuffers,
+    begin,
+    expand,
+    fill_distances,
+    path_to,
+    search_to,
+    search_within,
+)
 
 #: How near to an avoided cell a frontier is unwanted, in cells (Chebyshev).
 AVOID_RADIUS = 2
-
-
-@leaf()
-def on_frontier(belief: np.ndarray, cell: int) -> bool:
-    """Tell whether a flat cell is free and 4-adjacent to unknown (Yamauchi 1997)."""
-    row, col = divmod(cell, belief.shape[1])
-    return bool(belief[row, col] == FREE and touches_unknown(belief, row, col))
-
-
-@kernel()
-def frontier_cells(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Return which of (K,) flat cells are on the frontier, (K,) bool."""
-    on = np.empty(cells.shape[0], np.bool_)
-    for k in range(cells.shape[0]):
-        on[k] = on_frontier(belief, cells[k])
-    return on
-
-
-@leaf()
-def search(belief: np.ndarray, start: int, goal: int, barred: np.ndarray, scratch: Scratch, number: int) -> bool:
-    """Search from ``start`` until ``goal`` is reached; return whether it was."""
-    cells, width = belief.reshape(belief.size), belief.shape[1]
-    bar(barred, scratch, number)
-    blocked = goal != start and scratch.mark[goal] == number
-    begin(start, scratch, number)
-    head, tail = 0, 1
-    while head < tail and scratch.mark[goal] != number:
-        tail = spread(cells, width, scratch.queue[head], scratch, number, tail)
-        head += 1
-    return bool(scratch.mark[goal] == number and not blocked)
 
 
 @leaf()
@@ -76,7 +57,7 @@ def search_frontier(
     start: int,
     avoid: np.ndarray,
     ties: np.uint64,
-    scratch: Scratch,
+    buffers: SearchBuffers,
     number: int,
 ) -> int:
     """Return the frontier cell nearest to ``start``, -1 for none; among equals the one that ``ties`` picks.
@@ -84,11 +65,11 @@ def search_frontier(
     ``ties`` is 64 random bits.
     """
     cells, width = belief.reshape(belief.size), belief.shape[1]
-    begin(start, scratch, number)
+    begin(start, buffers, number)
     head, tail, layer_end = 0, 1, 1
     best, best_rank = -1, np.uint64(0)
     while head < tail:
-        cell = scratch.queue[head]
+        cell = buffers.queue[head]
         if head == layer_end:
             if best >= 0:
                 break
@@ -97,25 +78,9 @@ def search_frontier(
             rank = draw(ties, np.uint64(cell))
             if best < 0 or rank < best_rank:
                 best, best_rank = cell, rank
-        tail = spread(cells, width, cell, scratch, number, tail)
+        tail = expand(cells, width, cell, buffers, number, tail)
         head += 1
     return best
-
-
-@leaf()
-def search_within(belief: np.ndarray, start: int, reach: int, barred: np.ndarray, scratch: Scratch, number: int) -> int:
-    """Fill ``scratch.queue`` with the cells at most ``reach`` steps from ``start``, nearest first; return how many."""
-    cells, width = belief.reshape(belief.size), belief.shape[1]
-    bar(barred, scratch, number)
-    begin(start, scratch, number)
-    head, tail, steps = 0, 1, 0
-    while head < tail and steps < reach:
-        layer_end = tail
-        while head < layer_end:
-            tail = spread(cells, width, scratch.queue[head], scratch, number, tail)
-            head += 1
-        steps += 1
-    return tail
 
 
 @kernel()
@@ -141,7 +106,7 @@ class Paths:
     def __init__(self, shape: tuple[int, int]) -> None:
         size = shape[0] * shape[1]
         self.width = shape[1]
-        self._scratch = Scratch(np.empty(size, np.int32), np.empty(size, np.int32), np.zeros(size, np.int32))
+        self._buffers = SearchBuffers(np.empty(size, np.int32), np.empty(size, np.int32), np.zeros(size, np.int32))
         self._number = 0
 
     def flat(self, cells: Iterable[Cell]) -> Cells:
@@ -155,7 +120,7 @@ class Paths:
     def to(self, belief: Belief, cell: Cell, goal: Cell, barred: Iterable[Cell] = ()) -> list[Cell] | None:
         """Return a shortest known path from ``cell`` to ``goal``, both included; None when there is none."""
         start, end = cell[0] * self.width + cell[1], goal[0] * self.width + goal[1]
-        if not search(belief, start, end, self.flat(barred), self._scratch, self._next()):
+        if not search_to(belief, start, end, self.flat(barred), self._buffers, self._next()):
             return None
         return self._traced(end)
 
@@ -165,7 +130,7 @@ class Paths:
         """Return a shortest path to the nearest frontier cell, drawn among equals; None when none is reachable."""
         ties = rng.integers(2**64, dtype=np.uint64)
         start = cell[0] * self.width + cell[1]
-        end = search_frontier(belief, start, self.flat(avoid), ties, self._scratch, self._next())
+        end = search_frontier(belief, start, self.flat(avoid), ties, self._buffers, self._next())
         return self._traced(end) if end >= 0 else None
 
     def to_anywhere(
@@ -176,15 +141,15 @@ class Paths:
         The farther half of what can be reached is drawn from.
         """
         start = cell[0] * self.width + cell[1]
-        found = search_within(belief, start, reach, self.flat(barred), self._scratch, self._next())
+        found = search_within(belief, start, reach, self.flat(barred), self._buffers, self._next())
         if found < 2:
             return None
-        return self._traced(int(self._scratch.queue[int(rng.integers(max(1, found // 2), found))]))
+        return self._traced(int(self._buffers.queue[int(rng.integers(max(1, found // 2), found))]))
 
     def field(self, belief: Belief, cell: Cell) -> Distances:
         """Return the (H, W) int32 field of steps from ``cell`` through known free cells."""
         out = np.empty(belief.shape, np.int32)
-        distances_from(belief, cell[0], cell[1], self._scratch.queue, out)
+        distances_from(belief, cell[0], cell[1], self._buffers.queue, out)
         return out
 
     def matrix(self, belief: Belief, cells: Cells, known: Distances | None = None) -> Distances:
@@ -196,9 +161,9 @@ class Paths:
         steps = np.full((len(cells), len(cells)), -1, np.int32) if known is None else np.array(known, np.int32)
         steps[steps >= UNREACHABLE] = -1
         np.fill_diagonal(steps, 0)
-        complete(belief, cells, steps, self._scratch, first)
+        fill_distances(belief, cells, steps, self._buffers, first)
         return steps
 
     def _traced(self, end: int) -> list[Cell]:
-        flat = traced(self._scratch.parent, end).tolist()
+        flat = path_to(self._buffers.parent, end).tolist()
         return [divmod(place, self.width) for place in flat]

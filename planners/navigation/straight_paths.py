@@ -11,7 +11,7 @@ import numpy as np
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import MOVES, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.search.bfs import flood
+from indoor_explorers.env.search.bfs import flood_nearby
 
 
 @kernel()
@@ -38,7 +38,7 @@ def _descent(steps: np.ndarray, height: int, width: int, start: int, goal: int) 
 @kernel()
 def _straight(belief: np.ndarray, start: int, goal: int) -> np.ndarray:
     steps, queue = np.full(belief.size, UNREACHABLE, np.int32), np.empty(belief.size, np.int32)
-    flood(belief, goal, start, int(UNREACHABLE), queue, steps)
+    flood_nearby(belief, goal, start, int(UNREACHABLE), queue, steps)
     if steps[start] == UNREACHABLE:
         return queue[:0]
     return _descent(steps, belief.shape[0], belief.shape[1], start, goal)

@@ -103,7 +103,7 @@ def _shown(sights: Sights, cells: np.ndarray) -> int:
 
 @kernel()
 def _nearest(sights: Sights, points: np.ndarray) -> np.ndarray:
-    """Return the viewpoint nearest to each cell, (M,)."""
+    """Return the viewpoint nearest to each cell, (M,): a flood that carries viewpoints along instead of distances."""
     nearest, queue = np.full(sights.cells.shape[0], -1, np.int32), np.empty(sights.cells.shape[0], np.int32)
     head, tail = 0, points.shape[0]
     for k in range(tail):

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.search.bfs import flood_table
 from indoor_explorers.env.search.visibility import Sights, look
 
 #: Steps to a cell that cannot be reached.
@@ -74,20 +75,11 @@ def find_steps(sights: Sights, legs: Legs, point: int) -> None:
     if legs.known[point]:
         return
     legs.known[point] = True
-    near, out, queue = sights.near, legs.steps[point], legs.queue
-    out[:] = FAR
-    out[legs.points[point]] = 0
-    queue[0] = legs.points[point]
-    head, tail = 0, 1
-    while head < tail:
-        cell = queue[head]
-        head += 1
-        for k in range(4):
-            other = near[cell, k]
-            if other >= 0 and out[other] == FAR:
-                out[other] = out[cell] + 1
-                queue[tail] = other
-                tail += 1
+    steps = legs.steps[point]
+    steps[:] = FAR
+    steps[legs.points[point]] = 0
+    legs.queue[0] = legs.points[point]
+    flood_table(sights.near, 1, legs.queue, steps)
 
 
 @leaf()

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.grid.cells import FREE, frontier_mask
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.planners.information.view_gain import sights
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.routing.open_tours import nearest_neighbour

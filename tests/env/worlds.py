@@ -4,8 +4,9 @@ import numpy as np
 from hypothesis import strategies as st
 
 from indoor_explorers.env import Scenario, World
-from indoor_explorers.env.grid.cells import FREE, OCCUPIED, largest_part
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.search.connected_parts import largest_part
 from indoor_explorers.env.simulation.state import RADIO_MODELS
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import ndimage, sparse
 
 from indoor_explorers.env.grid.arrays import Mask
-from indoor_explorers.env.grid.cells import connected_parts
+from indoor_explorers.env.search.connected_parts import connected_parts
 
 
 def joined(free: Mask, least: int) -> Mask:

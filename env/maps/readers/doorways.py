@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.env.grid.cells import FREE, UNKNOWN, connected_parts
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN
+from indoor_explorers.env.search.connected_parts import connected_parts
 
 #: A doorway is at most this deep, in metres: the thickness of a wall.
 DEPTH = 1.2

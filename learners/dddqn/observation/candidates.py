@@ -18,8 +18,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.cells import FREE, UNREACHABLE, spread, touches_unknown
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.compiled import leaf
+from indoor_explorers.env.search.bfs import flood
+from indoor_explorers.env.search.frontiers import touches_unknown
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND, PROSPECT, PROSPECTS
 from indoor_explorers.learners.dddqn.observation.map_image import HALF_DISTANCE
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE, Scratch, Sensor
@@ -64,7 +66,7 @@ def _spread_theirs(
         if 0 <= ages[m] <= most and theirs[row, col] != 0:
             theirs[row, col], queue[tail] = 0, row * belief.shape[1] + col
             tail += 1
-    spread(belief, FREE, tail, queue, theirs)
+    flood(belief, FREE, tail, queue, theirs)
 
 
 @leaf()

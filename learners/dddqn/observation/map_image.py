@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE, spread, touches_unknown
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import leaf
+from indoor_explorers.env.search.bfs import flood
+from indoor_explorers.env.search.frontiers import touches_unknown
 from indoor_explorers.learners.dddqn.observation.layout import IDENTITIES, Layout
 from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor
 
@@ -96,7 +98,7 @@ def _show_distance(belief: np.ndarray, rate: float, scratch: Scratch) -> None:
             if belief[r, c] == FREE and touches_unknown(belief, r, c):
                 scratch.steps[r, c], scratch.queue[found] = 0, r * width + c
                 found += 1
-    for place in range(spread(belief, FREE, found, scratch.queue, scratch.steps)):
+    for place in range(flood(belief, FREE, found, scratch.queue, scratch.steps)):
         r, c = divmod(scratch.queue[place], width)
         far = scratch.steps[r, c] * rate
         scratch.layer[r, c] = int(255.0 * far / (far + HALF_DISTANCE) + 0.5)

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, touches_unknown
+from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN
 from indoor_explorers.env.grid.compiled import leaf
+from indoor_explorers.env.search.frontiers import touches_unknown
 from indoor_explorers.env.sensing.lidar import unknown_in_view, visible_cells
 from indoor_explorers.learners.dddqn.observation.map_image import HALF_DISTANCE, within
 from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor

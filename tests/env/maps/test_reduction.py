@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.grid.arrays import Belief, Mask
-from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, connected_parts
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.reduction import Source, area_share, cropped, reduced
+from indoor_explorers.env.search.connected_parts import connected_parts
 
 
 def source(cells: Belief, resolution: float = 0.1) -> Source:

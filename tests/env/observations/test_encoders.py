@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from indoor_explorers.env import FREE, OCCUPIED, PRESETS, UNKNOWN, InputError, Mate, Scenario, View, World
-from indoor_explorers.env.grid.cells import frontier_mask
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.observations import (
     PLANES,
@@ -26,6 +25,7 @@ from indoor_explorers.env.observations import (
 )
 from indoor_explorers.env.observations.base import empty, row_of
 from indoor_explorers.env.observations.batched import Lanes
+from indoor_explorers.env.search.frontiers import frontier_mask
 from tests.env.arrays import assert_same, filled
 from tests.env.worlds import begun, floorplans, random_actions, scenarios
 

@@ -5,10 +5,11 @@ import dataclasses
 import numpy as np
 
 from indoor_explorers.env import World, scenario
-from indoor_explorers.env.grid.cells import FREE, OCCUPIED, largest_part
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.rendering import Trails, paint, scene_of
 from indoor_explorers.env.rendering.layout import TITLE, layout_of
+from indoor_explorers.env.search.connected_parts import largest_part
 from tests.env.worlds import random_actions
 
 

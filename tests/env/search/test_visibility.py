@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from indoor_explorers.env.grid.cells import distance_field
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.visibility import bit_count, look, sights_of, size_of, unseen_from
 from indoor_explorers.env.sensing.lidar import optics, scan
 

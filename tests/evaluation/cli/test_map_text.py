@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from indoor_explorers.env.grid.cells import FREE, connected_parts
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import MazeMaps, OfficesMaps
+from indoor_explorers.env.search.connected_parts import connected_parts
 from indoor_explorers.evaluation.cli.map_text import _coarse, facts, picture
 from indoor_explorers.evaluation.cli.parser import main
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, World, make_policy
-from indoor_explorers.env.grid.cells import distance_field
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.visibility import sights_of
 from indoor_explorers.env.sensing.lidar import optics, scan
 from indoor_explorers.evaluation.episodes import lower_bounds

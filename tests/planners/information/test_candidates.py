@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE, distance_field
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
+from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.sensing.lidar import optics, view_gain
 from indoor_explorers.planners.information.candidates import (
     Interest,

@@ -9,8 +9,9 @@ from scipy.sparse import lil_array
 from scipy.sparse.csgraph import shortest_path
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
-from indoor_explorers.env.grid.cells import FREE, UNREACHABLE, frontier_mask
-from indoor_explorers.planners.navigation.paths import Paths, count_known, frontier_cells, on_frontier
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.search.frontiers import frontier_cells, frontier_mask, on_frontier
+from indoor_explorers.planners.navigation.paths import Paths, count_known
 
 
 def grid_graph(belief: Belief) -> nx.Graph[Cell]:

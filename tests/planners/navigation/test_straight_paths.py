@@ -5,7 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
-from indoor_explorers.env.grid.cells import FREE, UNREACHABLE, distance_field
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.planners.navigation.straight_paths import straight_path
 
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import World, make_policy, scenario
-from indoor_explorers.env.grid.cells import FREE, UNREACHABLE, distances_from
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
+from indoor_explorers.env.search.bfs import distances_from
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.sampling import memory
 from indoor_explorers.planners.sampling.memory import Memory

@@ -7,7 +7,8 @@ from scipy.sparse.linalg import spsolve
 
 from indoor_explorers.env import InputError, make_policy
 from indoor_explorers.env.grid.arrays import Belief, Cell
-from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED, UNKNOWN, UNREACHABLE, distance_field
+from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED, UNKNOWN, UNREACHABLE
+from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.planners.swarm.hedac import SINK, climb, heat_up, sweep
 from tests.planners.flights import fly, rooms
 

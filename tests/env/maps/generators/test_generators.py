@@ -10,13 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from indoor_explorers.env import InputError, Scenario, scenario
-from indoor_explorers.env.grid.cells import FREE, OCCUPIED, connected_parts
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.generators.furniture import spares_the_way
 from indoor_explorers.env.maps.generators.joining import joined
 from indoor_explorers.env.maps.generators.offices import shares
 from indoor_explorers.env.maps.generators.rooms import Rectangle, neighbours
 from indoor_explorers.env.maps.sources import CaveMaps, MazeMaps, OfficesMaps, RoomsMaps
 from indoor_explorers.env.scenarios.validation import validated
+from indoor_explorers.env.search.connected_parts import connected_parts
 
 KINDS = (RoomsMaps, OfficesMaps, CaveMaps, MazeMaps)
 

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import FREE, UNKNOWN, World
 from indoor_explorers.env.grid.arrays import Belief, read_only
-from indoor_explorers.env.grid.cells import MOVES, distance_field, frontier_mask
+from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.search.bfs import distance_field
+from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.learners.dddqn.config import LAYERS, Layer, ObservationConfig
 from indoor_explorers.learners.dddqn.observation.changed_boxes import note

@@ -1,0 +1,47 @@
+"""Frontier cells: known free cells 4-adjacent to unknown ones (B. Yamauchi 1997, doi:10.1109/CIRA.1997.613851)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN
+from indoor_explorers.env.grid.compiled import kernel, leaf
+
+
+@leaf()
+def touches_unknown(belief: np.ndarray, row: int, col: int) -> bool:
+    """Tell whether a cell is 4-adjacent to an unknown one."""
+    height, width = belief.shape
+    return bool(
+        (row > 0 and belief[row - 1, col] == UNKNOWN)
+        or (col > 0 and belief[row, col - 1] == UNKNOWN)
+        or (row + 1 < height and belief[row + 1, col] == UNKNOWN)
+        or (col + 1 < width and belief[row, col + 1] == UNKNOWN)
+    )
+
+
+@leaf()
+def on_frontier(belief: np.ndarray, cell: int) -> bool:
+    """Tell whether a flat cell is a frontier cell."""
+    row, col = divmod(cell, belief.shape[1])
+    return bool(belief[row, col] == FREE and touches_unknown(belief, row, col))
+
+
+@kernel()
+def frontier_mask(belief: np.ndarray) -> np.ndarray:
+    """Return the (H, W) bool mask of frontier cells."""
+    height, width = belief.shape
+    mask = np.zeros((height, width), np.bool_)
+    for r in range(height):
+        for c in range(width):
+            mask[r, c] = belief[r, c] == FREE and touches_unknown(belief, r, c)
+    return mask
+
+
+@kernel()
+def frontier_cells(belief: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Return which of (K,) flat cells are frontier cells, (K,) bool."""
+    on = np.empty(cells.shape[0], np.bool_)
+    for k in range(cells.shape[0]):
+        on[k] = on_frontier(belief, cells[k])
+    return on
