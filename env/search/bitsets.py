@@ -1,4 +1,8 @@
-"""Sets of cells as bits: flat cell u is bit u % 64 of word u // 64."""
+"""Sets of cells as bits: cell u is bit u % 64 of word u // 64.
+
+Sets of any size are arrays of words (W,) and number cells by the map's width. Boards are sets in rooms of up to 16x16
+cells: four words, a tuple in compiled code, with cell (r, c) as bit 16 r + c, so that shifts lead to neighbours.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Mask
-from indoor_explorers.env.grid.compiled import inner
+from indoor_explorers.env.grid.compiled import inner, kernel
 from indoor_explorers.env.grid.randomness import draw
 
 #: (W,) words of a set of cells.
@@ -16,6 +20,29 @@ Bits = NDArray[np.uint64]
 #: Row and column changes to the eight cells around one.
 AROUND = ((-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1))
 _ONE = np.uint64(1)
+
+#: Side of the largest room that a board holds, in cells; a board's columns and words.
+ROOM, STRIDE, WORDS = 16, 16, 4
+#: The cells of one word that are not in a board's last, or first, column.
+_NOT_LAST, _NOT_FIRST = np.uint64(0x7FFF7FFF7FFF7FFF), np.uint64(0xFFFEFFFEFFFEFFFE)
+_ROW, _REST = np.uint64(16), np.uint64(48)
+_MIX = (
+    np.uint64(0x9E3779B97F4A7C15),
+    np.uint64(0xBF58476D1CE4E5B9),
+    np.uint64(0x94D049BB133111EB),
+    np.uint64(0xD6E8FEB86659FD93),
+)
+#: The words of a board.
+Board = tuple[np.uint64, np.uint64, np.uint64, np.uint64]
+
+
+@kernel(inline="always")
+def bit_count(word: np.uint64) -> np.uint64:
+    """Count the ones of a 64-bit word (Warren, Hacker's Delight, 5-1)."""
+    word -= (word >> np.uint64(1)) & np.uint64(0x5555555555555555)
+    word = (word & np.uint64(0x3333333333333333)) + ((word >> np.uint64(2)) & np.uint64(0x3333333333333333))
+    word = (word + (word >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
+    return (word * np.uint64(0x0101010101010101)) >> np.uint64(56)
 
 
 def packed(mask: Mask) -> Bits:
@@ -55,18 +82,24 @@ def hash_keys(count: int) -> NDArray[np.uint64]:
 
 @inner()
 def holds(words: np.ndarray, cell: int) -> bool:
-    """Tell whether a set has a flat cell."""
+    """Tell whether a set has a cell."""
     return bool((words[cell >> 6] >> np.uint64(cell & 63)) & _ONE)
 
 
 @inner()
 def insert(words: np.ndarray, cell: int) -> None:
-    """Put a flat cell into a set."""
+    """Put a cell into a set."""
     words[cell >> 6] |= _ONE << np.uint64(cell & 63)
 
 
 @inner()
-def meet(first: np.ndarray, second: np.ndarray) -> bool:
+def remove(words: np.ndarray, cell: int) -> None:
+    """Take a cell out of a set."""
+    words[cell >> 6] &= ~(_ONE << np.uint64(cell & 63))
+
+
+@inner()
+def intersect(first: np.ndarray, second: np.ndarray) -> bool:
     """Tell whether two sets have a cell in common."""
     common = np.uint64(0)
     for w in range(first.shape[0]):
@@ -75,9 +108,49 @@ def meet(first: np.ndarray, second: np.ndarray) -> bool:
 
 
 @inner()
-def within(first: np.ndarray, second: np.ndarray) -> bool:
+def is_subset(first: np.ndarray, second: np.ndarray) -> bool:
     """Tell whether all cells of the first set are in the second."""
     outside = np.uint64(0)
     for w in range(first.shape[0]):
         outside |= first[w] & ~second[w]
     return bool(outside == np.uint64(0))
+
+
+@inner()
+def board_size(words: Board) -> int:
+    """Count the cells of a board."""
+    a, b, c, d = words
+    return int(np.int64(bit_count(a) + bit_count(b) + bit_count(c) + bit_count(d)))
+
+
+@inner()
+def _pairs(word: np.uint64, below: np.uint64) -> np.uint64:
+    """Count the pairs with a first cell in a word; ``below`` is the set moved up by one row."""
+    east, south = word & (word >> _ONE) & _NOT_LAST, word & below
+    south_east, south_west = word & (below >> _ONE) & _NOT_LAST, word & (below << _ONE) & _NOT_FIRST
+    return bit_count(east) + bit_count(south) + bit_count(south_east) + bit_count(south_west)
+
+
+@inner()
+def neighbour_pairs(words: Board) -> int:
+    """Count the unordered pairs of neighbours within a board, diagonal ones included."""
+    a, b, c, d = words
+    first = _pairs(a, a >> _ROW | b << _REST) + _pairs(b, b >> _ROW | c << _REST)
+    return int(np.int64(first + _pairs(c, c >> _ROW | d << _REST) + _pairs(d, d >> _ROW)))
+
+
+@inner()
+def board_hash(words: Board) -> np.uint64:
+    """Return a hash of a board."""
+    a, b, c, d = words
+    key = a * _MIX[0]
+    key = ((key ^ (key >> np.uint64(32))) + b) * _MIX[1]
+    key = ((key ^ (key >> np.uint64(29))) + c) * _MIX[2]
+    key = ((key ^ (key >> np.uint64(32))) + d) * _MIX[3]
+    return key ^ (key >> np.uint64(31))
+
+
+@inner()
+def without(cells: np.ndarray, seen: np.ndarray) -> Board:
+    """Return the cells of one set (4,) that are not in another, as a board."""
+    return (cells[0] & ~seen[0], cells[1] & ~seen[1], cells[2] & ~seen[2], cells[3] & ~seen[3])

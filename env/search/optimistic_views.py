@@ -1,115 +1,170 @@
-"""What can be seen from every cell of a small map and in how many steps, kept up to date as obstacles are found."""
+"""What each cell of a small map shows and where one can go from it, taking unknown cells for free and transparent.
+
+Views are sets of cells (:mod:`indoor_explorers.env.search.bitsets`) and are kept up to date as obstacles are found: an
+unknown cell that turns out to be free changes nothing. Cell (r, c) has number ``stride`` r + c; the stride is the map's
+width for sets of any size and 16 for boards.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.arrays import Belief, Mask
-from indoor_explorers.env.grid.cells import MOVES, OCCUPIED
-from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNREACHABLE
+from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.search.bfs import flood_table
 from indoor_explorers.env.search.bitsets import Bits, holds, insert
-from indoor_explorers.env.sensing.lidar import Optics, new_scan, optics, visible_cells
+from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, visible_cells
 
-#: Steps for which sights are spread at most; what takes longer counts as this far.
+#: Steps up to which views are joined; what takes longer counts as this far.
 FARTHEST = 40
+#: In an array of obstacles, a cell of which nothing is noted yet.
+NOT_NOTED = 255
 
 
-@kernel()
-def _look(belief: np.ndarray, stale: np.ndarray, lens: Optics, views: np.ndarray) -> None:
-    """Renew the rows of ``views`` (C, W) of the stale cells; unknown cells are transparent, obstacles see nothing."""
-    width = belief.shape[1]
-    scan = new_scan(lens)
-    for cell in np.flatnonzero(stale):
-        views[cell] = 0
-        if belief[cell // width, cell % width] != OCCUPIED:
-            for k in range(visible_cells(belief, cell // width, cell % width, lens, scan)):
-                insert(views[cell], scan.cells[k])
-
-
-@kernel()
-def _connect(belief: np.ndarray, passages: np.ndarray) -> None:
-    """List the up to four neighbours of every cell that are not known to be obstacles, (C, 4), -1 for none."""
+@leaf()
+def _connect(belief: np.ndarray, stride: int, neighbours: np.ndarray) -> None:
+    """List the up to four neighbours of every cell that are no obstacles, (C, 4), -1 for none."""
     height, width = belief.shape
-    passages[:] = -1
-    for cell in range(height * width):
-        row, col = divmod(cell, width)
-        for k in range(4):
-            r, c = row + MOVES[k, 0], col + MOVES[k, 1]
-            if 0 <= r < height and 0 <= c < width and belief[row, col] != OCCUPIED and belief[r, c] != OCCUPIED:
-                passages[cell, k] = r * width + c
+    neighbours[:] = -1
+    for r in range(height):
+        for c in range(width):
+            for k in range(4):
+                i, j = r + MOVES[k, 0], c + MOVES[k, 1]
+                if 0 <= i < height and 0 <= j < width and belief[r, c] != OCCUPIED and belief[i, j] != OCCUPIED:
+                    neighbours[r * stride + c, k] = i * stride + j
+
+
+@leaf()
+def _note_obstacles(belief: np.ndarray, reach: int, obstacles: np.ndarray, stale: np.ndarray) -> bool:
+    """Bring ``obstacles`` up to date and mark the cells whose views may change; return whether there are any."""
+    height, width = belief.shape
+    changed = False
+    stale[:] = 0
+    for r in range(height):
+        for c in range(width):
+            now = belief[r, c] == OCCUPIED
+            if obstacles[r, c] != now:
+                obstacles[r, c], changed = now, True
+                stale[max(0, r - reach) : r + reach + 1, max(0, c - reach) : c + reach + 1] = 1
+    return changed
+
+
+@leaf()
+def update_views(
+    belief: np.ndarray,
+    stride: int,
+    lens: Optics,
+    scan: Scan,
+    reach: int,
+    stale: np.ndarray,
+    obstacles: np.ndarray,
+    views: np.ndarray,
+    neighbours: np.ndarray,
+) -> bool:
+    """Bring views and neighbours up to date with the obstacles of a (H, W) belief; return whether those have changed.
+
+    ``views`` (C, W) uint64 holds what is visible from each cell, nothing from an obstacle, and ``neighbours`` (C, 4)
+    int32 its neighbours that are no obstacles, -1 for none. ``obstacles`` (H, W) uint8 keeps those noted before, at
+    first ``NOT_NOTED``; ``stale``, as large at least, is scratch. ``reach`` is more than the lidar's range in cells.
+    """
+    if not _note_obstacles(belief, reach, obstacles, stale):
+        return False
+    height, width = belief.shape
+    for r in range(height):
+        for c in range(width):
+            if stale[r, c]:
+                view = views[r * stride + c]
+                view[:] = 0
+                if belief[r, c] != OCCUPIED:
+                    for k in range(visible_cells(belief, r, c, lens, scan)):
+                        row, col = divmod(scan.cells[k], width)
+                        insert(view, row * stride + col)
+    _connect(belief, stride, neighbours)
+    return True
+
+
+@leaf()
+def attainable(
+    start: int, views: np.ndarray, neighbours: np.ndarray, queue: np.ndarray, steps: np.ndarray, out: np.ndarray
+) -> None:
+    """Write into ``out`` (W,) what can be seen from all cells that can be reached from ``start``.
+
+    ``queue`` and ``steps``, (C,) int32, are scratch.
+    """
+    out[:] = 0
+    steps[:] = UNREACHABLE
+    steps[start], queue[0] = 0, start
+    for place in range(flood_table(neighbours, 1, queue, steps)):
+        for w in range(out.shape[0]):
+            out[w] |= views[queue[place], w]
 
 
 @kernel()
-def _spread(views: np.ndarray, passages: np.ndarray, soon: np.ndarray) -> None:
-    """Fill ``soon`` (D, C, W): what a UAV can have seen d steps from a cell, were all unknown cells free."""
-    soon[0] = views
-    for d in range(1, soon.shape[0]):
+def _join(views: np.ndarray, neighbours: np.ndarray, within: np.ndarray) -> None:
+    """Fill ``within`` (D, C, W): what a UAV can have seen d steps from a cell, were all unknown cells free."""
+    within[0] = views
+    for d in range(1, within.shape[0]):
         for cell in range(views.shape[0]):
             for w in range(views.shape[1]):
-                word = soon[d - 1, cell, w]
+                word = within[d - 1, cell, w]
                 for k in range(4):
-                    if passages[cell, k] >= 0:
-                        word |= soon[d - 1, passages[cell, k], w]
-                soon[d, cell, w] = word
+                    if neighbours[cell, k] >= 0:
+                        word |= within[d - 1, neighbours[cell, k], w]
+                within[d, cell, w] = word
 
 
 @kernel()
-def _first_steps(soon: np.ndarray, cell: int) -> np.ndarray:
-    steps = np.full(soon.shape[1], soon.shape[0], np.int32)
-    for d in range(soon.shape[0] - 1, -1, -1):
-        for seen in range(soon.shape[1]):
-            if holds(soon[d, cell], seen):
+def _first_steps(within: np.ndarray, cell: int) -> np.ndarray:
+    steps = np.full(within.shape[1], within.shape[0], np.int32)
+    for d in range(within.shape[0] - 1, -1, -1):
+        for seen in range(within.shape[1]):
+            if holds(within[d, cell], seen):
                 steps[seen] = d
     return steps
 
 
-class Sights:
-    """The sights of one pilot's map of C = H*W cells in W words.
-
-    Only what obstacles change is worked out again: an unknown cell that turns out to be free changes nothing.
-    """
+class OptimisticViews:
+    """What one pilot's map of C = H*W cells, W words a set, would show if all unknown cells were free."""
 
     def __init__(self, shape: tuple[int, int], lidar_range: float) -> None:
         cells, words = shape[0] * shape[1], -(-shape[0] * shape[1] // 64)
         self.views: NDArray[np.uint64] = np.zeros((cells, words), np.uint64)
         """(C, W) what is visible from each cell."""
-        self.passages = np.full((cells, 4), -1, np.int32)
+        self.neighbours = np.full((cells, 4), -1, np.int32)
         """(C, 4) neighbours that may be free, -1 for none."""
-        self.soon: NDArray[np.uint64] = np.zeros((min(sum(shape), FARTHEST), cells, words), np.uint64)
+        self.views_within: NDArray[np.uint64] = np.zeros((min(sum(shape), FARTHEST), cells, words), np.uint64)
         """(D, C, W) what can have been seen d steps from each cell."""
         self._lens = optics(float(lidar_range))
-        self._reach = int(lidar_range) + 1
-        self._obstacles: Mask | None = None
+        self._scan = new_scan(self._lens)
+        self._reach, self._stride = int(lidar_range) + 1, shape[1]
+        self._stale, self._obstacles = np.zeros(shape, np.uint8), np.full(shape, NOT_NOTED, np.uint8)
+        self._queue, self._steps = np.empty(cells, np.int32), np.empty(cells, np.int32)
 
     def update(self, belief: Belief) -> bool:
         """Take note of a (H, W) belief; return whether it showed new obstacles, or is the first."""
-        obstacles = belief == OCCUPIED
-        if self._obstacles is not None and np.array_equal(obstacles, self._obstacles):
-            return False
-        _look(belief, self._stale(obstacles).ravel(), self._lens, self.views)
-        _connect(belief, self.passages)
-        _spread(self.views, self.passages, self.soon)
-        self._obstacles = obstacles
-        return True
+        changed = update_views(
+            belief,
+            self._stride,
+            self._lens,
+            self._scan,
+            self._reach,
+            self._stale,
+            self._obstacles,
+            self.views,
+            self.neighbours,
+        )
+        if changed:
+            _join(self.views, self.neighbours, self.views_within)
+        return bool(changed)
 
     def attainable(self, cell: int) -> Bits:
         """Return what can still be seen by a UAV in a flat cell, however long it takes, (W,)."""
-        reached, fresh = {cell}, [cell]
-        while fresh:
-            fresh = [n for n in set(self.passages[fresh].ravel().tolist()) if n >= 0 and n not in reached]
-            reached.update(fresh)
-        return np.asarray(np.bitwise_or.reduce(self.views[sorted(reached)], axis=0))
+        out = np.empty(self.views.shape[1], np.uint64)
+        attainable(cell, self.views, self.neighbours, self._queue, self._steps, out)
+        return out
 
     def first_steps(self, cell: int) -> NDArray[np.int32]:
         """Return after how many steps from a flat cell each cell can be seen at the earliest, (C,)."""
-        return np.asarray(_first_steps(self.soon, cell))
-
-    def _stale(self, obstacles: Mask) -> Mask:
-        """Return the cells whose sight may have changed, (H, W)."""
-        stale = np.full(obstacles.shape, self._obstacles is None)
-        if self._obstacles is not None:
-            for row, col in np.argwhere(obstacles & ~self._obstacles).tolist():
-                rows = slice(max(0, row - self._reach), row + self._reach + 1)
-                stale[rows, max(0, col - self._reach) : col + self._reach + 1] = True
-        return stale
+        return np.asarray(_first_steps(self.views_within, cell))

@@ -14,7 +14,8 @@ import numpy as np
 from indoor_explorers.env import World
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.env.search.visibility import Sights, bit_count, look, sights_of
+from indoor_explorers.env.search.bitsets import bit_count
+from indoor_explorers.env.search.visibility import VisibilityTable, add_visible, visibility_table
 from indoor_explorers.env.sensing.lidar import optics
 from indoor_explorers.evaluation.episodes.mst_bound import spanning_tree_bound
 
@@ -44,56 +45,57 @@ def least_steps(world: World, episode: int, share: float) -> int:
     total, team = int(state.total[episode]), len(starts)
     lens = optics(scenario.lidar.range, scenario.lidar.model)
     looks = total * lens.disc <= EFFORT
-    sights = sights_of(truth, starts, lens if looks else optics(0.0), whole=scenario.denominator == "map")
+    lens = lens if looks else optics(0.0)
+    table = visibility_table(truth, starts, lens, count_all_cells=scenario.denominator == "map")
     needed = math.ceil(share * total - 1e-9)
-    steps = _steps_from_starts(sights, team)
+    steps = _steps_from_starts(table, team)
     overshoot = 0.5 if scenario.lidar.model == "marsexplorer" else 0.0  # cells that this model sees beyond the range
     half_widths = optics(scenario.lidar.range + overshoot).half_widths
-    within, edges = _range_gains(state.counts[episode], sights.cells, team, half_widths)
+    within, edges = _range_gains(state.counts[episode], table.cells, team, half_widths)
     by_range = _steps_by_gain(edges, steps, needed - within, team)
     if not looks:
         return by_range
-    seen, news = _sight_gains(sights, team)
+    seen, news = _sight_gains(table, team)
     return max(
         by_range,
         _steps_by_gain(news, steps, needed - seen, team),
-        _steps_by_distance(sights, steps, needed),
-        spanning_tree_bound(sights, truth.shape[1], team, total - needed),
+        _steps_by_distance(table, steps, needed),
+        spanning_tree_bound(table, truth.shape[1], team, total - needed),
     )
 
 
 @kernel()
-def _steps_from_starts(sights: Sights, team: int) -> np.ndarray:
+def _steps_from_starts(table: VisibilityTable, team: int) -> np.ndarray:
     """Return the steps (M,) from the nearest start to each cell; cells are numbered in that order."""
-    steps = np.full(sights.cells.shape[0], -1, np.int64)
+    steps = np.full(table.cells.shape[0], -1, np.int64)
     steps[:team] = 0
-    for cell in range(sights.cells.shape[0]):
+    for cell in range(table.cells.shape[0]):
         for k in range(4):
-            other = sights.near[cell, k]
+            other = table.neighbours[cell, k]
             if other >= 0 and steps[other] < 0:
                 steps[other] = steps[cell] + 1
     return steps
 
 
 @kernel()
-def _sight_gains(sights: Sights, team: int) -> tuple[int, np.ndarray]:
+def _sight_gains(table: VisibilityTable, team: int) -> tuple[int, np.ndarray]:
     """Return how many cells the starts show, and how many each cell adds to them and to any one neighbour's, (M,)."""
-    known, seen = np.zeros_like(sights.all), 0
+    known, seen = np.zeros_like(table.union), 0
     for cell in range(team):
-        seen += look(sights, cell, known)
-    gains, shown = np.zeros(sights.cells.shape[0], np.int64), known.copy()
-    for cell in range(sights.cells.shape[0]):
-        for place in range(sights.first[cell], sights.first[cell + 1]):
-            shown[sights.tile[place]] |= sights.bits[place]
+        seen += add_visible(table, cell, known)
+    gains, shown = np.zeros(table.cells.shape[0], np.int64), known.copy()
+    for cell in range(table.cells.shape[0]):
+        for place in range(table.offsets[cell], table.offsets[cell + 1]):
+            shown[table.tile[place]] |= table.bits[place]
         for k in range(4):
-            other = sights.near[cell, k]
+            other = table.neighbours[cell, k]
             if other >= 0:
                 new = np.int64(0)
-                for place in range(sights.first[other], sights.first[other + 1]):
-                    new += np.int64(bit_count(sights.bits[place] & ~shown[sights.tile[place]]))
+                for place in range(table.offsets[other], table.offsets[other + 1]):
+                    new += np.int64(bit_count(table.bits[place] & ~shown[table.tile[place]]))
                 gains[other] = max(gains[other], new)
-        for place in range(sights.first[cell], sights.first[cell + 1]):
-            shown[sights.tile[place]] = known[sights.tile[place]]
+        for place in range(table.offsets[cell], table.offsets[cell + 1]):
+            shown[table.tile[place]] = known[table.tile[place]]
     return seen, gains
 
 
@@ -151,11 +153,11 @@ def _steps_by_gain(gains: np.ndarray, steps: np.ndarray, missing: int, team: int
 
 
 @kernel()
-def _steps_by_distance(sights: Sights, steps: np.ndarray, needed: int) -> int:
+def _steps_by_distance(table: VisibilityTable, steps: np.ndarray, needed: int) -> int:
     """Return the distance up to which cells must be looked from to see ``needed`` cells."""
-    seen, possible = np.zeros_like(sights.all), 0
+    seen, possible = np.zeros_like(table.union), 0
     for cell in range(steps.shape[0]):
-        possible += look(sights, cell, seen)
+        possible += add_visible(table, cell, seen)
         if possible >= needed:
             return int(steps[cell])
     return int(steps[-1])

@@ -15,7 +15,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood_table
-from indoor_explorers.env.search.visibility import TILE, Sights, look
+from indoor_explorers.env.search.visibility import TILE, VisibilityTable, add_visible
 
 #: Groups that are tried at most, and words that are looked at for them.
 GROUPS, WORDS = 32, 3_000_000
@@ -23,22 +23,22 @@ GROUPS, WORDS = 32, 3_000_000
 FAR = np.int32(2**30)
 
 
-def spanning_tree_bound(sights: Sights, width: int, team: int, missable: int) -> int:
+def spanning_tree_bound(table: VisibilityTable, width: int, team: int, missable: int) -> int:
     """Return a bound on the steps of a team that may miss so many of the counted cells of a map of that width.
 
-    The first ``team`` cells of ``sights`` are the starts. Groups are the cells around those seen last by a team that
+    The first ``team`` cells of ``table`` are the starts. Groups are the cells around those seen last by a team that
     keeps to the regions of the groups before; whatever they are, the bound holds.
     """
-    if missable >= len(sights.cells):
+    if missable >= len(table.cells):
         return 0
-    groups = min(GROUPS, max(2, WORDS // len(sights.bits)))
-    between = _between(sights, width, team, missable + 1, groups)
+    groups = min(GROUPS, max(2, WORDS // len(table.bits)))
+    between = _between(table, width, team, missable + 1, groups)
     trees = [_spanning_tree(between[:count, :count]) for count in range(2, len(between) + 1)]
     return math.ceil(max(trees, default=0) / team)
 
 
 @kernel()
-def _flood(sights: Sights, region: np.ndarray, steps: np.ndarray, queue: np.ndarray) -> int:
+def _flood(table: VisibilityTable, region: np.ndarray, steps: np.ndarray, queue: np.ndarray) -> int:
     """Fill ``steps`` (M,) with the steps from a region (M,) bool; return how many cells are reached, first in queue."""
     sources = 0
     for cell in range(region.shape[0]):
@@ -47,63 +47,65 @@ def _flood(sights: Sights, region: np.ndarray, steps: np.ndarray, queue: np.ndar
             steps[cell] = 0
             queue[sources] = cell
             sources += 1
-    return int(flood_table(sights.near, sources, queue, steps))
+    return int(flood_table(table.neighbours, sources, queue, steps))
 
 
 @kernel()
-def _seen_last(sights: Sights, width: int, number: np.ndarray, order: np.ndarray) -> int:
+def _seen_last(table: VisibilityTable, width: int, number: np.ndarray, order: np.ndarray) -> int:
     """Return the number of the counted cell seen last when all cells look in turn, or of the cell that sees it."""
-    seen, last = np.zeros_like(sights.all), order[0]
+    seen, last = np.zeros_like(table.union), order[0]
     across = (width + TILE - 1) // TILE
     for cell in order:
-        for place in range(sights.first[cell], sights.first[cell + 1]):
-            new = sights.bits[place] & ~seen[sights.tile[place]]
+        for place in range(table.offsets[cell], table.offsets[cell + 1]):
+            new = table.bits[place] & ~seen[table.tile[place]]
             if new != 0:
                 bit = 0
                 while (new >> np.uint64(bit)) & np.uint64(1) == 0:
                     bit += 1
-                row, col = divmod(sights.tile[place], across)
+                row, col = divmod(table.tile[place], across)
                 found = number[(row * TILE + bit // TILE) * width + col * TILE + bit % TILE]
                 last = found if found >= 0 else cell
-        look(sights, cell, seen)
+        add_visible(table, cell, seen)
     return int(last)
 
 
 @kernel()
-def _group(sights: Sights, width: int, middle: int, size: int, queue: np.ndarray, steps: np.ndarray) -> np.ndarray:
+def _group(
+    table: VisibilityTable, width: int, middle: int, size: int, queue: np.ndarray, steps: np.ndarray
+) -> np.ndarray:
     """Return the ``size`` cells nearest to a cell as words (T,)."""
-    alone, words = np.zeros(sights.cells.shape[0], np.bool_), np.zeros_like(sights.all)
+    alone, words = np.zeros(table.cells.shape[0], np.bool_), np.zeros_like(table.union)
     alone[middle] = True
-    reached = _flood(sights, alone, steps, queue)
+    reached = _flood(table, alone, steps, queue)
     if reached < size:
         return words
     across = (width + TILE - 1) // TILE
     for k in range(size):
-        row, col = divmod(sights.cells[queue[k]], width)
+        row, col = divmod(table.cells[queue[k]], width)
         words[row // TILE * across + col // TILE] |= np.uint64(1) << np.uint64(row % TILE * TILE + col % TILE)
     return words
 
 
 @leaf()
-def _sees(sights: Sights, cell: int, words: np.ndarray) -> bool:
-    for place in range(sights.first[cell], sights.first[cell + 1]):
-        if sights.bits[place] & words[sights.tile[place]] != 0:
+def _sees(table: VisibilityTable, cell: int, words: np.ndarray) -> bool:
+    for place in range(table.offsets[cell], table.offsets[cell + 1]):
+        if table.bits[place] & words[table.tile[place]] != 0:
             return True
     return False
 
 
 @kernel()
-def _between(sights: Sights, width: int, team: int, size: int, groups: int) -> np.ndarray:
+def _between(table: VisibilityTable, width: int, team: int, size: int, groups: int) -> np.ndarray:
     """Return the steps between the starts, taken as one place, and the regions of groups of so many cells, (G, G)."""
-    count = sights.cells.shape[0]
-    number = np.full(sights.all.shape[0] * TILE * TILE, -1, np.int64)
+    count = table.cells.shape[0]
+    number = np.full(table.union.shape[0] * TILE * TILE, -1, np.int64)
     for cell in range(count):
-        number[sights.cells[cell]] = cell
+        number[table.cells[cell]] = cell
     regions, between = np.zeros((groups + 1, count), np.bool_), np.zeros((groups + 1, groups + 1), np.int64)
     steps, least, queue = np.empty(count, np.int32), np.full(count, FAR, np.int32), np.empty(count, np.int32)
     regions[0, :team] = True
     for made in range(groups + 1):
-        _flood(sights, regions[made], steps, queue)
+        _flood(table, regions[made], steps, queue)
         least = np.minimum(least, steps)
         for other in range(made):
             nearest = FAR
@@ -113,10 +115,10 @@ def _between(sights: Sights, width: int, team: int, size: int, groups: int) -> n
             between[made, other] = between[other, made] = nearest
         if made == groups:
             break
-        middle = _seen_last(sights, width, number, np.argsort(least, kind="mergesort"))
-        words = _group(sights, width, middle, size, queue, steps)
+        middle = _seen_last(table, width, number, np.argsort(least, kind="mergesort"))
+        words = _group(table, width, middle, size, queue, steps)
         for cell in range(count):
-            regions[made + 1, cell] = _sees(sights, cell, words)
+            regions[made + 1, cell] = _sees(table, cell, words)
         if not regions[made + 1].any() or least[regions[made + 1]].min() == 0:
             return between[: made + 1, : made + 1]
     return between

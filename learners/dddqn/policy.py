@@ -16,10 +16,10 @@ from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.bitsets import ROOM
 from indoor_explorers.learners.dddqn.config import WIDEST
 from indoor_explorers.learners.dddqn.learning.vector_flight import stacked
 from indoor_explorers.learners.dddqn.network.inference import q_values
-from indoor_explorers.learners.dddqn.observation.bitboards import ROOM
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT
 from indoor_explorers.learners.dddqn.observation.map_prior import prior_from
 from indoor_explorers.learners.dddqn.observation.memory import new_memory

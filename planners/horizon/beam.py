@@ -4,11 +4,14 @@ A state is (cell, set of unseen cells). All states after d steps are ranked, the
 neighbours are the candidates of step d + 1; a state that was reached before, at whatever step, is dropped.
 A state ranks by what is left to see,
 
-    sum over unseen u of w(u) (1 + isolation (1 - n(u) / 8)) + pull (steps to the next gain) + stretch (steps to all)
+    sum over unseen u of w(u) (1 + isolation (1 - n(u) / 8)) + pull (steps to the next gain) + completion (steps to all)
 
 with w the weight of a cell and n(u) the unseen cells among the eight around it; less is better. The isolation
 term makes scattered leftovers expensive, so that pockets are finished while they are near. Both step counts come
 from :mod:`indoor_explorers.env.search.optimistic_views`; the second is a lower bound on what the state still needs.
+
+The DDDQN's observation has a beam of its own for rooms of up to 16x16 cells, on boards of four words
+(``learners/dddqn/observation/beam.py``): without weights, and many times faster.
 """
 
 from __future__ import annotations
@@ -18,21 +21,20 @@ from typing import NamedTuple
 import numpy as np
 
 from indoor_explorers.env.grid.compiled import inner, kernel
-from indoor_explorers.env.search.bitsets import holds, meet, within
+from indoor_explorers.env.search.bitsets import bit_count, holds, intersect, is_subset
 from indoor_explorers.env.search.hash_table import is_new
-from indoor_explorers.env.search.visibility import bit_count
 
 _ONE = np.uint64(1)
 
 
-class Style(NamedTuple):
-    """How states are ranked and how far is looked."""
+class BeamConfig(NamedTuple):
+    """How states are ranked, how many are kept, and for how many steps."""
 
     isolation: float
     """Extra weight of an unseen cell with nothing unseen around it."""
     pull: float
     """Weight of a step to the next gain, in cells."""
-    stretch: float
+    completion_weight: float
     """Weight of a step to the unseen cell that takes longest, in cells."""
     width: int
     """States kept at each step."""
@@ -40,14 +42,14 @@ class Style(NamedTuple):
     """Steps looked ahead."""
 
 
-class Terrain(NamedTuple):
-    """Where the search takes place, C cells in W words."""
+class SearchGraph(NamedTuple):
+    """What the search moves on: C cells, their neighbours, views and weights; sets have W words."""
 
     views: np.ndarray
     """(C, W) what is visible from a cell."""
-    passages: np.ndarray
+    neighbours: np.ndarray
     """(C, 4) neighbours, -1 for none."""
-    soon: np.ndarray
+    views_within: np.ndarray
     """(D, C, W) what can have been seen d steps from a cell."""
     around: np.ndarray
     """(C, 8) cells around a cell, -1 off the map."""
@@ -107,80 +109,80 @@ def _copy(source: States, s: int, target: States, t: int) -> None:
 
 
 @inner()
-def _strike(states: States, s: int, seen: int, terrain: Terrain, isolation: float) -> None:
+def _mark_seen(states: States, s: int, seen: int, graph: SearchGraph, isolation: float) -> None:
     """Take one cell, already out of the unseen set of state ``s``, off its account."""
     share, near = isolation / 8, 0
     unseen = states.unseen[s]
     for k in range(8):
-        cell = terrain.around[seen, k]
+        cell = graph.around[seen, k]
         if cell >= 0 and holds(unseen, cell):
             near += 1
-            states.worth[s] += share * terrain.weights[cell]
-    states.worth[s] -= terrain.weights[seen] * (1 + isolation - share * near)
-    states.left[s] -= terrain.weights[seen]
-    states.key[s] ^= terrain.keys[seen]
+            states.worth[s] += share * graph.weights[cell]
+    states.worth[s] -= graph.weights[seen] * (1 + isolation - share * near)
+    states.left[s] -= graph.weights[seen]
+    states.key[s] ^= graph.keys[seen]
 
 
 @inner()
-def _look(states: States, s: int, cell: int, terrain: Terrain, isolation: float) -> None:
+def _move_to(states: States, s: int, cell: int, graph: SearchGraph, isolation: float) -> None:
     """Move state ``s`` to a cell and strike what is seen there."""
     states.cell[s] = cell
     for w in range(states.unseen.shape[1]):
-        new = states.unseen[s, w] & terrain.views[cell, w]
+        new = states.unseen[s, w] & graph.views[cell, w]
         while new != 0:
             lowest = new & (~new + _ONE)
             new ^= lowest
             states.unseen[s, w] ^= lowest
-            _strike(states, s, w * 64 + int(np.int64(bit_count(lowest - _ONE))), terrain, isolation)
+            _mark_seen(states, s, w * 64 + int(np.int64(bit_count(lowest - _ONE))), graph, isolation)
     states.delay[s] += states.left[s]
 
 
 @inner()
-def _rank(states: States, s: int, terrain: Terrain, style: Style) -> None:
+def _rank(states: States, s: int, graph: SearchGraph, config: BeamConfig) -> None:
     """Work out the rank of state ``s``; smaller is better."""
-    cell, unseen, farthest = states.cell[s], states.unseen[s], terrain.soon.shape[0]
+    cell, unseen, farthest = states.cell[s], states.unseen[s], graph.views_within.shape[0]
     first = 0
-    while first < farthest and not meet(unseen, terrain.soon[first, cell]):
+    while first < farthest and not intersect(unseen, graph.views_within[first, cell]):
         first += 1
     last = first
-    while style.stretch > 0 and last < farthest and not within(unseen, terrain.soon[last, cell]):
+    while config.completion_weight > 0 and last < farthest and not is_subset(unseen, graph.views_within[last, cell]):
         last += 1
-    states.rank[s] = states.worth[s] + style.pull * first + style.stretch * last
+    states.rank[s] = states.worth[s] + config.pull * first + config.completion_weight * last
 
 
 @kernel()
-def _root(start: int, unseen: np.ndarray, terrain: Terrain, isolation: float, states: States) -> None:
+def _root(start: int, unseen: np.ndarray, graph: SearchGraph, isolation: float, states: States) -> None:
     """Make state 0 from the UAV's cell and the unseen set."""
     share = isolation / 8
     states.cell[0], states.key[0], states.node[0] = start, np.uint64(0), 0
     states.worth[0], states.left[0], states.delay[0], states.rank[0] = 0.0, 0.0, 0.0, 0.0
     states.unseen[0] = unseen
-    for cell in range(terrain.views.shape[0]):
+    for cell in range(graph.views.shape[0]):
         if holds(unseen, cell):
             near = 0
             for k in range(8):
-                near += terrain.around[cell, k] >= 0 and holds(unseen, terrain.around[cell, k])
-            states.key[0] ^= terrain.keys[cell]
-            states.left[0] += terrain.weights[cell]
-            states.worth[0] += terrain.weights[cell] * (1 + isolation - share * near)
+                near += graph.around[cell, k] >= 0 and holds(unseen, graph.around[cell, k])
+            states.key[0] ^= graph.keys[cell]
+            states.left[0] += graph.weights[cell]
+            states.worth[0] += graph.weights[cell] * (1 + isolation - share * near)
 
 
 @kernel()
 def _expand(
-    states: States, count: int, terrain: Terrain, style: Style, rest: float, table: np.ndarray, children: States
+    states: States, count: int, graph: SearchGraph, config: BeamConfig, rest: float, table: np.ndarray, children: States
 ) -> tuple[int, int]:
     """Write the new neighbours of all states into ``children``; return how many and the best finished one, or -1."""
     found, done = 0, -1
     for s in range(count):
         for k in range(4):
-            cell = terrain.passages[states.cell[s], k]
+            cell = graph.neighbours[states.cell[s], k]
             if cell < 0:
                 continue
             _copy(states, s, children, found)
-            _look(children, found, cell, terrain, style.isolation)
-            if not is_new(table, children.key[found] ^ terrain.keys[terrain.views.shape[0] + cell]):
+            _move_to(children, found, cell, graph, config.isolation)
+            if not is_new(table, children.key[found] ^ graph.keys[graph.views.shape[0] + cell]):
                 continue
-            _rank(children, found, terrain, style)
+            _rank(children, found, graph, config)
             if children.left[found] <= rest and (done < 0 or children.delay[found] < children.delay[done]):
                 done = found
             found += 1
@@ -210,10 +212,10 @@ def _select(rank: np.ndarray, order: np.ndarray, keep: int) -> None:
 
 
 @kernel()
-def _keep(children: States, found: int, style: Style, states: States, tree: Tree, nodes: int) -> int:
+def _keep(children: States, found: int, config: BeamConfig, states: States, tree: Tree, nodes: int) -> int:
     """Move the best children to ``states`` and into the tree; return how many they are."""
     order = np.arange(found)
-    kept = min(found, style.width)
+    kept = min(found, config.width)
     if kept < found:
         _select(children.rank, order, kept)
     for s in range(kept):
@@ -236,29 +238,31 @@ def _traced(tree: Tree, node: int, last: int) -> np.ndarray:
 
 @kernel()
 def shortest_tour(
-    start: int, unseen: np.ndarray, terrain: Terrain, rest: float, style: Style
+    start: int, unseen: np.ndarray, graph: SearchGraph, rest: float, config: BeamConfig
 ) -> tuple[np.ndarray, bool]:
     """Return the cells of the shortest tour found, the start left out, and whether it shows enough.
 
     It does when the weights of what stays unseen sum to ``rest`` at most. Otherwise the tour leads to the best of the
-    states that are ``style.depth`` steps away.
+    states that are ``config.depth`` steps away.
     """
-    words = terrain.views.shape[1]
-    states, children = _new_states(style.width, words), _new_states(4 * style.width, words)
-    tree = Tree(np.empty(style.width * style.depth + 1, np.int32), np.empty(style.width * style.depth + 1, np.int32))
+    words = graph.views.shape[1]
+    states, children = _new_states(config.width, words), _new_states(4 * config.width, words)
+    tree = Tree(
+        np.empty(config.width * config.depth + 1, np.int32), np.empty(config.width * config.depth + 1, np.int32)
+    )
     size = 64
-    while size < 4 * style.width * style.depth:
+    while size < 4 * config.width * config.depth:
         size *= 2
     table = np.zeros(size, np.uint64)
-    _root(start, unseen, terrain, style.isolation, states)
+    _root(start, unseen, graph, config.isolation, states)
     count, nodes = 1, 1
-    for _ in range(style.depth):
-        found, done = _expand(states, count, terrain, style, rest, table, children)
+    for _ in range(config.depth):
+        found, done = _expand(states, count, graph, config, rest, table, children)
         if done >= 0:
             return _traced(tree, children.node[done], children.cell[done]), True
         if found == 0:
             break
-        count = _keep(children, found, style, states, tree, nodes)
+        count = _keep(children, found, config, states, tree, nodes)
         nodes += count
     best = np.argmin(states.rank[:count])
     return _traced(tree, states.node[best], -1), False

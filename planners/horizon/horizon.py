@@ -15,11 +15,11 @@ from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.coordination.teammates import remembered
 from indoor_explorers.planners.frontier.joint import FrontierJoint
-from indoor_explorers.planners.horizon.beam import Style
+from indoor_explorers.planners.horizon.beam import BeamConfig
 from indoor_explorers.planners.horizon.learned_prior import LearnedPrior, OpenPrior, Prior
-from indoor_explorers.planners.horizon.rollout_choice import Rehearsal
+from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
 from indoor_explorers.planners.horizon.room_prior import RoomPrior
-from indoor_explorers.planners.horizon.tour_planner import Tours
+from indoor_explorers.planners.horizon.tour_planner import TourPlanner
 from indoor_explorers.planners.navigation.deadlock import Yielding
 from indoor_explorers.planners.navigation.goal_pilot import action_between
 from indoor_explorers.planners.navigation.paths import Paths, count_known
@@ -100,17 +100,17 @@ class Horizon(Policy):
             return beyond
         return HorizonPilot(briefing, self, beyond)
 
-    def tours(self, briefing: Briefing) -> Tours:
+    def tours(self, briefing: Briefing) -> TourPlanner:
         """Return the planner of one UAV's tours."""
         goal = briefing.scenario.goal
         prior = self._prior(briefing)
         caution = 1.0 if isinstance(prior, OpenPrior) else self.caution
         isolation = caution * self.isolation * 0.5 ** ((1.0 - goal) / GOAL_SCALE)
-        style = Style(isolation, self.pull, self.stretch, self.width, self.depth)
-        rehearsal = None
+        config = BeamConfig(isolation, self.pull, self.stretch, self.width, self.depth)
+        selection = None
         if isinstance(prior, RoomPrior) and self.rollouts > 0:
-            rehearsal = Rehearsal(prior, briefing.shape, briefing.lidar_range, goal, self.rollouts)
-        return Tours(briefing.shape, briefing.lidar_range, prior, style, goal, self.spare, rehearsal)
+            selection = RolloutSelection(prior, briefing.shape, briefing.lidar_range, goal, self.rollouts)
+        return TourPlanner(briefing.shape, briefing.lidar_range, prior, config, goal, self.spare, selection)
 
     def _prior(self, briefing: Briefing) -> Prior:
         source = briefing.scenario.map
@@ -173,10 +173,10 @@ class HorizonPilot(Pilot):
         mates = remembered(view, self.briefing)
         if not mates:
             return None
-        self._tours.sights.update(view.belief)
-        own = self._tours.sights.first_steps(cell)
+        self._tours.optimistic.update(view.belief)
+        own = self._tours.optimistic.first_steps(cell)
         nearer = np.zeros(own.shape, np.int64)
         for mate in mates:
-            theirs = self._tours.sights.first_steps(mate.cell[0] * self._paths.width + mate.cell[1])
+            theirs = self._tours.optimistic.first_steps(mate.cell[0] * self._paths.width + mate.cell[1])
             nearer += (theirs < own) | ((theirs == own) & (mate.agent < self.briefing.agent))
         return np.asarray(self._deference**nearer)

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.search.bitsets import around
-from indoor_explorers.env.search.optimistic_views import Sights
+from indoor_explorers.env.search.optimistic_views import OptimisticViews
 from indoor_explorers.env.sensing.lidar import optics
-from indoor_explorers.planners.horizon.rollouts import Stage, steps_to_shares
+from indoor_explorers.planners.horizon.rollouts import RolloutSetup, steps_to_shares
 from indoor_explorers.planners.horizon.room_prior import RoomPrior
 
 #: The shares of the cells whose steps count, cut off at the goal.
@@ -23,10 +23,10 @@ SURE = 2.0
 #: Fewer rooms tell nothing.
 FEWEST = 4
 #: Rooms after which tours without a chance drop out (racing: O. Maron and A. W. Moore, NeurIPS 1993).
-HEAT = 8
+RACE_ROOMS = 8
 
 
-class Rehearsal:
+class RolloutSelection:
     """Fly tours in up to ``count`` rooms that a prior samples."""
 
     def __init__(self, prior: RoomPrior, shape: tuple[int, int], lidar_range: float, goal: float, count: int) -> None:
@@ -35,30 +35,35 @@ class Rehearsal:
         self._shares = np.minimum(SHARES, goal)
 
     def best(
-        self, belief: Belief, cell: int, sights: Sights, chances: NDArray[np.float64], tours: list[list[int]]
+        self,
+        belief: Belief,
+        cell: int,
+        optimistic: OptimisticViews,
+        chances: NDArray[np.float64],
+        tours: list[list[int]],
     ) -> int:
         """Return the number of the tour that is best for sure, of those from a flat cell; 0 when none is.
 
-        Tours that may not be better after ``HEAT`` rooms are not flown in the others. ``chances`` (C,) are those of
-        unknown cells to be free, 0 where nothing is to be seen.
+        Tours that may not be better after ``RACE_ROOMS`` rooms are not flown in the others. ``chances`` (C,) are those
+        of unknown cells to be free, 0 where nothing is to be seen.
         """
         rooms = self._prior.rooms(belief)[: self._count]
         if len(rooms) < FEWEST:
             return 0
-        stage = Stage(belief, chances, sights.views, sights.passages, self._surroundings)
-        excess = self._excess(cell, stage, tours, rooms[:HEAT])
+        setup = RolloutSetup(belief, chances, optimistic.views, optimistic.neighbours, self._surroundings)
+        excess = self._excess(cell, setup, tours, rooms[:RACE_ROOMS])
         left = np.append(0, np.flatnonzero(excess.mean(axis=1) - _errors(excess) < -MARGIN))
         excess = excess[left]
-        if len(left) > 1 and len(rooms) > HEAT:
-            more = self._excess(cell, stage, [tours[number] for number in left], rooms[HEAT:])
+        if len(left) > 1 and len(rooms) > RACE_ROOMS:
+            more = self._excess(cell, setup, [tours[number] for number in left], rooms[RACE_ROOMS:])
             excess = np.hstack([excess, more])
         bound = excess.mean(axis=1) + _errors(excess) + MARGIN
         bound[0] = 0.0
         return int(left[np.argmin(bound)])
 
-    def _excess(self, cell: int, stage: Stage, tours: list[list[int]], rooms: Belief) -> NDArray[np.float64]:
+    def _excess(self, cell: int, setup: RolloutSetup, tours: list[list[int]], rooms: Belief) -> NDArray[np.float64]:
         """Return how much more each tour costs than the first in each room, (T, S)."""
-        costs = steps_to_shares(cell, stage, tours, rooms, self._shares, self._lens) @ np.array(COSTS)
+        costs = steps_to_shares(cell, setup, tours, rooms, self._shares, self._lens) @ np.array(COSTS)
         return np.asarray(costs - costs[0])
 
 

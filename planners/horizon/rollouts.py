@@ -18,7 +18,7 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.bfs import distances_from
-from indoor_explorers.env.search.visibility import bit_count
+from indoor_explorers.env.search.bitsets import bit_count
 from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, visible_cells
 
 #: Steps of a tour that are flown at most before the quick policy takes over.
@@ -32,7 +32,7 @@ LONGEST = 120
 _ONE = np.uint64(1)
 
 
-class Stage(NamedTuple):
+class RolloutSetup(NamedTuple):
     """What is known before a rollout, C cells in W words."""
 
     belief: NDArray[np.uint8]
@@ -41,14 +41,14 @@ class Stage(NamedTuple):
     """(C,) chance of an unknown cell to be free and within reach, 0 for others."""
     views: NDArray[np.uint64]
     """(C, W) what is visible from a cell."""
-    passages: NDArray[np.int32]
+    neighbours: NDArray[np.int32]
     """(C, 4) neighbours, -1 for none."""
     surroundings: NDArray[np.int32]
     """(C, 24) the 5x5 around a cell, -1 off the map."""
 
 
-class Flight(NamedTuple):
-    """Working arrays of one flight, (C,) each."""
+class Rollout(NamedTuple):
+    """Working arrays of one rollout, (C,) each."""
 
     belief: np.ndarray
     weights: np.ndarray
@@ -62,8 +62,8 @@ class Flight(NamedTuple):
 
 
 @kernel()
-def _new_flight(cells: int) -> Flight:
-    return Flight(
+def _new_rollout(cells: int) -> Rollout:
+    return Rollout(
         np.empty(cells, np.uint8),
         np.empty(cells),
         np.empty(cells, np.bool_),
@@ -74,32 +74,32 @@ def _new_flight(cells: int) -> Flight:
 
 
 @kernel()
-def _weights(stage: Stage) -> np.ndarray:
+def _weights(setup: RolloutSetup) -> np.ndarray:
     """Return what seeing each cell is worth to the quick policy, (C,)."""
-    belief = stage.belief.ravel()
+    belief = setup.belief.ravel()
     weights = np.zeros(belief.shape[0])
     for cell in np.flatnonzero(belief == UNKNOWN):
         known = 0
-        for near in stage.surroundings[cell]:
+        for near in setup.surroundings[cell]:
             known += near < 0 or belief[near] != UNKNOWN
-        weights[cell] = stage.chances[cell] * (1 + ISOLATION * known)
+        weights[cell] = setup.chances[cell] * (1 + ISOLATION * known)
     return weights
 
 
 @kernel()
-def _reveal(flight: Flight, stage: Stage, cell: int, room: np.ndarray, lens: Optics, scan: Scan) -> int:
+def _reveal(rollout: Rollout, setup: RolloutSetup, cell: int, room: np.ndarray, lens: Optics, scan: Scan) -> int:
     """Scan a (H, W) room from a flat cell; return how many free cells are new."""
     height, width = room.shape
     truth, found = room.reshape(height * width), 0
-    flight.visited[cell] = True
+    rollout.visited[cell] = True
     for k in range(visible_cells(room, cell // width, cell % width, lens, scan)):
         seen = scan.cells[k]
-        if flight.belief[seen] == UNKNOWN:
-            flight.belief[seen], flight.weights[seen] = truth[seen], 0.0
+        if rollout.belief[seen] == UNKNOWN:
+            rollout.belief[seen], rollout.weights[seen] = truth[seen], 0.0
             found += truth[seen] == FREE
-            for near in stage.surroundings[seen]:
-                if near >= 0 and flight.belief[near] == UNKNOWN:
-                    flight.weights[near] += ISOLATION * stage.chances[near]
+            for near in setup.surroundings[seen]:
+                if near >= 0 and rollout.belief[near] == UNKNOWN:
+                    rollout.weights[near] += ISOLATION * setup.chances[near]
     return found
 
 
@@ -117,36 +117,42 @@ def _gain(weights: np.ndarray, view: np.ndarray) -> float:
 
 
 @kernel()
-def _quick_step(flight: Flight, stage: Stage, start: int, most: float) -> int:
+def _quick_step(rollout: Rollout, setup: RolloutSetup, start: int, most: float) -> int:
     """Return the next cell of the quick policy, -1 when nothing is left to see; ``most`` bounds what a view gains.
 
     The search carries first cells along and ends as soon as no farther cell can be better.
     """
-    flight.steps[:] = -1
-    flight.steps[start], flight.queue[0] = 0, start
+    rollout.steps[:] = -1
+    rollout.steps[start], rollout.queue[0] = 0, start
     head, tail, best, following = 0, 1, 0.0, -1
     while head < tail:
-        cell = flight.queue[head]
+        cell = rollout.queue[head]
         head += 1
-        fade = np.exp(-DECAY * flight.steps[cell])
+        fade = np.exp(-DECAY * rollout.steps[cell])
         if most * fade <= best:
             break
-        if not flight.visited[cell] and cell != start:
-            worth = fade * _gain(flight.weights, stage.views[cell])
+        if not rollout.visited[cell] and cell != start:
+            worth = fade * _gain(rollout.weights, setup.views[cell])
             if worth > best:
-                best, following = worth, flight.first[cell]
-        for near in stage.passages[cell]:
-            if near >= 0 and flight.steps[near] < 0 and flight.belief[near] != OCCUPIED:
-                flight.steps[near] = flight.steps[cell] + 1
-                flight.first[near] = near if cell == start else flight.first[cell]
-                flight.queue[tail] = near
+                best, following = worth, rollout.first[cell]
+        for near in setup.neighbours[cell]:
+            if near >= 0 and rollout.steps[near] < 0 and rollout.belief[near] != OCCUPIED:
+                rollout.steps[near] = rollout.steps[cell] + 1
+                rollout.first[near] = near if cell == start else rollout.first[cell]
+                rollout.queue[tail] = near
                 tail += 1
     return int(following)
 
 
 @kernel()
 def _fly(
-    flight: Flight, stage: Stage, start: int, tour: np.ndarray, room: np.ndarray, wanted: np.ndarray, lens: Optics
+    rollout: Rollout,
+    setup: RolloutSetup,
+    start: int,
+    tour: np.ndarray,
+    room: np.ndarray,
+    wanted: np.ndarray,
+    lens: Optics,
 ) -> np.ndarray:
     """Return after how many steps each number of new free cells in ``wanted`` (N,), rising, was seen, (N,)."""
     scan, most = new_scan(lens), (lens.disc + 1) * (1 + 24 * ISOLATION)
@@ -154,11 +160,11 @@ def _fly(
     cell, found, follows = start, 0, True
     for step in range(1, LONGEST):
         follows = follows and step <= min(tour.shape[0], FOLLOWED)
-        follows = follows and tour[step - 1] >= 0 and flight.belief[tour[step - 1]] != OCCUPIED
-        cell = tour[step - 1] if follows else _quick_step(flight, stage, cell, most)
+        follows = follows and tour[step - 1] >= 0 and rollout.belief[tour[step - 1]] != OCCUPIED
+        cell = tour[step - 1] if follows else _quick_step(rollout, setup, cell, most)
         if cell < 0 or room.reshape(room.size)[cell] == OCCUPIED:
             break
-        found += _reveal(flight, stage, cell, room, lens, scan)
+        found += _reveal(rollout, setup, cell, room, lens, scan)
         for n in range(wanted.shape[0]):
             if found >= wanted[n]:
                 steps[n] = min(steps[n], step)
@@ -169,27 +175,27 @@ def _fly(
 
 @kernel()
 def _fly_all(
-    start: int, stage: Stage, tours: np.ndarray, rooms: np.ndarray, shares: np.ndarray, lens: Optics
+    start: int, setup: RolloutSetup, tours: np.ndarray, rooms: np.ndarray, shares: np.ndarray, lens: Optics
 ) -> np.ndarray:
-    cells, weights, known = stage.belief.size, _weights(stage), stage.belief.ravel() == FREE
-    flight = _new_flight(cells)
-    queue, distances = np.empty(cells, np.int32), np.empty(stage.belief.shape, np.int32)
+    cells, weights, known = setup.belief.size, _weights(setup), setup.belief.ravel() == FREE
+    rollout = _new_rollout(cells)
+    queue, distances = np.empty(cells, np.int32), np.empty(setup.belief.shape, np.int32)
     steps = np.empty((tours.shape[0], rooms.shape[0], shares.shape[0]), np.int64)
     for s in range(rooms.shape[0]):
-        room = rooms[s].reshape(stage.belief.shape)
+        room = rooms[s].reshape(setup.belief.shape)
         size = distances_from(room, start // room.shape[1], start % room.shape[1], queue, distances)
         wanted = shares * size - (known & (distances.ravel() < UNREACHABLE)).sum()
         for t in range(tours.shape[0]):
-            flight.belief[:] = stage.belief.ravel()
-            flight.weights[:] = weights
-            flight.visited[:] = False
-            steps[t, s] = _fly(flight, stage, start, tours[t], room, wanted, lens)
+            rollout.belief[:] = setup.belief.ravel()
+            rollout.weights[:] = weights
+            rollout.visited[:] = False
+            steps[t, s] = _fly(rollout, setup, start, tours[t], room, wanted, lens)
     return steps
 
 
 def steps_to_shares(
     start: int,
-    stage: Stage,
+    setup: RolloutSetup,
     tours: list[list[int]],
     rooms: Belief,
     shares: NDArray[np.float64],
@@ -199,7 +205,7 @@ def steps_to_shares(
 
     Args:
         start: The UAV's flat cell.
-        stage: What it knows.
+        setup: What it knows.
         tours: T lists of flat cells, the start left out.
         rooms: (S, C) rooms without unknown cells that agree with the belief.
         shares: (N,) shares of a room's reachable cells, rising. What is never shown takes ``LONGEST`` steps.
@@ -208,4 +214,4 @@ def steps_to_shares(
     padded = np.full((len(tours), FOLLOWED), -1, np.int32)
     for row, tour in zip(padded, tours, strict=True):
         row[: len(tour)] = tour[:FOLLOWED]
-    return np.asarray(_fly_all(start, stage, padded, rooms, shares, lens))
+    return np.asarray(_fly_all(start, setup, padded, rooms, shares, lens))

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN
 from indoor_explorers.env.search.bitsets import Bits, around, hash_keys, packed, unpacked
-from indoor_explorers.env.search.optimistic_views import Sights
-from indoor_explorers.planners.horizon.beam import Style, Terrain, shortest_tour
+from indoor_explorers.env.search.optimistic_views import OptimisticViews
+from indoor_explorers.planners.horizon.beam import BeamConfig, SearchGraph, shortest_tour
 from indoor_explorers.planners.horizon.learned_prior import Prior
-from indoor_explorers.planners.horizon.rollout_choice import Rehearsal
+from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
 
 #: Free cells that may be missing when everything is wanted, as an expected number.
 CERTAINTY = 0.2
@@ -23,7 +23,7 @@ ALTERNATIVE_WIDTH = 0.4
 SLACK = 6
 
 
-class Task(NamedTuple):
+class TourProblem(NamedTuple):
     """What one tour is to do."""
 
     cell: int
@@ -36,22 +36,22 @@ class Task(NamedTuple):
     """What weight may stay unseen."""
 
 
-class Tours:
-    """Plan tours that show the share ``goal`` of the free cells, first with a share ``spare`` of them left out."""
+class TourPlanner:
+    """Plan tours that show the share ``goal`` of the free cells, first without the share ``deferred_share`` of them."""
 
     def __init__(
         self,
         shape: tuple[int, int],
         lidar_range: float,
         prior: Prior,
-        style: Style,
+        config: BeamConfig,
         goal: float,
-        spare: float,
-        rehearsal: Rehearsal | None = None,
+        deferred_share: float,
+        selection: RolloutSelection | None = None,
     ) -> None:
-        self.sights = Sights(shape, lidar_range)
-        self._prior, self._style, self._goal, self._spare = prior, style, goal, spare
-        self._rehearsal = rehearsal
+        self.optimistic = OptimisticViews(shape, lidar_range)
+        self._prior, self._config, self._goal, self._deferred_share = prior, config, goal, deferred_share
+        self._selection = selection
         self._around, self._keys = around(shape), hash_keys(2 * shape[0] * shape[1])
         self._tour: list[int] = []
         self._finishes = False
@@ -65,63 +65,63 @@ class Tours:
         """Return the next cell of the tour of a UAV in a flat cell; None when there is none."""
         if self._tour and self._tour[0] == cell:
             self._tour = self._tour[1:]
-        stands = self._tour and self._tour[0] in self.sights.passages[cell]
+        stands = self._tour and self._tour[0] in self.optimistic.neighbours[cell]
         return self._tour[0] if stands else None
 
     def plan(self, belief: Belief, cell: int, share: NDArray[np.float64] | None = None) -> None:
         """Plan a tour from a flat cell, and keep the old one while it shows enough and is no worse.
 
         ``share`` (C,) is how much of each cell is this UAV's to see, 1 unless a teammate is to see it. A tour that
-        shows too little is kept while it can be flown and shows anything. With a rehearsal, and nobody to share
+        shows too little is kept while it can be flown and shows anything. With a selection, and nobody to share
         with, a tour with another first step takes its place where that is better in sampled rooms.
         """
-        self.sights.update(belief)
+        self.optimistic.update(belief)
         self.following(cell)
-        unseen = packed(belief == UNKNOWN) & self.sights.attainable(cell)
+        unseen = packed(belief == UNKNOWN) & self.optimistic.attainable(cell)
         chances = np.where(unpacked(unseen, belief.size), self._prior.free_chances(belief), 0.0)
         weights, rest = self._wanted(belief, chances, unseen, share)
         unseen = unseen & packed(weights > 0)
-        task = Task(cell, unseen, weights, rest)
-        old = self._cost(task, self._tour)
+        problem = TourProblem(cell, unseen, weights, rest)
+        old = self._cost(problem, self._tour)
         if old is not None:
             self._tour = self._tour[: old[0]]
-        elif self._finishes or not self._is_open(task) or not self._upto_last_gain(self._tour, unseen):
+        elif self._finishes or not self._is_open(problem) or not self._upto_last_gain(self._tour, unseen):
             self._tour = []
-        style = self._style
-        tour, finishes = self._search(task, style._replace(depth=min(style.depth, old[0]) if old else style.depth))
-        new = self._cost(task, tour)
+        depth = min(self._config.depth, old[0]) if old else self._config.depth
+        tour, finishes = self._search(problem, self._config._replace(depth=depth))
+        new = self._cost(problem, tour)
         if not self._tour or (new is not None and (old is None or new < old)):
             self._tour, self._finishes = tour, finishes
-        if self._rehearsal is not None and share is None and self._tour:
-            tours = [(self._tour, self._finishes), *self._alternatives(task)]
+        if self._selection is not None and share is None and self._tour:
+            tours = [(self._tour, self._finishes), *self._alternatives(problem)]
             if len(tours) > 1:
-                best = self._rehearsal.best(belief, cell, self.sights, chances, [tour for tour, _ in tours])
+                best = self._selection.best(belief, cell, self.optimistic, chances, [tour for tour, _ in tours])
                 self._tour, self._finishes = tours[best]
 
-    def _alternatives(self, task: Task) -> list[tuple[list[int], bool]]:
+    def _alternatives(self, problem: TourProblem) -> list[tuple[list[int], bool]]:
         """Return a tour for each other first step, and whether it finishes; none that is much longer."""
         tours = []
-        width = max(1, round(ALTERNATIVE_WIDTH * self._style.width))
-        for cell in self.sights.passages[task.cell].tolist():
+        width = max(1, round(ALTERNATIVE_WIDTH * self._config.width))
+        for cell in self.optimistic.neighbours[problem.cell].tolist():
             if cell < 0 or cell == self._tour[0]:
                 continue
-            after = task._replace(cell=cell, unseen=task.unseen & ~self.sights.views[cell])
-            rest, finishes = self._search(after, self._style._replace(width=width))
+            after = problem._replace(cell=cell, unseen=problem.unseen & ~self.optimistic.views[cell])
+            rest, finishes = self._search(after, self._config._replace(width=width))
             tour = [cell, *rest]
-            shows = finishes or self._upto_last_gain(tour, task.unseen)
+            shows = finishes or self._upto_last_gain(tour, problem.unseen)
             if shows and not (finishes and self._finishes and len(tour) > len(self._tour) + SLACK):
                 tours.append((tour, finishes))
         return tours
 
-    def _search(self, task: Task, style: Style) -> tuple[list[int], bool]:
+    def _search(self, problem: TourProblem, config: BeamConfig) -> tuple[list[int], bool]:
         """Return a tour and whether it finishes; up to its last gain if it does not."""
-        if not task.unseen.any():
+        if not problem.unseen.any():
             return [], False
-        sights = self.sights
-        terrain = Terrain(sights.views, sights.passages, sights.soon, self._around, self._keys, task.weights)
-        cells, finishes = shortest_tour(task.cell, task.unseen, terrain, task.rest, style)
+        views, neighbours, within = self.optimistic.views, self.optimistic.neighbours, self.optimistic.views_within
+        graph = SearchGraph(views, neighbours, within, self._around, self._keys, problem.weights)
+        cells, finishes = shortest_tour(problem.cell, problem.unseen, graph, problem.rest, config)
         tour = cells.tolist()
-        return (tour, True) if finishes else (self._upto_last_gain(tour, task.unseen), False)
+        return (tour, True) if finishes else (self._upto_last_gain(tour, problem.unseen), False)
 
     def _wanted(
         self, belief: Belief, chances: NDArray[np.float64], unseen: Bits, share: NDArray[np.float64] | None
@@ -134,35 +134,35 @@ class Tours:
         total = np.count_nonzero(belief == FREE) + chances.sum()
         rest = (1.0 - self._goal) * total + CERTAINTY
         own = chances if share is None else chances * share
-        for weights, most in ((own, max(rest, self._spare * total)), (own, rest), (chances, rest)):
+        for weights, most in ((own, max(rest, self._deferred_share * total)), (own, rest), (chances, rest)):
             if weights.sum() > most:
                 return weights, most
         return unpacked(unseen, belief.size).astype(np.float64), 0.5
 
-    def _cost(self, task: Task, tour: list[int]) -> tuple[int, float] | None:
+    def _cost(self, problem: TourProblem, tour: list[int]) -> tuple[int, float] | None:
         """Return the steps until a tour shows enough and its delay; None if it never does or is blocked.
 
         The delay is the weight of what is still unseen, summed over these steps.
         """
-        cell, unseen, delay = task.cell, task.unseen, 0.0
+        cell, unseen, delay = problem.cell, problem.unseen, 0.0
         for steps, following in enumerate(tour, 1):
-            if following not in self.sights.passages[cell]:
+            if following not in self.optimistic.neighbours[cell]:
                 return None
-            cell, unseen = following, unseen & ~self.sights.views[following]
-            left = float(task.weights[unpacked(unseen, task.weights.size)].sum())
+            cell, unseen = following, unseen & ~self.optimistic.views[following]
+            left = float(problem.weights[unpacked(unseen, problem.weights.size)].sum())
             delay += left
-            if left <= task.rest:
+            if left <= problem.rest:
                 return steps, round(delay, 6)
         return None
 
-    def _is_open(self, task: Task) -> bool:
+    def _is_open(self, problem: TourProblem) -> bool:
         """Tell whether the old tour can be flown as far as is known."""
-        steps = zip([task.cell, *self._tour], self._tour, strict=False)
-        return all(after in self.sights.passages[before] for before, after in steps)
+        steps = zip([problem.cell, *self._tour], self._tour, strict=False)
+        return all(after in self.optimistic.neighbours[before] for before, after in steps)
 
     def _upto_last_gain(self, tour: list[int], unseen: Bits) -> list[int]:
         last = 0
         for steps, cell in enumerate(tour, 1):
-            if (unseen & self.sights.views[cell]).any():
-                last, unseen = steps, unseen & ~self.sights.views[cell]
+            if (unseen & self.optimistic.views[cell]).any():
+                last, unseen = steps, unseen & ~self.optimistic.views[cell]
         return tour[:last]

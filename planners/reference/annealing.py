@@ -13,7 +13,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.grid.randomness import draw
-from indoor_explorers.env.search.visibility import Sights, unseen_from
+from indoor_explorers.env.search.visibility import VisibilityTable, count_unseen
 from indoor_explorers.planners.reference.routes import (
     Aims,
     Crew,
@@ -61,35 +61,35 @@ def _pick(routes: Routes, dice: np.ndarray) -> tuple[int, int]:
 
 
 @leaf()
-def _insert(sights: Sights, legs: Legs, routes: Routes, crew: Crew, point: int) -> bool:
-    find_steps(sights, legs, point)
+def _insert(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, point: int) -> bool:
+    find_steps(table, legs, point)
     _, n, p = cheapest_place(legs, routes, crew.starts, point)
     return put(routes, n, p, point)
 
 
 @leaf()
-def _shift(sights: Sights, legs: Legs, routes: Routes, dice: np.ndarray) -> bool:
+def _shift(table: VisibilityTable, legs: Legs, routes: Routes, dice: np.ndarray) -> bool:
     """Put a viewpoint a few random steps away in the place of a stop."""
     n, p = _pick(routes, dice)
     cell = legs.points[routes.stops[n, p]]
     for _ in range(1 + roll(dice, 4)):
-        other = sights.near[cell, roll(dice, 4)]
+        other = table.neighbours[cell, roll(dice, 4)]
         cell = other if other >= 0 else cell
     point = legs.nearest[cell]
     if point == routes.stops[n, p]:
         return False
-    find_steps(sights, legs, point)
+    find_steps(table, legs, point)
     routes.stops[n, p] = point
     return True
 
 
 @leaf()
-def _relocate(sights: Sights, legs: Legs, routes: Routes, crew: Crew, dice: np.ndarray) -> bool:
+def _relocate(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, dice: np.ndarray) -> bool:
     """Move a stop to where it costs least, or anywhere."""
     n, p = _pick(routes, dice)
     point = take(routes, n, p)
     if roll(dice, 2) == 0:
-        return _insert(sights, legs, routes, crew, point)
+        return _insert(table, legs, routes, crew, point)
     m = roll(dice, routes.sizes.shape[0])
     return put(routes, m, roll(dice, routes.sizes[m] + 1), point)
 
@@ -118,15 +118,15 @@ def _move_piece(routes: Routes, dice: np.ndarray) -> bool:
 
 
 @leaf()
-def _change(sights: Sights, legs: Legs, routes: Routes, crew: Crew, dice: np.ndarray) -> bool:
+def _change(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, dice: np.ndarray) -> bool:
     """Change routes in one random way; return False when nothing came of it."""
     kind = roll(dice, 100)
     if kind < 7 or count_stops(routes) == 0:
-        return _insert(sights, legs, routes, crew, roll(dice, legs.points.shape[0]))
+        return _insert(table, legs, routes, crew, roll(dice, legs.points.shape[0]))
     if kind < 42:
-        return _shift(sights, legs, routes, dice)
+        return _shift(table, legs, routes, dice)
     if kind < 57:
-        return _relocate(sights, legs, routes, crew, dice)
+        return _relocate(table, legs, routes, crew, dice)
     if kind < 65:
         return _move_piece(routes, dice)
     n, p = _pick(routes, dice)
@@ -145,17 +145,17 @@ def _change(sights: Sights, legs: Legs, routes: Routes, crew: Crew, dice: np.nda
 
 
 @leaf()
-def _construct(sights: Sights, legs: Legs, routes: Routes, crew: Crew, aims: Aims, dice: np.ndarray) -> None:
+def _construct(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, aims: Aims, dice: np.ndarray) -> None:
     """Insert the best of some random viewpoints by new cells a step, until routes see enough or have no more room."""
     samples = SAMPLES
-    left = cost(sights, legs, routes, crew, aims, math.inf)[1]
+    left = cost(table, legs, routes, crew, aims, math.inf)[1]
     while left > 0:
         best, most = -1, 0.0
         for _ in range(samples):
             point = roll(dice, legs.points.shape[0])
-            gain = min(unseen_from(sights, legs.points[point], crew.seen), left)
+            gain = min(count_unseen(table, legs.points[point], crew.seen), left)
             if gain > 0:
-                find_steps(sights, legs, point)
+                find_steps(table, legs, point)
                 score = gain / (cheapest_place(legs, routes, crew.starts, point)[0] + 2.0)
                 if score > most:
                     best, most = point, score
@@ -163,27 +163,27 @@ def _construct(sights: Sights, legs: Legs, routes: Routes, crew: Crew, aims: Aim
             return
         if best < 0:
             samples *= 2
-        elif _insert(sights, legs, routes, crew, best):
-            left = cost(sights, legs, routes, crew, aims, math.inf)[1]
+        elif _insert(table, legs, routes, crew, best):
+            left = cost(table, legs, routes, crew, aims, math.inf)[1]
         else:
             return
 
 
 @kernel()
 def anneal(
-    sights: Sights, legs: Legs, crew: Crew, aims: Aims, key: np.uint64, changes: int, work: int
+    table: VisibilityTable, legs: Legs, crew: Crew, aims: Aims, key: np.uint64, changes: int, work: int
 ) -> tuple[Routes, float]:
     """Return the best routes found that reach the last aim, and their cost.
 
     Tries so many ``changes``, fewer when they cost more than ``work`` joined words.
     """
-    team, room = crew.starts.shape[0], 64 + sights.near.shape[0] // 8
+    team, room = crew.starts.shape[0], 64 + table.neighbours.shape[0] // 8
     dice = np.array([key, np.uint64(0)], np.uint64)
     now = Routes(np.zeros((team, room), np.int32), np.zeros(team, np.int64))
-    _construct(sights, legs, now, crew, aims, dice)
+    _construct(table, legs, now, crew, aims, dice)
     best = Routes(now.stops.copy(), now.sizes.copy())
     tried = Routes(now.stops.copy(), now.sizes.copy())
-    least, left = cost(sights, legs, now, crew, aims, math.inf)
+    least, left = cost(table, legs, now, crew, aims, math.inf)
     value = least + PENALTY * left
     hot, begun = max(HOT * value, COLD), crew.work[0]
     for change in range(changes):
@@ -191,11 +191,11 @@ def anneal(
         if spent >= 1.0:
             break
         copy(now, tried)
-        if not _change(sights, legs, tried, crew, dice):
+        if not _change(table, legs, tried, crew, dice):
             continue
         heat = hot * (COLD / hot) ** spent
         bar = value - heat * math.log((roll(dice, 2**53) + 1) / 2**53)
-        steps, left = cost(sights, legs, tried, crew, aims, bar)
+        steps, left = cost(table, legs, tried, crew, aims, bar)
         if steps + PENALTY * left <= bar:
             value = steps + PENALTY * left
             copy(tried, now)

@@ -17,7 +17,13 @@ import numpy as np
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.search.visibility import Sights, look, sights_of, size_of, unseen_from
+from indoor_explorers.env.search.visibility import (
+    VisibilityTable,
+    add_visible,
+    count_cells,
+    count_unseen,
+    visibility_table,
+)
 from indoor_explorers.env.sensing.lidar import optics
 from indoor_explorers.planners.reference.annealing import anneal
 from indoor_explorers.planners.reference.routes import Aims, Crew, Legs, tracks
@@ -63,29 +69,29 @@ class Effort(NamedTuple):
 
 
 @kernel()
-def _viewpoints(sights: Sights, width: int, stride: int) -> np.ndarray:
+def _viewpoints(table: VisibilityTable, width: int, stride: int) -> np.ndarray:
     """Return which cells are viewpoints: those of a lattice, and others until they show all that there is to see."""
-    count = sights.cells.shape[0]
-    chosen, seen = np.zeros(count, np.bool_), np.zeros_like(sights.all)
+    count = table.cells.shape[0]
+    chosen, seen = np.zeros(count, np.bool_), np.zeros_like(table.union)
     for cell in range(count):
-        row, col = divmod(sights.cells[cell], width)
+        row, col = divmod(table.cells[cell], width)
         if row % stride == 0 and col % stride == 0:
             chosen[cell] = True
-            look(sights, cell, seen)
+            add_visible(table, cell, seen)
     for cell in range(count):
-        chosen[cell] |= look(sights, cell, seen) > 0
+        chosen[cell] |= add_visible(table, cell, seen) > 0
     return chosen
 
 
 @kernel()
-def _best_viewpoints(sights: Sights, most: int) -> np.ndarray:
+def _best_viewpoints(table: VisibilityTable, most: int) -> np.ndarray:
     """Return which cells are viewpoints, ``most`` at most: those that show much that no other one does, then less."""
-    count = sights.cells.shape[0]
-    chosen, seen, least, found = np.zeros(count, np.bool_), np.zeros_like(sights.all), count, 0
+    count = table.cells.shape[0]
+    chosen, seen, least, found = np.zeros(count, np.bool_), np.zeros_like(table.union), count, 0
     while least > 0:
         for cell in range(count):
-            if found < most and unseen_from(sights, cell, seen) >= least:
-                look(sights, cell, seen)
+            if found < most and count_unseen(table, cell, seen) >= least:
+                add_visible(table, cell, seen)
                 chosen[cell] = True
                 found += 1
         least //= 2
@@ -93,18 +99,18 @@ def _best_viewpoints(sights: Sights, most: int) -> np.ndarray:
 
 
 @kernel()
-def _shown(sights: Sights, cells: np.ndarray) -> int:
+def _shown(table: VisibilityTable, cells: np.ndarray) -> int:
     """Count what can be seen from some cells together."""
-    seen = np.zeros_like(sights.all)
+    seen = np.zeros_like(table.union)
     for cell in cells:
-        look(sights, cell, seen)
-    return size_of(seen)
+        add_visible(table, cell, seen)
+    return count_cells(seen)
 
 
 @kernel()
-def _nearest(sights: Sights, points: np.ndarray) -> np.ndarray:
+def _nearest(table: VisibilityTable, points: np.ndarray) -> np.ndarray:
     """Return the viewpoint nearest to each cell, (M,): a flood that carries viewpoints along instead of distances."""
-    nearest, queue = np.full(sights.cells.shape[0], -1, np.int32), np.empty(sights.cells.shape[0], np.int32)
+    nearest, queue = np.full(table.cells.shape[0], -1, np.int32), np.empty(table.cells.shape[0], np.int32)
     head, tail = 0, points.shape[0]
     for k in range(tail):
         queue[k], nearest[points[k]] = points[k], k
@@ -112,7 +118,7 @@ def _nearest(sights: Sights, points: np.ndarray) -> np.ndarray:
         cell = queue[head]
         head += 1
         for k in range(4):
-            other = sights.near[cell, k]
+            other = table.neighbours[cell, k]
             if other >= 0 and nearest[other] < 0:
                 nearest[other] = nearest[cell]
                 queue[tail] = other
@@ -120,14 +126,14 @@ def _nearest(sights: Sights, points: np.ndarray) -> np.ndarray:
     return nearest
 
 
-def _legs(sights: Sights, width: int) -> Legs:
-    count = len(sights.cells)
+def _legs(table: VisibilityTable, width: int) -> Legs:
+    count = len(table.cells)
     stride = math.ceil(count / math.sqrt(TABLE))
-    points = np.flatnonzero(_viewpoints(sights, width, stride)).astype(np.int32)
+    points = np.flatnonzero(_viewpoints(table, width, stride)).astype(np.int32)
     if len(points) * count > LARGEST_TABLE:
-        points = np.flatnonzero(_best_viewpoints(sights, LARGEST_TABLE // count)).astype(np.int32)
+        points = np.flatnonzero(_best_viewpoints(table, LARGEST_TABLE // count)).astype(np.int32)
     steps, known = np.empty((len(points), count), np.int32), np.zeros(len(points), np.bool_)
-    return Legs(points, _nearest(sights, points), steps, known, np.empty(count, np.int32))
+    return Legs(points, _nearest(table, points), steps, known, np.empty(count, np.int32))
 
 
 @lru_cache(maxsize=32)
@@ -138,22 +144,22 @@ def plan(task: Task, effort: Effort) -> tuple[Track, ...]:
     """
     height, width = task.shape
     truth = np.frombuffer(task.truth, np.uint8).reshape(task.shape)
-    sights = sights_of(truth, task.starts, optics(*task.lidar), whole=task.whole)
-    legs = _legs(sights, width)
-    number = {int(cell): k for k, cell in enumerate(sights.cells)}
+    table = visibility_table(truth, task.starts, optics(*task.lidar), count_all_cells=task.count_all_cells)
+    legs = _legs(table, width)
+    number = {int(cell): k for k, cell in enumerate(table.cells)}
     starts = np.array([number[row * width + col] for row, col in task.starts])
-    crew = Crew(starts, starts.copy(), np.zeros_like(starts), np.zeros_like(sights.all), np.zeros(1, np.int64))
-    total = height * width if task.whole else len(sights.cells)
-    shown = _shown(sights, np.concatenate([starts, legs.points]))
+    crew = Crew(starts, starts.copy(), np.zeros_like(starts), np.zeros_like(table.union), np.zeros(1, np.int64))
+    total = height * width if task.count_all_cells else len(table.cells)
+    shown = _shown(table, np.concatenate([starts, legs.points]))
     first, last = (min(math.ceil(level * total - 1e-9), shown) for level in (min(FIRST_AIM, task.goal), task.goal))
     aims = Aims(first, last, SHARE)
     found = [
-        anneal(sights, legs, crew, aims, np.uint64(restart), effort.changes, effort.work)
+        anneal(table, legs, crew, aims, np.uint64(restart), effort.changes, effort.work)
         for restart in range(effort.restarts)
     ]
     routes, _ = min(found, key=lambda one: one[1])
-    numbers = tracks(sights, legs, routes, crew, aims)
-    flown = [sights.cells[numbers[:, n]].tolist() for n in range(len(task.starts))]
+    numbers = tracks(table, legs, routes, crew, aims)
+    flown = [table.cells[numbers[:, n]].tolist() for n in range(len(task.starts))]
     return tuple(tuple(divmod(cell, width) for cell in track) for track in untangled(flown))
 
 

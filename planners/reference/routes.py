@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood_table
-from indoor_explorers.env.search.visibility import Sights, look
+from indoor_explorers.env.search.visibility import VisibilityTable, add_visible
 
 #: Steps to a cell that cannot be reached.
 FAR = np.int32(2**20)
@@ -70,7 +70,7 @@ class Crew(NamedTuple):
 
 
 @leaf()
-def find_steps(sights: Sights, legs: Legs, point: int) -> None:
+def find_steps(table: VisibilityTable, legs: Legs, point: int) -> None:
     """Work out the steps to a viewpoint unless they are known."""
     if legs.known[point]:
         return
@@ -79,22 +79,22 @@ def find_steps(sights: Sights, legs: Legs, point: int) -> None:
     steps[:] = FAR
     steps[legs.points[point]] = 0
     legs.queue[0] = legs.points[point]
-    flood_table(sights.near, 1, legs.queue, steps)
+    flood_table(table.neighbours, 1, legs.queue, steps)
 
 
 @leaf()
-def start(sights: Sights, crew: Crew) -> int:
+def start(table: VisibilityTable, crew: Crew) -> int:
     """Put the UAVs at their starts; return how many cells their first scans show."""
     crew.seen[:] = 0
     new = 0
     for n in range(crew.starts.shape[0]):
         crew.cell[n], crew.stop[n] = crew.starts[n], 0
-        new += look(sights, crew.starts[n], crew.seen)
+        new += add_visible(table, crew.starts[n], crew.seen)
     return new
 
 
 @leaf()
-def fly_on(sights: Sights, legs: Legs, routes: Routes, crew: Crew) -> int:
+def fly_on(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew) -> int:
     """Move every UAV one step along its route; return how many cells that shows, -1 when all routes are flown."""
     new = -1
     for n in range(crew.cell.shape[0]):
@@ -107,24 +107,24 @@ def fly_on(sights: Sights, legs: Legs, routes: Routes, crew: Crew) -> int:
         if crew.stop[n] == routes.sizes[n]:
             continue
         for k in range(4):
-            other = sights.near[cell, k]
+            other = table.neighbours[cell, k]
             if other >= 0 and steps[other] < steps[cell]:
                 crew.cell[n] = other
                 break
-        crew.work[0] += sights.first[other + 1] - sights.first[other]
-        new = max(new, 0) + look(sights, crew.cell[n], crew.seen)
+        crew.work[0] += table.offsets[other + 1] - table.offsets[other]
+        new = max(new, 0) + add_visible(table, crew.cell[n], crew.seen)
     return new
 
 
 @leaf()
-def cost(sights: Sights, legs: Legs, routes: Routes, crew: Crew, aims: Aims, limit: float) -> tuple[float, int]:
+def cost(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, aims: Aims, limit: float) -> tuple[float, int]:
     """Fly routes to their ends, the last aim, or a cost above ``limit``; return the cost and how many cells miss.
 
     A step costs 1 before the first aim is reached and ``aims.share`` after it.
     """
-    seen, spent = start(sights, crew), 0.0
+    seen, spent = start(table, crew), 0.0
     while seen < aims.last and spent <= limit:
-        new = fly_on(sights, legs, routes, crew)
+        new = fly_on(table, legs, routes, crew)
         if new < 0:
             break
         spent += 1.0 if seen < aims.first else aims.share
@@ -133,13 +133,13 @@ def cost(sights: Sights, legs: Legs, routes: Routes, crew: Crew, aims: Aims, lim
 
 
 @kernel()
-def tracks(sights: Sights, legs: Legs, routes: Routes, crew: Crew, aims: Aims) -> np.ndarray:
+def tracks(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, aims: Aims) -> np.ndarray:
     """Return the numbers of the cells that the UAVs are in up to the last aim, (steps + 1, N)."""
-    seen, steps = start(sights, crew), 0
+    seen, steps = start(table, crew), 0
     out = np.empty((1024, crew.cell.shape[0]), np.int64)
     out[0] = crew.cell
     while seen < aims.last:
-        new = fly_on(sights, legs, routes, crew)
+        new = fly_on(table, legs, routes, crew)
         if new < 0:
             break
         seen, steps = seen + new, steps + 1

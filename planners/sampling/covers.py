@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.search.visibility import bit_count
+from indoor_explorers.env.search.bitsets import bit_count
 
 
 @kernel()

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS
 from indoor_explorers.learners.dddqn.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.bitboards import ROOM, STRIDE, WORDS
 from indoor_explorers.learners.dddqn.observation.layout import PROSPECTS
 from indoor_explorers.learners.dddqn.observation.view_gain import STALE
 

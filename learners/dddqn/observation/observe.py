@@ -22,6 +22,8 @@ import numpy as np
 from indoor_explorers.env.grid.cells import FREE, MOVES
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.search.bitsets import STRIDE
+from indoor_explorers.env.search.optimistic_views import update_views
 from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.candidates import Outlook, look_for_prospects, new_outlook
 from indoor_explorers.learners.dddqn.observation.changed_boxes import note
@@ -29,8 +31,8 @@ from indoor_explorers.learners.dddqn.observation.layout import Layout, layout
 from indoor_explorers.learners.dddqn.observation.map_image import VISIT_CAP, tabulate, write_scene
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, write_chances
 from indoor_explorers.learners.dddqn.observation.memory import Memory
+from indoor_explorers.learners.dddqn.observation.optimistic_map import assume_obstacles
 from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor, scratch, sensor
-from indoor_explorers.learners.dddqn.observation.terrain import keep_up
 from indoor_explorers.learners.dddqn.observation.tours import Planner, look_for_tours, new_planner
 from indoor_explorers.learners.dddqn.observation.view_gain import (
     AROUND,
@@ -132,7 +134,9 @@ def _look_for_tours(known: Known, memory: Memory, i: int, eyes: Eyes, moves: np.
     """Write the tours of each move."""
     belief, chance, work = known.belief[i], memory.chance[i], eyes.scratch
     views, passages = memory.views[i], memory.passages[i]
-    obstructed = keep_up(belief, chance, eyes.sensor, work, eyes.planner.stale, memory.obstacles[i], views, passages)
+    obstructed = assume_obstacles(belief, chance, work.layer)
+    lens, reach, stale = eyes.sensor.optics, eyes.sensor.reach + 1, eyes.planner.stale
+    update_views(work.layer, STRIDE, lens, work.scan, reach, stale, memory.obstacles[i], views, passages)
     look_for_tours(
         belief,
         known.cell[i],

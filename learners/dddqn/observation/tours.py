@@ -1,10 +1,10 @@
 """Planner features of the moves in small rooms: what tours a small beam search finds behind each of them.
 
 Unknown cells are taken to be free to fly through and transparent but for those that the learned map prior is nearly
-certain about (:mod:`indoor_explorers.learners.dddqn.observation.terrain`). Cells that it rather takes for obstacles
-need not be seen while others are left. Cells that a teammate was nearer to when it was last heard are left to it while
-others are left; those that are as near to both are the lower number's. So are those in the sector of a teammate never
-heard, where it was not likely to be heard.
+certain about (:mod:`~indoor_explorers.learners.dddqn.observation.optimistic_map`). Cells that it rather takes for
+obstacles need not be seen while others are left. Cells that a teammate was nearer to when it was last heard are left to
+it while others are left; those that are as near to both are the lower number's. So are those in the sector of a
+teammate never heard, where it was not likely to be heard.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS, board_size, remove
+from indoor_explorers.env.search.optimistic_views import attainable
 from indoor_explorers.learners.dddqn.observation.beam import Aim, Beam, Tour, follow_tour, new_beam, shortest_tour
-from indoor_explorers.learners.dddqn.observation.bitboards import ROOM, STRIDE, WORDS, bit, count
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND
 from indoor_explorers.learners.dddqn.observation.memory import LONGEST
 
@@ -31,8 +32,8 @@ class Planner(NamedTuple):
     """(4,) words: what can be seen from anywhere in reach."""
     unseen: np.ndarray
     """(4,) words: what of it tours are to see."""
-    met: np.ndarray
-    """(256,) cells reached by a flood."""
+    steps: np.ndarray
+    """(256,) distances of a flood."""
     queue: np.ndarray
     """(256,)."""
     stale: np.ndarray
@@ -53,8 +54,8 @@ def new_planner(shape: tuple[int, int], scenario: Scenario, width: int) -> Plann
         beam=new_beam(width),
         attainable=np.zeros(WORDS, np.uint64),
         unseen=np.zeros(WORDS, np.uint64),
-        met=np.zeros(ROOM * STRIDE, np.uint8),
-        queue=np.zeros(ROOM * STRIDE, np.int64),
+        steps=np.zeros(ROOM * STRIDE, np.int32),
+        queue=np.zeros(ROOM * STRIDE, np.int32),
         stale=np.zeros((ROOM, STRIDE), np.uint8),
         found=np.zeros((4, 2, 4)),
         paths=np.zeros((4, 2, LONGEST + 1), np.int64),
@@ -95,25 +96,6 @@ STEPS, HALFWAY_STEPS, DELAYS = 48.0, 40.0, 200.0
 
 
 @inner()
-def _attainable(start: int, views: np.ndarray, passages: np.ndarray, planner: Planner) -> None:
-    """Write what can be seen from anywhere in reach of a cell."""
-    planner.attainable[:] = 0
-    planner.met[:] = 0
-    planner.queue[0], planner.met[start] = start, 1
-    head, found = 0, 1
-    while head < found:
-        cell = planner.queue[head]
-        head += 1
-        for w in range(WORDS):
-            planner.attainable[w] |= views[cell, w]
-        for k in range(4):
-            after = passages[cell, k]
-            if after >= 0 and planner.met[after] == 0:
-                planner.met[after], planner.queue[found] = 1, after
-                found += 1
-
-
-@inner()
 def _is_a_mates(
     row: int, col: int, agent: int, r: int, c: int, mates: np.ndarray, ages: np.ndarray, sector: np.ndarray
 ) -> bool:
@@ -145,8 +127,8 @@ def _wanted(
         for c in range(belief.shape[1]):
             left_out = belief[r, c] != UNKNOWN or (stage > 0 and chance[r, c] < LIKELY)
             if left_out or (stage > 1 and _is_a_mates(cell[0], cell[1], agent, r, c, mates, ages, sector)):
-                out[(r * STRIDE + c) >> 6] &= ~bit(r * STRIDE + c)
-    return count((out[0], out[1], out[2], out[3]))
+                remove(out, r * STRIDE + c)
+    return board_size((out[0], out[1], out[2], out[3]))
 
 
 @inner()
@@ -266,7 +248,7 @@ def look_for_tours(
     up to date.
     """
     at = cell[0] * STRIDE + cell[1]
-    _attainable(at, views, passages, planner)
+    attainable(at, views, passages, planner.queue, planner.steps, planner.attainable)
     left, total = _choose_unseen(belief, cell, agent, mates, ages, chance, planner)
     rest, halfway = GOAL_REST * total + SLACK, HALFWAY_REST * total
     early, isolation = left > halfway, ISOLATION if obstructed else OPEN_ISOLATION

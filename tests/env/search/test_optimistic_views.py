@@ -7,7 +7,7 @@ import pytest
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.search.bitsets import unpacked
-from indoor_explorers.env.search.optimistic_views import Sights
+from indoor_explorers.env.search.optimistic_views import OptimisticViews
 from indoor_explorers.env.sensing.lidar import new_scan, optics, visible_cells
 
 
@@ -30,40 +30,40 @@ def members(bits: np.ndarray, size: int) -> set[int]:
 
 
 @pytest.mark.parametrize("lidar", [1.0, 3.0])
-def test_sights_are_those_of_the_lidar_and_of_shortest_paths(belief: Belief, start: Cell, lidar: float) -> None:
-    sights, graph = Sights(belief.shape, lidar), not_obstacles(belief)
-    sights.update(belief)
+def test_views_are_those_of_the_lidar_and_of_shortest_paths(belief: Belief, start: Cell, lidar: float) -> None:
+    optimistic, graph = OptimisticViews(belief.shape, lidar), not_obstacles(belief)
+    optimistic.update(belief)
     cell = start[0] * belief.shape[1] + start[1]
-    steps = sights.first_steps(cell)
-    expected = np.full(belief.size, sights.soon.shape[0])
+    steps = optimistic.first_steps(cell)
+    expected = np.full(belief.size, optimistic.views_within.shape[0])
     for place, distance in nx.single_source_shortest_path_length(graph, cell).items():
         seen = list(seen_from(belief, place, lidar))
-        assert members(sights.views[place], belief.size) == set(seen)
+        assert members(optimistic.views[place], belief.size) == set(seen)
         expected[seen] = np.minimum(expected[seen], distance)
-    assert np.array_equal(steps, np.minimum(expected, sights.soon.shape[0]))
-    reach = {n for n in sights.passages[cell].tolist() if n >= 0}
+    assert np.array_equal(steps, np.minimum(expected, optimistic.views_within.shape[0]))
+    reach = {n for n in optimistic.neighbours[cell].tolist() if n >= 0}
     assert reach == set(graph.neighbors(cell))
 
 
-def test_sights_kept_up_to_date_are_sights_made_anew(belief: Belief) -> None:
-    rng, sights = np.random.default_rng(3), Sights(belief.shape, 3.0)
+def test_views_kept_up_to_date_are_views_made_anew(belief: Belief) -> None:
+    rng, optimistic = np.random.default_rng(3), OptimisticViews(belief.shape, 3.0)
     now = np.zeros_like(belief)
     for _ in range(5):
         shown = rng.random(belief.shape) < 0.3
         now[shown] = belief[shown]
-        grown = sights.update(now)
-        anew = Sights(belief.shape, 3.0)
+        grown = optimistic.update(now)
+        anew = OptimisticViews(belief.shape, 3.0)
         anew.update(now)
-        assert np.array_equal(sights.views, anew.views)
-        assert np.array_equal(sights.soon, anew.soon)
-    assert not sights.update(np.where(now == 0, FREE, now))
+        assert np.array_equal(optimistic.views, anew.views)
+        assert np.array_equal(optimistic.views_within, anew.views_within)
+    assert not optimistic.update(np.where(now == 0, FREE, now))
     assert isinstance(grown, bool)
 
 
 def test_what_is_walled_in_is_not_attainable() -> None:
     belief = np.zeros((1, 7), np.uint8)
     belief[0, :4] = FREE, FREE, FREE, OCCUPIED
-    sights = Sights(belief.shape, 2.0)
-    sights.update(belief)
-    assert members(sights.attainable(0), 7) == {0, 1, 2, 3}
-    assert members(sights.attainable(5), 7) == {3, 4, 5, 6}
+    optimistic = OptimisticViews(belief.shape, 2.0)
+    optimistic.update(belief)
+    assert members(optimistic.attainable(0), 7) == {0, 1, 2, 3}
+    assert members(optimistic.attainable(5), 7) == {3, 4, 5, 6}

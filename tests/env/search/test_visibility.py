@@ -1,11 +1,12 @@
-"""Sights: what every cell shows is what its scan shows, counted right."""
+"""VisibilityTable: what every cell shows is what its scan shows, counted right."""
 
 import numpy as np
 import pytest
 
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.env.search.visibility import bit_count, look, sights_of, size_of, unseen_from
+from indoor_explorers.env.search.bitsets import bit_count
+from indoor_explorers.env.search.visibility import add_visible, count_cells, count_unseen, visibility_table
 from indoor_explorers.env.sensing.lidar import optics, scan
 
 
@@ -21,26 +22,26 @@ def noise(seed):
 @pytest.mark.parametrize("seed", range(3))
 def test_views_along_a_way_add_up_as_scans_do(seed, reach, model, whole):
     truth, starts = noise(seed)
-    sights = sights_of(truth, starts, optics(reach, model), whole=whole)
-    reachable = np.isin(np.arange(truth.size), sights.cells).reshape(truth.shape)
-    seen, union = np.zeros_like(sights.all), np.zeros(truth.shape, np.bool_)
-    for number in np.random.default_rng(seed).permutation(len(sights.cells))[:20].tolist():
-        shown = scan(truth, divmod(int(sights.cells[number]), truth.shape[1]), reach, model) > 0
+    table = visibility_table(truth, starts, optics(reach, model), count_all_cells=whole)
+    reachable = np.isin(np.arange(truth.size), table.cells).reshape(truth.shape)
+    seen, union = np.zeros_like(table.union), np.zeros(truth.shape, np.bool_)
+    for number in np.random.default_rng(seed).permutation(len(table.cells))[:20].tolist():
+        shown = scan(truth, divmod(int(table.cells[number]), truth.shape[1]), reach, model) > 0
         new = shown & ~union if whole else shown & ~union & reachable
-        assert unseen_from(sights, number, seen) == look(sights, number, seen) == new.sum()
+        assert count_unseen(table, number, seen) == add_visible(table, number, seen) == new.sum()
         union |= new
-        assert size_of(seen) == union.sum()
+        assert count_cells(seen) == union.sum()
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_cells_are_numbered_by_their_distance_from_the_starts(seed):
     truth, starts = noise(seed)
-    sights = sights_of(truth, starts, optics(2.0), whole=False)
-    steps = np.minimum(*(distance_field(truth, start) for start in starts)).ravel()[sights.cells]
-    assert [divmod(int(cell), truth.shape[1]) for cell in sights.cells[:2]] == starts
+    table = visibility_table(truth, starts, optics(2.0), count_all_cells=False)
+    steps = np.minimum(*(distance_field(truth, start) for start in starts)).ravel()[table.cells]
+    assert [divmod(int(cell), truth.shape[1]) for cell in table.cells[:2]] == starts
     assert (np.diff(steps) >= 0).all()
     assert steps.max() < 2**30
-    assert size_of(sights.all) == len(sights.cells)
+    assert count_cells(table.union) == len(table.cells)
 
 
 def test_bits_are_counted():

@@ -10,10 +10,10 @@ from indoor_explorers.env.search.bitsets import unpacked
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.planners.frontier.joint import JointPilot
-from indoor_explorers.planners.horizon.beam import Style
+from indoor_explorers.planners.horizon.beam import BeamConfig
 from indoor_explorers.planners.horizon.horizon import Horizon, HorizonPilot
 from indoor_explorers.planners.horizon.learned_prior import OpenPrior
-from indoor_explorers.planners.horizon.tour_planner import Tours
+from indoor_explorers.planners.horizon.tour_planner import TourPlanner
 from tests.planners import flights
 
 
@@ -42,7 +42,7 @@ def test_every_prior_completes_rooms(prior: str) -> None:
 
 
 def test_a_tour_is_legal_and_kept_while_it_stands() -> None:
-    tours = Tours((10, 12), 3.0, OpenPrior(), Style(8.0, 0.02, 0.0, 100, 80), goal=1.0, spare=0.0)
+    tours = TourPlanner((10, 12), 3.0, OpenPrior(), BeamConfig(8.0, 0.02, 0.0, 100, 80), goal=1.0, spare=0.0)
     belief = np.zeros((10, 12), np.uint8)
     belief[:3, :3], belief[5, 2:9] = 1, 2
     cell, length = 0, 0
@@ -52,9 +52,9 @@ def test_a_tour_is_legal_and_kept_while_it_stands() -> None:
         length, following = tours.length, tours.following(cell)
         if following is None:
             break
-        assert following in tours.sights.passages[cell]
+        assert following in tours.optimistic.neighbours[cell]
         cell = following
-        belief = np.where(unpacked(tours.sights.views[cell], 120).reshape(10, 12) & (belief == 0), 1, belief)
+        belief = np.where(unpacked(tours.optimistic.views[cell], 120).reshape(10, 12) & (belief == 0), 1, belief)
         belief = belief.astype(np.uint8)
     assert not (belief == 0).any()
 
@@ -67,7 +67,7 @@ class WalledLeft:
 
 
 def test_a_tour_is_not_drawn_to_what_is_surely_an_obstacle() -> None:
-    tours = Tours((1, 30), 1.0, WalledLeft(), Style(8.0, 0.02, 0.0, 1, 80), goal=1.0, spare=0.0)
+    tours = TourPlanner((1, 30), 1.0, WalledLeft(), BeamConfig(8.0, 0.02, 0.0, 1, 80), goal=1.0, spare=0.0)
     belief = np.zeros((1, 30), np.uint8)
     belief[0, 8:21] = 1
     tours.plan(belief, 13)
@@ -76,9 +76,9 @@ def test_a_tour_is_not_drawn_to_what_is_surely_an_obstacle() -> None:
 
 
 def test_large_maps_are_flown_by_clusters() -> None:
-    flight = flights.fly(Horizon(room=50), flights.rooms(2, 4, 1))
-    assert flight.complete
-    assert isinstance(flight.pilots[0], JointPilot)
+    rollout = flights.fly(Horizon(room=50), flights.rooms(2, 4, 1))
+    assert rollout.complete
+    assert isinstance(rollout.pilots[0], JointPilot)
     assert isinstance(flights.fly(Horizon(), flights.rooms(2, 4, 1)).pilots[0], HorizonPilot)
 
 

@@ -6,12 +6,12 @@ from indoor_explorers.env import make_policy, scenario
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.search.bitsets import around
-from indoor_explorers.env.search.optimistic_views import Sights
+from indoor_explorers.env.search.optimistic_views import OptimisticViews
 from indoor_explorers.env.sensing.lidar import optics, scan
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.planners.horizon.rollout_choice import Rehearsal
-from indoor_explorers.planners.horizon.rollouts import FOLLOWED, LONGEST, Stage, steps_to_shares
+from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
+from indoor_explorers.planners.horizon.rollouts import FOLLOWED, LONGEST, RolloutSetup, steps_to_shares
 from indoor_explorers.planners.horizon.room_prior import RoomPrior
 
 ALL = np.array([1.0])
@@ -23,33 +23,33 @@ def corridor(known: int, length: int = 10) -> np.ndarray:
     return belief
 
 
-def stage_of(belief: np.ndarray, lidar_range: float) -> tuple[Stage, Sights]:
-    sights = Sights(belief.shape, lidar_range)
-    sights.update(belief)
+def setup_of(belief: np.ndarray, lidar_range: float) -> tuple[RolloutSetup, OptimisticViews]:
+    optimistic = OptimisticViews(belief.shape, lidar_range)
+    optimistic.update(belief)
     chances = (belief == UNKNOWN).ravel().astype(np.float64)
-    return Stage(belief, chances, sights.views, sights.passages, around(belief.shape, 2)), sights
+    return RolloutSetup(belief, chances, optimistic.views, optimistic.neighbours, around(belief.shape, 2)), optimistic
 
 
 def test_the_quick_policy_sees_all_of_a_corridor_without_detours() -> None:
-    stage, _ = stage_of(corridor(3), 2.0)
+    setup, _ = setup_of(corridor(3), 2.0)
     rooms = np.full((1, 10), FREE, np.uint8)
-    steps = steps_to_shares(0, stage, [[]], rooms, np.array([0.5, 1.0]), optics(2.0))
+    steps = steps_to_shares(0, setup, [[]], rooms, np.array([0.5, 1.0]), optics(2.0))
     assert steps.tolist() == [[[2, 7]]]
 
 
 def test_a_detour_at_the_start_of_a_tour_is_flown() -> None:
-    stage, _ = stage_of(corridor(3), 2.0)
+    setup, _ = setup_of(corridor(3), 2.0)
     rooms = np.full((1, 10), FREE, np.uint8)
-    steps = steps_to_shares(1, stage, [[2, 3], [0, 1]], rooms, ALL, optics(2.0))
+    steps = steps_to_shares(1, setup, [[2, 3], [0, 1]], rooms, ALL, optics(2.0))
     assert steps.ravel().tolist() == [6, 8]
     assert FOLLOWED < LONGEST
 
 
 def test_only_what_can_be_reached_is_wanted_and_a_blocked_tour_is_left() -> None:
-    stage, _ = stage_of(corridor(3), 2.0)
+    setup, _ = setup_of(corridor(3), 2.0)
     rooms = np.full((1, 10), FREE, np.uint8)
     rooms[0, 6] = OCCUPIED
-    steps = steps_to_shares(0, stage, [list(range(1, 10))], rooms, ALL, optics(2.0))
+    steps = steps_to_shares(0, setup, [list(range(1, 10))], rooms, ALL, optics(2.0))
     assert steps.ravel().tolist() == [3]
 
 
@@ -64,8 +64,8 @@ def test_flights_end_in_every_sampled_room() -> None:
     assert len(rooms) > 0
     known = belief.ravel() != UNKNOWN
     assert (rooms[:, known] == belief.ravel()[known]).all()
-    stage, _ = stage_of(belief, 3.0)
-    steps = steps_to_shares(start, stage, [[]], rooms, np.array([0.5, 0.9]), optics(3.0))[0]
+    setup, _ = setup_of(belief, 3.0)
+    steps = steps_to_shares(start, setup, [[]], rooms, np.array([0.5, 0.9]), optics(3.0))[0]
     assert (steps[:, 0] < steps[:, 1]).all()
     assert (steps[:, 1] < LONGEST).all()
 
@@ -75,11 +75,11 @@ def test_a_rehearsal_leaves_a_tour_for_a_better_one_only() -> None:
     belief = np.full((2, 20), UNKNOWN, np.uint8)
     belief[:, :6] = FREE
     prior = RoomPrior(source, np.random.default_rng(0), 8, 1)
-    stage, sights = stage_of(belief, 3.0)
-    rehearsal = Rehearsal(prior, (2, 20), 3.0, 1.0, 8)
+    setup, optimistic = setup_of(belief, 3.0)
+    selection = RolloutSelection(prior, (2, 20), 3.0, 1.0, 8)
     ahead, back = list(range(4, 12)), [2, 1, 0]
-    assert rehearsal.best(belief, 3, sights, stage.chances, [ahead, back]) == 0
-    assert rehearsal.best(belief, 3, sights, stage.chances, [back, ahead]) == 1
+    assert selection.best(belief, 3, optimistic, setup.chances, [ahead, back]) == 0
+    assert selection.best(belief, 3, optimistic, setup.chances, [back, ahead]) == 1
 
 
 def test_flights_with_rollouts_complete_and_repeat() -> None:

@@ -14,14 +14,15 @@ from indoor_explorers.env import FREE, OCCUPIED, PRESETS, UNKNOWN
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.search.bitsets import STRIDE, board_size, neighbour_pairs, without
+from indoor_explorers.env.search.optimistic_views import update_views
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.beam import Aim, follow_tour, new_beam, shortest_tour
-from indoor_explorers.learners.dddqn.observation.bitboards import STRIDE, count, pairs, without
 from indoor_explorers.learners.dddqn.observation.layout import TOURS
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
+from indoor_explorers.learners.dddqn.observation.optimistic_map import UNLIKELY, assume_obstacles
 from indoor_explorers.learners.dddqn.observation.scales import scratch, sensor
-from indoor_explorers.learners.dddqn.observation.terrain import UNLIKELY, keep_up
 from indoor_explorers.learners.dddqn.observation.tours import sectors
 from tests.learners.dddqn.observation.test_observe import Watcher
 from tests.learners.dddqn.rooms import random_belief
@@ -52,9 +53,9 @@ class Room:
         lens, stale = sensor(3.0), np.zeros((16, 16), np.uint8)
         self.views, self.passages = memory.views[0], memory.passages[0]
         work = scratch(belief.shape, lens)
-        self.obstructed = keep_up(
-            belief, self.chance, lens, work, stale, memory.obstacles[0], self.views, self.passages
-        )
+        self.obstructed = assume_obstacles(belief, self.chance, work.layer)
+        reach, obstacles = lens.reach + 1, memory.obstacles[0]
+        update_views(work.layer, STRIDE, lens.optics, work.scan, reach, stale, obstacles, self.views, self.passages)
 
     def seen(self, cell: tuple[int, int]) -> Cells:
         return cells_of(self.views[cell[0] * STRIDE + cell[1]])
@@ -81,7 +82,7 @@ class Room:
 def measured(words: np.ndarray) -> tuple[int, int]:
     """The size of a set and its pairs of neighbours, for Python."""
     cells = without(words, np.zeros(4, np.uint64))
-    return count(cells), pairs(cells)
+    return board_size(cells), neighbour_pairs(cells)
 
 
 def test_sets_are_counted_with_their_neighbours() -> None:
