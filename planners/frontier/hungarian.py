@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
 from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.routing.assignment import matched
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,17 +45,3 @@ class HungarianPilot(GroupPilot):
         reach = self.briefing.lidar_range
         costs = choices.costs(self._policy.hold * reach)
         return int(matched(costs, self._policy.extra * reach)[choices.me])
-
-
-def matched(costs: NDArray[np.float64], extra: float) -> NDArray[np.int64]:
-    """Return for each of N UAVs which of K clusters it gets, at the least total of (N, K) ``costs``.
-
-    With fewer clusters than UAVs every cluster takes ceil(N / K) of them, all but one at an ``extra`` cost
-    (H. W. Kuhn, "The Hungarian method for the assignment problem", 1955, doi:10.1002/nav.3800020109).
-    """
-    from scipy.optimize import linear_sum_assignment
-
-    uavs, clusters = costs.shape
-    copies = -(-uavs // clusters)
-    repeated = np.concatenate([costs + (extra if copy else 0.0) for copy in range(copies)], axis=1)
-    return np.asarray(linear_sum_assignment(repeated)[1] % clusters, np.int64)

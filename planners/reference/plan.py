@@ -40,7 +40,7 @@ LARGEST_TABLE = 250_000_000
 Track = tuple[Cell, ...]
 
 
-class Task(NamedTuple):
+class PlanRequest(NamedTuple):
     """What a plan depends on, as values that can be compared."""
 
     truth: bytes
@@ -51,14 +51,14 @@ class Task(NamedTuple):
     """Where the UAVs start."""
     lidar: tuple[float, str]
     """Range in cells and model."""
-    whole: bool
+    count_all_cells: bool
     """Whether coverage counts all cells of the map."""
     goal: float
     """Coverage to reach."""
 
 
-class Effort(NamedTuple):
-    """How hard a plan is searched for."""
+class SearchBudget(NamedTuple):
+    """How long a plan is searched for."""
 
     restarts: int
     """Searches, of which the best counts."""
@@ -137,29 +137,31 @@ def _legs(table: VisibilityTable, width: int) -> Legs:
 
 
 @lru_cache(maxsize=32)
-def plan(task: Task, effort: Effort) -> tuple[Track, ...]:
+def plan(request: PlanRequest, budget: SearchBudget) -> tuple[Track, ...]:
     """Return the cells that each UAV flies through, its start first; nothing is repeated in a row.
 
     A pure function, kept for the other UAVs of the team, which all ask for the same.
     """
-    height, width = task.shape
-    truth = np.frombuffer(task.truth, np.uint8).reshape(task.shape)
-    table = visibility_table(truth, task.starts, optics(*task.lidar), count_all_cells=task.count_all_cells)
+    height, width = request.shape
+    truth = np.frombuffer(request.truth, np.uint8).reshape(request.shape)
+    table = visibility_table(truth, request.starts, optics(*request.lidar), count_all_cells=request.count_all_cells)
     legs = _legs(table, width)
     number = {int(cell): k for k, cell in enumerate(table.cells)}
-    starts = np.array([number[row * width + col] for row, col in task.starts])
+    starts = np.array([number[row * width + col] for row, col in request.starts])
     crew = Crew(starts, starts.copy(), np.zeros_like(starts), np.zeros_like(table.union), np.zeros(1, np.int64))
-    total = height * width if task.count_all_cells else len(table.cells)
+    total = height * width if request.count_all_cells else len(table.cells)
     shown = _shown(table, np.concatenate([starts, legs.points]))
-    first, last = (min(math.ceil(level * total - 1e-9), shown) for level in (min(FIRST_AIM, task.goal), task.goal))
+    first, last = (
+        min(math.ceil(level * total - 1e-9), shown) for level in (min(FIRST_AIM, request.goal), request.goal)
+    )
     aims = Aims(first, last, SHARE)
     found = [
-        anneal(table, legs, crew, aims, np.uint64(restart), effort.changes, effort.work)
-        for restart in range(effort.restarts)
+        anneal(table, legs, crew, aims, np.uint64(restart), budget.changes, budget.work)
+        for restart in range(budget.restarts)
     ]
     routes, _ = min(found, key=lambda one: one[1])
     numbers = tracks(table, legs, routes, crew, aims)
-    flown = [table.cells[numbers[:, n]].tolist() for n in range(len(task.starts))]
+    flown = [table.cells[numbers[:, n]].tolist() for n in range(len(request.starts))]
     return tuple(tuple(divmod(cell, width) for cell in track) for track in untangled(flown))
 
 

@@ -12,7 +12,7 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.nearest import NearestPilot
 from indoor_explorers.planners.navigation.goal_pilot import DETOUR_CELLS, DETOUR_FACTOR, action_between
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.reference.plan import Effort, Task, Track, plan
+from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
 
 #: Steps without getting on after which a UAV leaves its route: a teammate that will not move is in the way.
 STALLED = 100
@@ -49,18 +49,18 @@ class Reference(Policy):
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV."""
-        return ReferencePilot(briefing, Effort(self.restarts, self.changes, self.work))
+        return ReferencePilot(briefing, SearchBudget(self.restarts, self.changes, self.work))
 
 
 class ReferencePilot(NearestPilot):
     """Follow one's own route, and take the nearest frontier when it is flown or a teammate blocks it for good."""
 
-    def __init__(self, briefing: Briefing, effort: Effort) -> None:
+    def __init__(self, briefing: Briefing, budget: SearchBudget) -> None:
         super().__init__(briefing)
         if briefing.truth is None or briefing.starts is None:
             raise InputError("expected a briefing with the true map and all starts, as privileged policies are given")
         self._truth, self._starts = briefing.truth, briefing.starts
-        self._effort = effort
+        self._budget = budget
         self._track: Track | None = None
         self._place = 0
         self._moved_on = 0
@@ -83,10 +83,10 @@ class ReferencePilot(NearestPilot):
     def _planned(self) -> Track:
         told, scenario = self.briefing, self.briefing.scenario
         lidar = (float(told.lidar_range), scenario.lidar.model)
-        task = Task(
+        request = PlanRequest(
             self._truth.tobytes(), told.shape, self._starts, lidar, scenario.denominator == "map", scenario.goal
         )
-        return plan(task, self._effort)[told.agent]
+        return plan(request, self._budget)[told.agent]
 
     def _advance(self, track: Track, view: View) -> None:
         if self._place + 1 < len(track) and view.cell == track[self._place + 1]:

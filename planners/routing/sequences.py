@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.planners.routing.min_latency import by_nearest, improved
+from indoor_explorers.planners.routing.local_search import by_nearest
+from indoor_explorers.planners.routing.min_latency import improved_cost
 
 #: Places of a sequence, at most.
 LENGTH = 3
@@ -107,7 +108,7 @@ def _rest(
     ways = np.empty((places.shape[0], places.shape[0]))
     for i in range(places.shape[0]):
         ways[i] = between[places[i]][places]
-    return float(improved(by_nearest(0, ways), start, ways, weight / max(weight.sum(), 1e-300), latency))
+    return float(improved_cost(by_nearest(0, ways), start, ways, weight / max(weight.sum(), 1e-300), latency))
 
 
 def cost_of_rest(

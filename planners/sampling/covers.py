@@ -1,9 +1,8 @@
-"""Greedy covers: few viewpoints that together see all that any of many sees, and the order to visit them in."""
+"""Greedy covers: few viewpoints that together see all that any of many sees."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.bitsets import bit_count
@@ -88,51 +87,3 @@ def greedy_cover(bits: np.ndarray, weights: np.ndarray, ranks: np.ndarray, least
         left &= ~bits[pick]
         size += 1
     return picks[:size], added[:size]
-
-
-@kernel()
-def _merit(costs: np.ndarray, worths: np.ndarray, order: np.ndarray, rate: float) -> float:
-    arrival, merit = 0.0, 0.0
-    for k in range(1, order.shape[0]):
-        arrival += costs[order[k - 1], order[k]]
-        merit += worths[order[k]] * np.exp(-rate * arrival)
-    return merit if rate > 0.0 else -arrival
-
-
-@kernel()
-def _settle(costs: np.ndarray, worths: np.ndarray, order: np.ndarray, rate: float) -> float:
-    count = order.shape[0]
-    most, trial = _merit(costs, worths, order, rate), order.copy()
-    better = True
-    while better:
-        better = False
-        for i in range(1, count):
-            for j in range(1, count):
-                trial[:] = order
-                step = 1 if j > i else -1
-                for k in range(i, j, step):
-                    trial[k] = order[k + step]
-                trial[j] = order[i]
-                merit = _merit(costs, worths, trial, rate)
-                if merit > most + 1e-9 * abs(most):
-                    most, better = merit, True
-                    order[:] = trial
-    return most
-
-
-def merit(costs: NDArray[np.float64], worths: NDArray[np.float64], order: NDArray[np.int64], rate: float) -> float:
-    """Return the merit of an open tour as :func:`settled` has it."""
-    return float(_merit(costs, worths, order, float(rate)))
-
-
-def settled(
-    costs: NDArray[np.float64], worths: NDArray[np.float64], order: NDArray[np.int64], rate: float
-) -> tuple[NDArray[np.int64], float]:
-    """Move places of an open tour while that adds to its merit; return the order and the merit.
-
-    The merit is the sum of the (K,) ``worths`` of the places, discounted by e^(-rate t) for a place that is reached
-    at t in the units of the (K, K) ``costs``; with a rate of 0 it is the tour's length, negative. ``order`` is (K,),
-    the start in front.
-    """
-    order = order.copy()
-    return order, float(_settle(costs, worths, order, float(rate)))

@@ -14,8 +14,9 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.planners.information.view_gain import sights
 from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.routing.discounted_tours import improved_tour, value_of_tour
 from indoor_explorers.planners.routing.open_tours import nearest_neighbour
-from indoor_explorers.planners.sampling.covers import greedy_cover, merit, settled
+from indoor_explorers.planners.sampling.covers import greedy_cover
 from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.setting import Points
@@ -125,16 +126,16 @@ class PrmTourPilot(ViewpointPilot):
     def _best(
         self, costs: NDArray[np.float64], tours: list[tuple[NDArray[np.float64], NDArray[np.int64]]]
     ) -> NDArray[np.int64]:
-        """Return the order with the most merit when improved, of the first tour and the most promising others.
+        """Return the order of the highest value when improved, of the first tour and the most promising others.
 
         A tour is what the places are worth, (K,), and an order of some of them. ``costs`` are (K, K).
         """
-        merits = [merit(costs, worths, order, self._rate) for worths, order in tours]
-        promising = np.argsort(-np.array(merits), kind="stable")[:IMPROVED]
+        values = [value_of_tour(costs, worths, order, self._rate) for worths, order in tours]
+        promising = np.argsort(-np.array(values), kind="stable")[:IMPROVED]
         best, most = tours[0][1], -np.inf
         for k in sorted({0, *promising.tolist()}):
             worths, order = tours[k]
-            order, earned = settled(costs, worths, order, self._rate)
+            order, earned = improved_tour(costs, worths, order, self._rate)
             if k == 0:
                 earned *= self._policy.keep ** np.sign(earned)
             if earned > most:

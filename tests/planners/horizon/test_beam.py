@@ -18,8 +18,8 @@ def graph_of(belief: np.ndarray, lidar: float, weights: np.ndarray) -> SearchGra
     return SearchGraph(views, neighbours, within, around(belief.shape), keys, weights)
 
 
-def config(width: int, depth: int = 60, stretch: float = 0.0) -> BeamConfig:
-    return BeamConfig(8.0, 0.02, stretch, width, depth)
+def config(width: int, depth: int = 60, completion: float = 0.0) -> BeamConfig:
+    return BeamConfig(8.0, 0.02, completion, width, depth)
 
 
 def shortest(start: int, unseen: set[int], graph: SearchGraph, size: int) -> int:
@@ -70,7 +70,7 @@ def test_states_are_ranked_by_the_formula(seed: int) -> None:
     graph = graph_of(belief, 2.0, weights)
     states, children = beam._new_states(1, 2), beam._new_states(4, 2)
     beam._root(40, packed(belief == UNKNOWN), graph, 8.0, states)
-    found, _ = beam._expand(states, 1, graph, config(1, completion_weight=0.5), -1.0, np.zeros(64, np.uint64), children)
+    found, _ = beam._expand(states, 1, graph, config(1, completion=0.5), -1.0, np.zeros(64, np.uint64), children)
     assert found == (graph.neighbours[40] >= 0).sum()
     for k in range(found):
         seen = unpacked(graph.views[children.cell[k]], 72).reshape(8, 9)

@@ -42,7 +42,7 @@ def test_every_prior_completes_rooms(prior: str) -> None:
 
 
 def test_a_tour_is_legal_and_kept_while_it_stands() -> None:
-    tours = TourPlanner((10, 12), 3.0, OpenPrior(), BeamConfig(8.0, 0.02, 0.0, 100, 80), goal=1.0, spare=0.0)
+    tours = TourPlanner((10, 12), 3.0, OpenPrior(), BeamConfig(8.0, 0.02, 0.0, 100, 80), goal=1.0, deferred_share=0.0)
     belief = np.zeros((10, 12), np.uint8)
     belief[:3, :3], belief[5, 2:9] = 1, 2
     cell, length = 0, 0
@@ -67,7 +67,7 @@ class WalledLeft:
 
 
 def test_a_tour_is_not_drawn_to_what_is_surely_an_obstacle() -> None:
-    tours = TourPlanner((1, 30), 1.0, WalledLeft(), BeamConfig(8.0, 0.02, 0.0, 1, 80), goal=1.0, spare=0.0)
+    tours = TourPlanner((1, 30), 1.0, WalledLeft(), BeamConfig(8.0, 0.02, 0.0, 1, 80), goal=1.0, deferred_share=0.0)
     belief = np.zeros((1, 30), np.uint8)
     belief[0, 8:21] = 1
     tours.plan(belief, 13)

@@ -9,22 +9,22 @@ from indoor_explorers.env import InputError, World, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.planners.reference import plan as planning
-from indoor_explorers.planners.reference.plan import Effort, Task, plan, untangled
+from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, plan, untangled
 from tests.planners.flights import fly, maze, rooms
 
-EFFORT = Effort(1, 3000, 10**8)
+EFFORT = SearchBudget(1, 3000, 10**8)
 
 
-def task_of(free: np.ndarray, starts: tuple[Cell, ...], lidar: float = 3.0, goal: float = 1.0) -> Task:
+def task_of(free: np.ndarray, starts: tuple[Cell, ...], lidar: float = 3.0, goal: float = 1.0) -> PlanRequest:
     truth = np.where(free, 1, 2).astype(np.uint8)
-    return Task(truth.tobytes(), truth.shape, starts, (lidar, "exact"), False, goal)
+    return PlanRequest(truth.tobytes(), truth.shape, starts, (lidar, "exact"), False, goal)
 
 
-def seen_by(task: Task, tracks: tuple[tuple[Cell, ...], ...]) -> float:
-    truth = np.frombuffer(task.truth, np.uint8).reshape(task.shape)
-    seen = np.zeros(task.shape, np.bool_)
+def seen_by(request: PlanRequest, tracks: tuple[tuple[Cell, ...], ...]) -> float:
+    truth = np.frombuffer(request.truth, np.uint8).reshape(request.shape)
+    seen = np.zeros(request.shape, np.bool_)
     for cell in {cell for track in tracks for cell in track}:
-        seen |= scan(truth, cell, task.lidar[0]) == 1
+        seen |= scan(truth, cell, request.lidar[0]) == 1
     return float(seen.sum() / (truth == 1).sum())
 
 
@@ -32,13 +32,13 @@ def seen_by(task: Task, tracks: tuple[tuple[Cell, ...], ...]) -> float:
 @pytest.mark.parametrize("goal", [0.8, 1.0])
 def test_plans_are_ways_that_see_enough(starts: tuple[Cell, ...], goal: float) -> None:
     for free in (maze(5, 6, 1), rooms(2, 4, 1)):
-        task = task_of(free, tuple(start for start in starts if free[start]), goal=goal)
-        tracks = plan(task, EFFORT)
-        assert tuple(track[0] for track in tracks) == task.starts
+        request = task_of(free, tuple(start for start in starts if free[start]), goal=goal)
+        tracks = plan(request, EFFORT)
+        assert tuple(track[0] for track in tracks) == request.starts
         for track in tracks:
             assert all(free[cell] for cell in track)
             assert all(abs(a[0] - b[0]) + abs(a[1] - b[1]) == 1 for a, b in pairwise(track))
-        assert seen_by(task, tracks) >= goal
+        assert seen_by(request, tracks) >= goal
 
 
 def test_a_corridor_is_flown_straight() -> None:
@@ -50,34 +50,34 @@ def test_a_corridor_is_flown_straight() -> None:
 
 
 def test_the_same_task_gives_the_same_plan_and_more_effort_no_worse_ones() -> None:
-    task = task_of(rooms(3, 4, 2), ((1, 1),))
-    first = plan(task, EFFORT)
+    request = task_of(rooms(3, 4, 2), ((1, 1),))
+    first = plan(request, EFFORT)
     plan.cache_clear()
-    assert plan(task, EFFORT) == first
-    assert len(plan(task, Effort(4, 20_000, 10**8))[0]) <= len(plan(task, Effort(1, 1, 10**8))[0])
+    assert plan(request, EFFORT) == first
+    assert len(plan(request, SearchBudget(4, 20_000, 10**8))[0]) <= len(plan(request, SearchBudget(1, 1, 10**8))[0])
 
 
 def test_work_bounds_the_search() -> None:
-    task = task_of(rooms(3, 4, 2), ((1, 1),))
-    assert plan(task, Effort(1, 10**9, 10_000))
+    request = task_of(rooms(3, 4, 2), ((1, 1),))
+    assert plan(request, SearchBudget(1, 10**9, 10_000))
 
 
 def test_with_few_viewpoints_everything_is_seen_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(planning, "TABLE", 600)
     plan.cache_clear()
-    task = task_of(maze(6, 7, 3), ((1, 1),), lidar=2.0)
-    assert seen_by(task, plan(task, EFFORT)) == 1.0
+    request = task_of(maze(6, 7, 3), ((1, 1),), lidar=2.0)
+    assert seen_by(request, plan(request, EFFORT)) == 1.0
     plan.cache_clear()
 
 
 def test_where_not_all_viewpoints_fit_in_memory_the_rest_is_left_to_frontiers(monkeypatch: pytest.MonkeyPatch) -> None:
     free = rooms(3, 5, 4)
-    task = task_of(free, ((1, 1),), lidar=2.0)
+    request = task_of(free, ((1, 1),), lidar=2.0)
     plan.cache_clear()
-    whole = seen_by(task, plan(task, EFFORT))
+    whole = seen_by(request, plan(request, EFFORT))
     monkeypatch.setattr(planning, "LARGEST_TABLE", 12 * int(free.sum()))
     plan.cache_clear()
-    assert 0.3 < seen_by(task, plan(task, EFFORT)) < 0.9 < whole
+    assert 0.3 < seen_by(request, plan(request, EFFORT)) < 0.9 < whole
     assert fly(make_policy("reference"), free, lidar=2.0, spawns=[(1, 1)]).complete
     plan.cache_clear()
 
