@@ -12,7 +12,7 @@ from indoor_explorers.env.grid.compiled import NOTICE, QUIET
 
 CODE = """
 import numpy as np
-from indoor_explorers.env.grid.cells import largest_part
+from indoor_explorers.env.search.connected_parts import largest_part
 print(largest_part(np.ones((2, 3), bool)).sum())
 """
 #: A module of two compiled functions, one of which calls the other and reads a constant.
