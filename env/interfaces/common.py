@@ -44,8 +44,6 @@ def find_render_mode(render_mode: str | None, modes: Collection[str] = RENDER_MO
 
 def new_world(scenario: Scenario, batch: int, index: int, threads: int = 1) -> World:
     """Return a world in which episode 0 has begun on map ``index``, so that shapes and briefings are known."""
-    if not 0 <= index < scenario.map.count:
-        raise InputError(f"expected index to be one of the scenario's {scenario.map.count} maps, got {index}")
     world = World(scenario, batch, threads=threads)
     world.begin(0, 0, index=index)
     return world

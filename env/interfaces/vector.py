@@ -30,6 +30,7 @@ from indoor_explorers.env.observations.incremental import LivePlanes
 from indoor_explorers.env.observations.planes import ChannelsEncoder
 from indoor_explorers.env.rendering.renderer import Camera
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.preparation import Prepared
 from indoor_explorers.env.simulation.state import End
 
 Seeds = int | Sequence[int | None] | None
@@ -101,7 +102,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``."""
         seeds = self._spread(seed)
         chosen = self._chosen(options)
-        self._begin(np.flatnonzero(chosen).tolist(), seeds)
+        self._start(self._prepare(np.flatnonzero(chosen).tolist(), seeds))
         self._begun |= chosen
         self._over &= ~chosen
         self._observe(chosen)
@@ -114,9 +115,11 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         mode = self.metadata["autoreset_mode"]
         if mode is AutoresetMode.DISABLED and self._over.any():
             raise ResetNeeded("expected episodes that go on, got some that have ended; reset them with reset_mask")
-        self.world.step(np.asarray(actions)[..., None])  # nothing happens in an episode that is over
+        chosen = self.world.checked_actions(np.asarray(actions)[..., None])
+        prepared = self._prepare(np.flatnonzero(self._over).tolist(), [None] * self.num_envs)
+        self.world.step(chosen)  # nothing happens in an episode that is over
         self._camera.stepped()
-        self._begin(np.flatnonzero(self._over).tolist(), [None] * self.num_envs)
+        self._start(prepared)
         end = self.world.state.end[:, 0].copy()
         reward = self.world.state.reward[:, 0].copy()
         self._over = over = end != End.FLYING
@@ -153,18 +156,31 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
             raise InputError(f"expected a bool reset_mask of shape {(self.num_envs,)}, got {mask.dtype} {mask.shape}")
         return mask
 
-    def _begin(self, episodes: Sequence[int], seeds: Sequence[int | None]) -> None:
-        """Start episodes, seeding their environments first where a seed is given."""
-        self.world.restart(episodes, [self._next_seed(b, seeds[b]) for b in episodes], index=self._index)
-        for b in episodes:
-            self._camera.begun(b)
-            self._lanes.begin(b)
+    def _prepare(self, episodes: Sequence[int], seeds: Sequence[int | None]) -> Prepared:
+        """Draw the next episodes, seeding their environments first where a seed is given; start none yet."""
+        generators = [self._generator(b, seeds[b]) for b in episodes]
+        drawn = [
+            seeds[b] if seeds[b] is not None else self._first_seed + draw_seed(rng)
+            for b, rng in zip(episodes, generators, strict=True)
+        ]
+        prepared = self.world.prepare(episodes, drawn, index=self._index)
+        for b, rng in zip(episodes, generators, strict=True):
+            self._generators[b] = rng
+        return prepared
 
-    def _next_seed(self, b: int, seed: int | None) -> int:
+    def _generator(self, b: int, seed: int | None) -> np.random.Generator:
+        """Return what an environment draws its later seeds from."""
         rng = self._generators[b]
         if rng is None or seed is not None:
-            rng = self._generators[b] = np_random(draw_seed(self.np_random) if seed is None else seed)[0]
-        return self._first_seed + draw_seed(rng) if seed is None else seed
+            rng = np_random(draw_seed(self.np_random) if seed is None else seed)[0]
+        return rng
+
+    def _start(self, prepared: Prepared) -> None:
+        """Start the drawn episodes."""
+        self.world.start(prepared)
+        for b in prepared.episodes.tolist():
+            self._camera.begun(b)
+            self._lanes.begin(b)
 
     def _start_anew(self, over: Mask) -> dict[str, Any]:
         """Start the next episode where one is over; return the infos that tell how the last one ended."""
@@ -172,7 +188,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         episodes = np.flatnonzero(over).tolist()
         for b in episodes:
             final_obs[b] = copy_of(row_of(self._observed, b))
-        self._begin(episodes, [None] * self.num_envs)
+        self._start(self._prepare(episodes, [None] * self.num_envs))
         self._observe(over)
         self._over = np.zeros(self.num_envs, np.bool_)
         return {"final_obs": final_obs, "_final_obs": over, "final_info": final_info, "_final_info": over.copy()}

@@ -28,8 +28,8 @@ class Painted(NamedTuple):
     """(B, N, C, H, W)."""
     place: NDArray[np.int64]
     """(7,) where each of :data:`PLANES` is among the C, -1 for nowhere."""
-    opening: NDArray[np.int64]
-    """(B,) which of the world's openings, see :attr:`World.openings`."""
+    begun: NDArray[np.int64]
+    """(B,) the world's count of episodes begun, see :attr:`World.begun`."""
     step: NDArray[np.int64]
     """(B,) of that episode."""
     known: NDArray[np.int64]
@@ -52,7 +52,7 @@ class LivePlanes:
         self._painted = Painted(
             planes=np.zeros((batch, team, len(planes), height, width), np.uint8),
             place=place,
-            opening=np.full(batch, -1),
+            begun=np.full(batch, -1),
             step=np.zeros(batch, np.int64),
             known=np.zeros((batch, team), np.int64),
             cell=np.zeros((batch, team, 2), np.int64),
@@ -75,22 +75,22 @@ class LivePlanes:
         return self.planes
 
     def _refresh(self, engine: Engine, first: int, last: int) -> None:
-        _refresh(engine, self._world.openings, self._painted, first, last)
+        _refresh(engine, self._world.begun, self._painted, first, last)
 
 
 @kernel()
-def _refresh(engine: Engine, openings: np.ndarray, painted: Painted, first: int, last: int) -> None:
+def _refresh(engine: Engine, begun: np.ndarray, painted: Painted, first: int, last: int) -> None:
     state = engine.state
     for b in range(first, last):
         skipped = state.step[b] - painted.step[b] > 1 or state.step[b] < painted.step[b]
-        anew = skipped or painted.opening[b] != openings[b]
+        anew = skipped or painted.begun[b] != begun[b]
         for n in range(state.end.shape[1]):
             if anew:
                 _blank(state, painted, b, n)
             _show_known(state, painted, b, n)
             _show_itself(state, painted, b, n)
             _show_mates(state, painted, b, n)
-        painted.opening[b] = openings[b]
+        painted.begun[b] = begun[b]
         painted.step[b] = state.step[b]
 
 

@@ -1,4 +1,7 @@
-"""How an episode opens, compiled: the part of the map that counts, the spawns, and a state set back to zero."""
+"""How an episode starts, compiled: a drawn room, the spawns, the cells that count, and a state set back to zero.
+
+A start is prepared first, without touching any episode, and then carried out, which cannot fail.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +15,7 @@ from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid.randomness import Stream, below, stream_key
 from indoor_explorers.env.maps.generators.thesis import Room, draw_room
 from indoor_explorers.env.search.connected_parts import label_part, mark_largest_part
-from indoor_explorers.env.sensing.lidar import Optics
-from indoor_explorers.env.simulation.engine import Engine, Work
+from indoor_explorers.env.simulation.engine import Engine
 from indoor_explorers.env.simulation.state import Rules, State
 from indoor_explorers.env.simulation.step import begin
 
@@ -23,26 +25,52 @@ MAP, SPAWN, ORDER, RADIO = (int(stream) for stream in (Stream.MAP, Stream.SPAWN,
 MAX_ATTEMPTS = 100
 
 
-class Ground(NamedTuple):
-    """Working arrays of an opening, for maps of one shape."""
+class Starts(NamedTuple):
+    """The prepared starts of K episodes."""
+
+    truth: NDArray[np.uint8]
+    """(K, H, W) 1 free, 2 occupied."""
+    cell: NDArray[np.int64]
+    """(K, N, 2) row and column of each spawn."""
+    reachable: NDArray[np.bool_]
+    """(K, H, W) cells that can be reached from the spawns."""
+    size: NDArray[np.int64]
+    """(K,) number of those cells."""
+
+
+def empty_starts(count: int, team: int, shape: tuple[int, int]) -> Starts:
+    """Allocate the starts of ``count`` episodes."""
+    return Starts(
+        truth=np.empty((count, *shape), np.uint8),
+        cell=np.empty((count, team, 2), np.int64),
+        reachable=np.empty((count, *shape), np.bool_),
+        size=np.empty(count, np.int64),
+    )
+
+
+class FloodScratch(NamedTuple):
+    """Working arrays of floods on maps of one shape; not to be shared between threads."""
 
     part: NDArray[np.int32]
-    """(H, W) number of the connected part that a free cell belongs to, 0 for obstacles and what was not reached."""
+    """(H, W) number of the connected part that a free cell belongs to, 0 for obstacles and cells not reached."""
     queue: NDArray[np.int32]
-    """(H*W,) flood queue."""
+    """(H*W,) cells to flood from."""
 
 
-def new_ground(shape: tuple[int, int]) -> Ground:
-    """Allocate the working arrays of openings."""
-    return Ground(np.zeros(shape, np.int32), np.zeros(shape[0] * shape[1], np.int32))
+def flood_scratch(shape: tuple[int, int]) -> FloodScratch:
+    """Allocate the working arrays of floods."""
+    return FloodScratch(np.zeros(shape, np.int32), np.zeros(shape[0] * shape[1], np.int32))
 
 
 @leaf()
-def is_attainable(rules: Rules, truth: np.ndarray, main: np.ndarray, size: int, team: int) -> bool:
-    """Tell whether a team fits into the ``size`` cells of a map's main part (H, W), and can reach the goal there."""
+def is_attainable(counts_map: bool, goal: float, truth: np.ndarray, main: np.ndarray, size: int, team: int) -> bool:
+    """Tell whether a team fits into the ``size`` cells of a map's main part (H, W), and can reach the goal there.
+
+    ``counts_map`` and ``goal`` are those of :class:`~indoor_explorers.env.simulation.state.Rules`.
+    """
     if size < team:
         return False
-    if not rules.counts_map:
+    if not counts_map:
         return True
     height, width = truth.shape
     seen = size
@@ -54,29 +82,31 @@ def is_attainable(rules: Rules, truth: np.ndarray, main: np.ndarray, size: int, 
                     if 0 <= r < height and 0 <= c < width and main[r, c] > 0:
                         seen += 1
                         break
-    return bool(seen >= rules.goal * truth.size)
+    return bool(seen >= goal * truth.size)
 
 
 @leaf()
-def place_team(key: np.uint64, clustered: bool, start: int, truth: np.ndarray, ground: Ground, out: np.ndarray) -> None:
-    """Fill ``out`` (N, 2) with distinct cells of the main part that ``ground.part`` marks with numbers above 0.
+def place_team(
+    key: np.uint64, clustered: bool, start: int, truth: np.ndarray, scratch: FloodScratch, out: np.ndarray
+) -> None:
+    """Fill ``out`` (N, 2) with distinct cells of the main part that ``scratch.part`` marks with numbers above 0.
 
     Random cells, or, ``clustered``, those that a flood from ``start`` (a flat index, -1 for a random cell) meets first.
     """
     (height, width), size = truth.shape, 0
     for row in range(height):
         for col in range(width):
-            ground.queue[size] = row * width + col
-            size += ground.part[row, col] > 0
+            scratch.queue[size] = row * width + col
+            size += scratch.part[row, col] > 0
     if clustered:
-        first = start if start >= 0 else ground.queue[below(key, 0, size)]
-        ground.part[:] = 0
-        label_part(truth, first // width, first % width, 1, ground.part, ground.queue)
+        first = start if start >= 0 else scratch.queue[below(key, 0, size)]
+        scratch.part[:] = 0
+        label_part(truth, first // width, first % width, 1, scratch.part, scratch.queue)
     for n in range(out.shape[0]):
         if not clustered:
             other = n + below(key, n, size - n)
-            ground.queue[n], ground.queue[other] = ground.queue[other], ground.queue[n]
-        out[n, 0], out[n, 1] = divmod(ground.queue[n], width)
+            scratch.queue[n], scratch.queue[other] = scratch.queue[other], scratch.queue[n]
+        out[n, 0], out[n, 1] = divmod(scratch.queue[n], width)
 
 
 @inner()
@@ -107,73 +137,88 @@ def _clear(state: State, b: int) -> None:
 
 
 @inner()
-def _reach(state: State, ground: Ground, b: int) -> int:
-    """Mark the cells that can be reached from the spawns in ``ground.part``; return how many they are."""
-    ground.part[:] = 0
-    reachable = 0
-    for n in range(state.end.shape[1]):
-        row, col = state.cell[b, n, 0], state.cell[b, n, 1]
-        if ground.part[row, col] == 0:
-            reachable += label_part(state.truth[b], row, col, 1, ground.part, ground.queue)
-    return reachable
-
-
-@inner()
-def _count(rules: Rules, state: State, ground: Ground, b: int, reachable: int) -> None:
+def _count(rules: Rules, state: State, starts: Starts, k: int, b: int) -> None:
     """Fix what coverage counts, the goal and the budget, from the cells that can be reached."""
-    height, width = ground.part.shape
+    height, width = state.counts.shape[1], state.counts.shape[2]
     for row in range(height):
         for col in range(width):
-            state.counts[b, row, col] = rules.counts_map or ground.part[row, col] > 0
-    state.total[b] = height * width if rules.counts_map else reachable
+            state.counts[b, row, col] = rules.counts_map or starts.reachable[k, row, col]
+    state.total[b] = height * width if rules.counts_map else starts.size[k]
     state.needed[b] = np.int64(np.ceil(rules.goal * state.total[b] - 1e-9))
-    state.budget[b] = rules.budget if rules.budget > 0 else max(rules.least_budget, reachable)
-
-
-@inner(inlined=False)
-def _open(
-    rules: Rules, state: State, optics: Optics, work: Work, ground: Ground, b: int, seed: int, reachable: int
-) -> None:
-    """Begin an episode; ``ground.part`` marks the cells that can be reached, so many."""
-    _clear(state, b)
-    _count(rules, state, ground, b, reachable)
-    state.order_key[b] = stream_key(seed, ORDER, 0)
-    state.radio_key[b] = stream_key(seed, RADIO, 0)
-    begin(rules, state, optics, work, b)
+    state.budget[b] = rules.budget if rules.budget > 0 else max(rules.least_budget, starts.size[k])
 
 
 @kernel()
-def open_episode(engine: Engine, ground: Ground, b: int, seed: int) -> None:
-    """Begin episode ``b`` on the true map and at the cells that the state holds."""
-    reachable = _reach(engine.state, ground, b)
-    _open(engine.rules, engine.state, engine.optics, engine.work, ground, b, seed, reachable)
+def start_episodes(
+    engine: Engine, starts: Starts, episodes: np.ndarray, seeds: np.ndarray, first: int, last: int
+) -> None:
+    """Begin the episodes (K,) from ``first`` to ``last`` - 1 as their ``starts`` and seeds (K,) say."""
+    rules, state, optics, work = engine.rules, engine.state, engine.optics, engine.work
+    for k in range(first, last):
+        b = episodes[k]
+        _clear(state, b)
+        state.truth[b], state.cell[b] = starts.truth[k], starts.cell[k]
+        _count(rules, state, starts, k, b)
+        state.order_key[b] = stream_key(seeds[k], ORDER, 0)
+        state.radio_key[b] = stream_key(seeds[k], RADIO, 0)
+        begin(rules, state, optics, work, b)
 
 
-@inner(inlined=False)
-def _draw_attainable(rules: Rules, room: Room, truth: np.ndarray, ground: Ground, team: int, seed: int) -> int:
-    """Draw the first room of a seed that will do and mark its main part; return that part's size, -1 for none."""
+@kernel()
+def mark_reachable(scratch: FloodScratch, starts: Starts) -> None:
+    """Fill ``reachable`` and ``size`` of starts whose maps and spawns are in place."""
+    for k in range(starts.size.shape[0]):
+        scratch.part[:] = 0
+        starts.size[k] = 0
+        for n in range(starts.cell.shape[1]):
+            row, col = starts.cell[k, n, 0], starts.cell[k, n, 1]
+            if scratch.part[row, col] == 0:
+                starts.size[k] += label_part(starts.truth[k], row, col, 1, scratch.part, scratch.queue)
+        _mark(starts.reachable[k], scratch.part)
+
+
+@leaf()
+def _mark(reachable: np.ndarray, part: np.ndarray) -> None:
+    """Fill ``reachable`` (H, W) with True where ``part`` (H, W) holds more than 0."""
+    for row in range(part.shape[0]):
+        for col in range(part.shape[1]):
+            reachable[row, col] = part[row, col] > 0
+
+
+class RoomTask(NamedTuple):
+    """What a random room must fit."""
+
+    room: Room
+    clustered: bool
+    """Whether UAVs start next to each other."""
+    counts_map: bool
+    """Whether coverage counts all cells of the map."""
+    goal: float
+    """Coverage that must be attainable."""
+
+
+@leaf()
+def _draw_attainable(task: RoomTask, truth: np.ndarray, scratch: FloodScratch, team: int, seed: int) -> int:
+    """Draw the first attainable room of a seed and mark its main part; return that part's size, -1 for no room."""
     for attempt in range(MAX_ATTEMPTS):
-        draw_room(room, stream_key(seed, MAP, attempt), truth)
-        size = mark_largest_part(truth, ground.part, ground.queue)
-        if is_attainable(rules, truth, ground.part, size, team):
+        draw_room(task.room, stream_key(seed, MAP, attempt), truth)
+        size = mark_largest_part(truth, scratch.part, scratch.queue)
+        if is_attainable(task.counts_map, task.goal, truth, scratch.part, size, team):
             return size
     return -1
 
 
 @kernel()
-def open_rooms(
-    engine: Engine, room: Room, clustered: bool, ground: Ground, episodes: np.ndarray, seeds: np.ndarray
-) -> int:
-    """Begin episodes (K,) in the random rooms of seeds (K,).
+def draw_rooms(task: RoomTask, scratch: FloodScratch, starts: Starts, seeds: np.ndarray, first: int, last: int) -> int:
+    """Fill the starts ``first`` to ``last`` - 1 with the random rooms and spawns of their seeds (K,).
 
-    Returns how many were begun; fewer than K when no room of a seed will do.
+    Returns the first start whose seed has no attainable room, ``last`` when there is no such start.
     """
-    rules, state, optics, work = engine.rules, engine.state, engine.optics, engine.work
-    for k in range(episodes.shape[0]):
-        b = episodes[k]
-        size = _draw_attainable(rules, room, state.truth[b], ground, state.end.shape[1], seeds[k])
+    for k in range(first, last):
+        size = _draw_attainable(task, starts.truth[k], scratch, starts.cell.shape[1], seeds[k])
         if size < 0:
             return k
-        place_team(stream_key(seeds[k], SPAWN, 0), clustered, -1, state.truth[b], ground, state.cell[b])
-        _open(rules, state, optics, work, ground, b, seeds[k], size)  # all spawns are in the main part
-    return len(episodes)
+        place_team(stream_key(seeds[k], SPAWN, 0), task.clustered, -1, starts.truth[k], scratch, starts.cell[k])
+        _mark(starts.reachable[k], scratch.part)  # all spawns are in the main part
+        starts.size[k] = size
+    return last

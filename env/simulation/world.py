@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -11,22 +10,20 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, read_only
-from indoor_explorers.env.grid.randomness import Stream, checked_seed, generator
+from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.maps.sources import ThesisMaps
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.sensing.lidar import optics
 from indoor_explorers.env.simulation.engine import Engine, bind, new_work
-from indoor_explorers.env.simulation.reset import Ground, new_ground, open_episode, open_rooms
-from indoor_explorers.env.simulation.spawns import checked_spawns, draw_floorplan, draw_spawns
+from indoor_explorers.env.simulation.preparation import Preparation, Prepared
+from indoor_explorers.env.simulation.reset import start_episodes
 from indoor_explorers.env.simulation.state import End, State, empty_state, rules_of
 from indoor_explorers.env.simulation.step import advance, are_actions
+from indoor_explorers.env.simulation.threads import Threads
 
 #: A plain number: comparing an array with an enumeration's member takes numpy ten times as long.
 FLYING = int(End.FLYING)
-#: Episodes for which another thread is worth its while; waking one takes about as long as stepping so many.
-LEAST_SHARE = 16
 
 
 class World:
@@ -42,16 +39,13 @@ class World:
         self.scenario = scenario
         self.batch = batch
         self.seeds = [0] * batch
-        self.openings = np.zeros(batch, np.int64)
-        """(B,) how often an episode has begun in each place of the batch."""
+        self.begun = np.zeros(batch, np.int64)
+        """(B,) number of episodes begun in each place of the batch."""
         self._floorplans: list[Floorplan | None] = [None] * batch
-        self._rules = rules_of(scenario)
-        self._optics = optics(scenario.lidar.range, scenario.lidar.model)
-        self._threads = max(1, min(threads, batch))
-        self._pool = ThreadPoolExecutor(self._threads - 1, "world") if self._threads > 1 else None
+        self._threads = Threads(max(1, min(threads, batch)))
+        self._preparation = Preparation(scenario, batch, self._threads)
         self._engines: list[Engine] = []
         self._state: State | None = None
-        self._grounds: list[Ground] = []
         self._beliefs: list[list[Belief]] = []
         self._legals: list[list[Mask]] = []
         self._visited: list[list[Mask]] = []
@@ -70,38 +64,13 @@ class World:
         self.restart(range(self.batch), seeds, index=index)
 
     def restart(self, episodes: Sequence[int], seeds: Sequence[int], *, index: int = 0) -> None:
-        """Start some episodes anew, each on the map and spawns of its seed, exactly as :meth:`begin` does."""
-        if self._draws_rooms and len(episodes) > 0:
-            self._restart_in_rooms(episodes, seeds)
-            return
-        for episode, seed in zip(episodes, seeds, strict=True):
-            self.begin(episode, seed, index=index)
+        """Start some episodes anew, each on the map and spawns of its seed, exactly as :meth:`begin` does.
 
-    @property
-    def _draws_rooms(self) -> bool:
-        """Whether maps and spawns can be drawn in compiled code."""
-        return isinstance(self.scenario.map, ThesisMaps) and isinstance(self.scenario.spawn, str)
+        Raises:
+            InputError: one of them cannot be started; then all episodes are left as they were.
 
-    def _restart_in_rooms(self, episodes: Sequence[int], seeds: Sequence[int]) -> None:
-        maps = self.scenario.map
-        assert isinstance(maps, ThesisMaps)
-        for episode, seed in zip(episodes, seeds, strict=True):
-            self._floorplans[episode], self.seeds[episode] = None, checked_seed(seed)
-        self._allocated((maps.height, maps.width))
-        room, clustered = maps.room, self.scenario.spawn == "clustered"
-        places, keys = np.asarray(episodes, np.int64), np.asarray(seeds, np.int64)
-        self.openings[places] += 1
-
-        def open_some(thread: int, first: int, last: int) -> None:
-            chosen = slice(first, last)
-            opened = open_rooms(
-                self._engines[thread], room, clustered, self._grounds[thread], places[chosen], keys[chosen]
-            )
-            if first + opened < last:
-                draw_floorplan(self.scenario, int(keys[first + opened]))  # says what is wrong
-                raise AssertionError("a floor plan was drawn where compiled code found none")
-
-        self._in_threads(open_some, len(places))
+        """
+        self.start(self.prepare(episodes, seeds, index=index))
 
     def begin(
         self,
@@ -112,37 +81,56 @@ class World:
         floorplan: Floorplan | None = None,
         spawns: Sequence[Cell] | None = None,
     ) -> None:
-        """Start one episode; a given ``floorplan`` or ``spawns`` replaces what the seed would draw."""
-        if floorplan is None and spawns is None and self._draws_rooms:
-            self._restart_in_rooms([episode], [seed])
-            return
-        seed = checked_seed(seed)
-        plan = draw_floorplan(self.scenario, seed, index) if floorplan is None else floorplan
-        cells = draw_spawns(self.scenario, plan, seed) if spawns is None else checked_spawns(spawns, plan)
-        state = self._allocated(plan.shape)
-        if plan.shape != state.truth.shape[1:]:
-            raise InputError(
-                f"expected a map of shape {state.truth.shape[1:]} like the others of the batch, "
-                f"got {plan.shape} ({plan.name}); use a world for each shape"
-            )
-        self._floorplans[episode], self.seeds[episode] = plan, seed
-        state.truth[episode], state.cell[episode] = plan.truth, cells
-        self.openings[episode] += 1
-        open_episode(self._engines[0], self._grounds[0], episode, seed)
+        """Start one episode; a given ``floorplan`` or ``spawns`` replaces what the seed would draw.
 
-    def _allocated(self, shape: tuple[int, int]) -> State:
+        Raises:
+            InputError: it cannot be started; then the episode is left as it was.
+
+        """
+        if floorplan is None and spawns is None:
+            self.restart([episode], [seed], index=index)
+        else:
+            self.start(self._preparation.given(episode, seed, index, self._shape, floorplan, spawns))
+
+    def prepare(self, episodes: Sequence[int], seeds: Sequence[int], *, index: int = 0) -> Prepared:
+        """Draw the maps and spawns of new episodes for :meth:`start`; nothing in the world changes.
+
+        Raises:
+            InputError: an episode, a seed or ``index`` is out of range, or a map or its spawns cannot be used.
+
+        """
+        return self._preparation.drawn(episodes, seeds, index, self._shape)
+
+    def start(self, prepared: Prepared) -> None:
+        """Start the episodes that :meth:`prepare` has drawn."""
+        episodes, seeds, starts, floorplans = prepared
+        if len(episodes) == 0:
+            return
         if self._state is None:
-            window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
-            self._state = empty_state(self.batch, self.scenario.team, shape, window)
-            self._grounds = [new_ground(shape) for _ in range(self._threads)]
-            self._engines = [
-                bind(self._rules, self._state, self._optics, new_work(self._optics, self.scenario.team))
-                for _ in range(self._threads)
-            ]
-            self._beliefs = [list(team) for team in read_only(self._state.belief)]
-            self._legals = [list(team) for team in read_only(self._state.legal)]
-            self._visited = [list(team) for team in read_only(self._state.visited)]
-        return self._state
+            self._allocate((starts.truth.shape[1], starts.truth.shape[2]))
+        for episode, seed, plan in zip(episodes.tolist(), seeds.tolist(), floorplans, strict=True):
+            self._floorplans[episode], self.seeds[episode] = plan, seed
+        self.begun[episodes] += 1
+        self._threads.share(
+            lambda thread, first, last: start_episodes(self._engines[thread], starts, episodes, seeds, first, last),
+            len(episodes),
+        )
+
+    @property
+    def _shape(self) -> tuple[int, ...] | None:
+        """(H, W) of the maps, None before the first episode."""
+        return None if self._state is None else self._state.truth.shape[1:]
+
+    def _allocate(self, shape: tuple[int, int]) -> None:
+        window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
+        self._state = empty_state(self.batch, self.scenario.team, shape, window)
+        rules, lidar = rules_of(self.scenario), optics(self.scenario.lidar.range, self.scenario.lidar.model)
+        self._engines = [
+            bind(rules, self._state, lidar, new_work(lidar, self.scenario.team)) for _ in range(self._threads.count)
+        ]
+        self._beliefs = [list(team) for team in read_only(self._state.belief)]
+        self._legals = [list(team) for team in read_only(self._state.legal)]
+        self._visited = [list(team) for team in read_only(self._state.visited)]
 
     def floorplan(self, episode: int) -> Floorplan:
         """Return the true map of an episode and its facts."""
@@ -156,13 +144,7 @@ class World:
 
         ``then(engine, first, last)`` is called for each share of the episodes in the thread that has stepped it.
         """
-        actions = np.ascontiguousarray(actions, np.int64)
-        if actions.shape != self.state.end.shape:
-            raise InputError(
-                f"expected actions of shape {self.state.end.shape} (episodes, agents), got {actions.shape}"
-            )
-        if not are_actions(actions):
-            raise InputError(f"expected actions from 0 to 4, got {int(actions.min())} to {int(actions.max())}")
+        actions = self.checked_actions(actions)
 
         def work(engine: Engine, first: int, last: int) -> None:
             advance(engine, actions, first, last)
@@ -171,24 +153,20 @@ class World:
 
         self.in_slices(work)
 
+    def checked_actions(self, actions: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
+        """Return (B, N) actions as int64, refusing another shape and numbers that are no actions."""
+        actions = np.ascontiguousarray(actions, np.int64)
+        if actions.shape != self.state.end.shape:
+            raise InputError(
+                f"expected actions of shape {self.state.end.shape} (episodes, agents), got {actions.shape}"
+            )
+        if not are_actions(actions):
+            raise InputError(f"expected actions from 0 to 4, got {int(actions.min())} to {int(actions.max())}")
+        return actions
+
     def in_slices(self, work: Callable[[Engine, int, int], object]) -> None:
         """Call ``work(engine, first, last)`` for a share of the episodes in each thread, and wait for all."""
-        if self._pool is None:
-            work(self._engines[0], 0, self.batch)
-        else:
-            self._in_threads(lambda thread, first, last: work(self._engines[thread], first, last), self.batch)
-
-    def _in_threads(self, work: Callable[[int, int, int], object], count: int) -> None:
-        """Call ``work(thread, first, last)`` for a share of ``count`` things in each thread, and wait for all."""
-        threads = min(self._threads, count // LEAST_SHARE + 1)
-        if self._pool is None or threads == 1:
-            work(0, 0, count)
-            return
-        bounds = [count * thread // threads for thread in range(threads + 1)]
-        others = [self._pool.submit(work, t, bounds[t], bounds[t + 1]) for t in range(1, threads)]
-        work(0, 0, bounds[1])
-        for other in others:
-            other.result()
+        self._threads.share(lambda thread, first, last: work(self._engines[thread], first, last), self.batch)
 
     def post(self, episode: int, agent: int, message: Message) -> None:
         """Put what an agent says into its outbox; it is sent after each move until it is replaced."""

@@ -58,5 +58,5 @@ def test_a_batch_that_starts_anew_here_and_there(threads):
         over = np.flatnonzero(~world.flying.any(axis=1))
         world.restart(over, [seed + 1000 * k for k in range(len(over))])
         live.update()
-    assert (world.openings > 2).all()
+    assert (world.begun > 2).all()
     np.testing.assert_array_equal(live.planes, painted(world, PLANES))

@@ -1,0 +1,157 @@
+"""The starts of episodes, drawn and checked before any episode changes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.randomness import checked_seed
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.sources import ThesisMaps
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.reset import (
+    FloodScratch,
+    RoomTask,
+    Starts,
+    draw_rooms,
+    empty_starts,
+    flood_scratch,
+    mark_reachable,
+)
+from indoor_explorers.env.simulation.spawns import checked_spawns, draw_floorplan, draw_spawns
+from indoor_explorers.env.simulation.state import rules_of
+from indoor_explorers.env.simulation.threads import Threads
+
+#: (H, W) of the maps of a batch, None before its first episode.
+Shape = tuple[int, ...] | None
+
+
+class Prepared(NamedTuple):
+    """K episodes that can be started."""
+
+    episodes: NDArray[np.int64]
+    """(K,) their places in the batch."""
+    seeds: NDArray[np.int64]
+    """(K,)."""
+    starts: Starts
+    floorplans: Sequence[Floorplan | None]
+    """Their maps; None for a room that was drawn in compiled code."""
+
+
+class Preparation:
+    """Draw the maps and spawns of a scenario's episodes."""
+
+    def __init__(self, scenario: Scenario, batch: int, threads: Threads) -> None:
+        self._scenario = scenario
+        self._batch = batch
+        self._threads = threads
+        self._room = _room_task(scenario)
+        self._scratch: list[FloodScratch] = []
+
+    def drawn(self, episodes: Sequence[int], seeds: Sequence[int], index: int, shape: Shape) -> Prepared:
+        """Draw the maps and spawns of some episodes; maps must have the batch's ``shape``."""
+        places, keys = self._checked(episodes, seeds, index)
+        if self._room is not None:
+            return self._drawn_rooms(self._room, places, keys, shape)
+        plans = [draw_floorplan(self._scenario, seed, index) for seed in keys.tolist()]
+        cells = [draw_spawns(self._scenario, plan, seed) for plan, seed in zip(plans, keys.tolist(), strict=True)]
+        return self._gathered(places, keys, plans, cells, shape)
+
+    def given(
+        self,
+        episode: int,
+        seed: int,
+        index: int,
+        shape: Shape,
+        floorplan: Floorplan | None,
+        spawns: Sequence[Cell] | None,
+    ) -> Prepared:
+        """Prepare one episode with a given map or given spawns; what is not given is drawn."""
+        place, key = self._checked([episode], [seed], index)
+        plan = draw_floorplan(self._scenario, seed, index) if floorplan is None else floorplan
+        if spawns is None:
+            cells = draw_spawns(self._scenario, plan, seed)
+        else:
+            cells = checked_spawns(spawns, plan, self._scenario.team)
+        return self._gathered(place, key, [plan], [cells], shape)
+
+    def _checked(
+        self, episodes: Sequence[int], seeds: Sequence[int], index: int
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return episodes (K,) and their seeds (K,), refusing what is out of range."""
+        if len(episodes) != len(seeds):
+            raise InputError(f"expected one seed for each of {len(episodes)} episodes, got {len(seeds)}")
+        if not 0 <= index < self._scenario.map.count:
+            raise InputError(f"expected index to be one of the scenario's {self._scenario.map.count} maps, got {index}")
+        places = np.array(episodes, np.int64)
+        if len(places) and not 0 <= places.min() <= places.max() < self._batch:
+            raise InputError(f"expected episodes from 0 to {self._batch - 1}, got {places.tolist()}")
+        if len(places) > 1 and len(np.unique(places)) < len(places):
+            raise InputError(f"expected each episode once, got {places.tolist()}")
+        return places, np.array([checked_seed(seed) for seed in seeds], np.int64)
+
+    def _drawn_rooms(
+        self, task: RoomTask, episodes: NDArray[np.int64], seeds: NDArray[np.int64], shape: Shape
+    ) -> Prepared:
+        """Draw random rooms and spawns in compiled code."""
+        maps = self._scenario.map
+        assert isinstance(maps, ThesisMaps)
+        _check_shape((maps.height, maps.width), shape, maps.source)
+        starts = empty_starts(len(episodes), self._scenario.team, (maps.height, maps.width))
+        scratch = self._scratch_for((maps.height, maps.width))
+
+        def draw(thread: int, first: int, last: int) -> None:
+            drawn = draw_rooms(task, scratch[thread], starts, seeds, first, last)
+            if drawn < last:
+                draw_floorplan(self._scenario, int(seeds[drawn]))  # says what is wrong
+                raise AssertionError("a floor plan was drawn where compiled code found none")
+
+        self._threads.share(draw, len(episodes))
+        return Prepared(episodes, seeds, starts, [None] * len(episodes))
+
+    def _gathered(
+        self,
+        episodes: NDArray[np.int64],
+        seeds: NDArray[np.int64],
+        plans: Sequence[Floorplan],
+        cells: Sequence[Sequence[Cell]],
+        shape: Shape,
+    ) -> Prepared:
+        """Put maps and spawns into arrays."""
+        if not plans:
+            return Prepared(episodes, seeds, empty_starts(0, self._scenario.team, (0, 0)), plans)
+        for plan in plans:
+            _check_shape(plan.shape, shape or plans[0].shape, plan.name)
+        starts = empty_starts(len(plans), self._scenario.team, plans[0].shape)
+        for k, plan in enumerate(plans):
+            starts.truth[k], starts.cell[k] = plan.truth, cells[k]
+        mark_reachable(self._scratch_for(plans[0].shape)[0], starts)
+        return Prepared(episodes, seeds, starts, plans)
+
+    def _scratch_for(self, shape: tuple[int, int]) -> list[FloodScratch]:
+        """Return the working arrays of each thread."""
+        if not self._scratch or self._scratch[0].part.shape != shape:
+            self._scratch = [flood_scratch(shape) for _ in range(self._threads.count)]
+        return self._scratch
+
+
+def _room_task(scenario: Scenario) -> RoomTask | None:
+    """Return the task of rooms that compiled code can draw; None for other maps, and for listed spawns."""
+    if not isinstance(scenario.map, ThesisMaps) or not isinstance(scenario.spawn, str):
+        return None
+    rules = rules_of(scenario)
+    return RoomTask(scenario.map.room, scenario.spawn == "clustered", rules.counts_map, rules.goal)
+
+
+def _check_shape(found: tuple[int, int], shape: Shape, name: str) -> None:
+    """Refuse a map of another shape than the batch's."""
+    if shape is not None and found != shape:
+        raise InputError(
+            f"expected a map of shape {shape} like the others of the batch, got {found} ({name}); "
+            "use a world for each shape"
+        )
