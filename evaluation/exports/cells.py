@@ -77,7 +77,7 @@ def caption(comparison: Comparison) -> list[str]:
     """Return the sentences that say what a table's figures are."""
     counts = [len(records) for records in comparison.groups.values()]
     span = counted(counts[0], "episode") if len(set(counts)) == 1 else f"{min(counts)} to {max(counts)} episodes"
-    budgets = sorted({record.budget for records in comparison.groups.values() for record in records})
+    budgets = sorted({record.budget for record in comparison.records})
     limit = f"{budgets[0]}" if len(budgets) == 1 else f"{budgets[0]} to {budgets[-1]}"
     settings = comparison.results.scenarios[comparison.scenario]
     return [

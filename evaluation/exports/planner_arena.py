@@ -114,7 +114,7 @@ def _planners(results: Results) -> Iterator[tuple[int, str, str]]:
 
 
 def _experiment(results: Results, comparison: Comparison) -> tuple[Any, ...]:
-    records = [record for group in comparison.groups.values() for record in group]
+    records = comparison.records
     run: Mapping[str, Any] = results.runs[-1] if results.runs else {}
     return (
         comparison.scenario,

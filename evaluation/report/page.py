@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -17,16 +18,15 @@ from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import ending
 from indoor_explorers.evaluation.report.changes.against import Against
 from indoor_explorers.evaluation.report.charts.dot_plots import swatch
-from indoor_explorers.evaluation.report.charts.small_multiples import scenario_multiples
 from indoor_explorers.evaluation.report.panels import sweep_sections
 from indoor_explorers.evaluation.report.sections import section_of
 from indoor_explorers.evaluation.report.style.formatting import counted, percent
-from indoor_explorers.evaluation.report.style.palette import COLOURS, policy_styles
-from indoor_explorers.evaluation.report.summary import facts
-from indoor_explorers.evaluation.report.summary.comparability import judged, on_common_tasks
+from indoor_explorers.evaluation.report.style.palette import COLOURS, Styles, policy_styles
+from indoor_explorers.evaluation.report.summary.comparability import on_common_tasks
 from indoor_explorers.evaluation.report.summary.definitions import definitions
-from indoor_explorers.evaluation.report.summary.overview import lead, line
-from indoor_explorers.evaluation.report.summary.reproduce import experiment_files, row_command
+from indoor_explorers.evaluation.report.summary.facts import shown
+from indoor_explorers.evaluation.report.summary.overview import overview
+from indoor_explorers.evaluation.report.summary.provenance import provenance
 from indoor_explorers.evaluation.report.tables.ratio_table import ratio_tables
 from indoor_explorers.evaluation.results.coverage_threshold import shared
 from indoor_explorers.evaluation.results.ratios import Ratios
@@ -67,45 +67,40 @@ def render(
     ratio_to: Sequence[str] | None = None,
 ) -> str:
     """Return the page as text; its arguments are those of :func:`write_report`."""
-    common = on_common_tasks(results)
-    styles = policy_styles(results.policies)
-    comparisons = [(f"s{number}", Comparison(common, name)) for number, name in enumerate(results.scenarios, 1)]
+    common, styles = on_common_tasks(results), policy_styles(results.policies)
+    comparisons = {f"s{number}": Comparison(common, name) for number, name in enumerate(results.scenarios, 1)}
     return (
         _environment()
         .get_template("page.html")
         .render(
             title=title or "Exploration policies compared",
             subtitle=_subtitle(results),
-            colours=COLOURS,
+            overview=overview(results, comparisons, styles),
             against=against,
             ratios=ratio_tables(Ratios.of(results, ratio_to)),
-            verdict=judged(results),
-            lead=lead([each for _, each in comparisons]),
-            level=shared(results.levels),
-            lines=[line(each, section_id) for section_id, each in comparisons],
-            panels=scenario_multiples(comparisons, styles),
-            sections=[section_of(each, section_id, styles, replays) for section_id, each in comparisons],
+            sections=[section_of(each, section_id, styles, replays) for section_id, each in comparisons.items()],
             sweeps=sweep_sections(common, styles),
-            listed=LISTED,
-            swatches={name: swatch(style) for name, style in styles.items()},
-            policies=results.policies,
-            privileged=results.privileged_policies,
             definitions=definitions(shared(results.levels)),
-            runs=facts.run_rows(results.runs),
-            run_count=len(results.runs),
-            commands=facts.commands(results.runs),
-            row_commands=_row_commands(results),
-            experiments=experiment_files(results),
-            interval={"confidence": percent(CONFIDENCE), "fewest": FEWEST},
-            plotly=Markup(get_plotlyjs().replace("</script", "<\\/script")),
+            policies=_policies(results, styles),
+            provenance=provenance(results),
         )
     )
 
 
-def _row_commands(results: Results) -> list[tuple[str, str, str]]:
-    """Return (scenario, policy, command) of each row of the results tables that can be made again by itself."""
-    rows = [(scenario, policy, row_command(results, scenario, policy)) for scenario, policy in results.groups]
-    return [row for row in rows if row[2]]
+@dataclass(frozen=True)
+class ShownPolicies:
+    """What the template shows of the policies, wherever their names stand."""
+
+    facts: Mapping[str, Mapping[str, Any]]
+    privileged: list[str]
+    swatches: dict[str, Markup]
+    """Line and marker of each, as in the charts."""
+
+
+def _policies(results: Results, styles: Styles) -> ShownPolicies:
+    return ShownPolicies(
+        results.policies, results.privileged_policies, {name: swatch(style) for name, style in styles.items()}
+    )
 
 
 @lru_cache(maxsize=1)
@@ -117,8 +112,14 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"json": embedded, "shown": facts.shown, "ending": ending, "percent": percent}
-    environment.globals["include_raw"] = _raw
+    environment.filters |= {"json": embedded, "shown": shown, "ending": ending, "percent": percent}
+    environment.globals |= {
+        "include_raw": _raw,
+        "plotly": Markup(get_plotlyjs().replace("</script", "<\\/script")),
+        "colours": COLOURS,
+        "interval": {"confidence": percent(CONFIDENCE), "fewest": FEWEST},
+        "listed": LISTED,
+    }
     return environment
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,78 +31,140 @@ AXIS_NAMES = {"steps": "Steps", "distance": "Distance", "seconds": "Thinking tim
 
 
 @dataclass(frozen=True)
+class TaskSummary:
+    """The scenario as a task."""
+
+    team: int
+    phrases: list[str]
+    denominator: str
+    """What coverage is a share of."""
+    setting_rows: list[tuple[str, str, str]]
+    """Key, value and meaning of every setting."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What was flown."""
+
+    policies: list[str]
+    episodes: int
+    """The most that any policy flew."""
+    few: bool
+    """Whether some policy flew too few episodes for an interval."""
+    fixed_maps: int
+    """How many maps the intervals speak about alone; 0 where they speak about maps like these."""
+
+
+@dataclass(frozen=True)
+class SectionCharts:
+    """The data of the section's charts; None where nothing was flown."""
+
+    coverage: dict[str, Any] | None
+    who: tuple[str, ...]
+    """Whose coverage can be shown."""
+    axes: list[tuple[str, str]]
+    """Key and title of each axis that coverage is drawn against."""
+    times: dict[str, Any] | None
+    thresholds: list[tuple[str, str]]
+    """Key and title of each time that its chart can show, that of the scenario's threshold first."""
+    multiples: SmallMultiples | None
+
+
+@dataclass(frozen=True)
+class SectionTables:
+    """The section's tables."""
+
+    columns: tuple[Column, ...]
+    results: list[tuple[str, list[TableCell]]]
+    """By policy, a cell for each column."""
+    measures: list[MeasureRow]
+    baseline: str
+    """The best-ranked policy, which the contrasts are against."""
+    contrasts: list[ContrastRow]
+
+
+@dataclass(frozen=True)
 class Section:
     """What the template shows of one scenario."""
 
     id: str
     name: str
-    settings: Mapping[str, Any]
-    phrases: list[str]
-    denominator: str
     level: CoverageThreshold
     """What the scenario is judged by."""
     headline: Markup
-    episodes: int
-    few: bool
-    fixed_maps: int
-    """How many maps the intervals speak about alone; 0 where they speak about maps like these."""
-    who: tuple[str, ...]
-    axes: list[tuple[str, str]]
-    """Key and title of each axis that coverage is drawn against."""
-    levels: list[tuple[str, str]]
-    """Key and title of each time that its chart can show, that of its level first."""
-    columns: tuple[Column, ...]
-    table: list[tuple[str, list[TableCell]]]
-    more: list[MeasureRow]
-    baseline: str
-    contrasts: list[ContrastRow]
-    policies: list[str]
-    multiples: SmallMultiples | None
-    troubles: list[Record]
+    task: TaskSummary
+    sample: Sample
+    charts: SectionCharts
+    tables: SectionTables
     panels: ScenarioPanels
-    setting_rows: list[tuple[str, str, str]]
-    chart: dict[str, Any] | None
-    times: dict[str, Any] | None
+    failures: list[Record]
+    """The episodes that failed or ended early."""
     replay: dict[str, Any] | None
 
 
 def section_of(comparison: Comparison, section_id: str, styles: Styles, replays: int | None = None) -> Section:
-    """Gather what the page shows of a scenario, with so many ``replays`` or as many as fit."""
-    results, name = comparison.results, comparison.scenario
-    settings = results.scenarios[name]
-    records = [record for group in comparison.groups.values() for record in group]
-    flown = bool(records)
-    chart = chart_data(comparison, styles, _points(results)) if flown else None
-    times = times_data(comparison, styles) if flown else None
+    """Gather what the page shows of a scenario, with this many ``replays`` or as many as fit."""
+    limit = REPLAY_BYTES // len(comparison.results.scenarios)
     return Section(
         id=section_id,
-        name=name,
-        settings=settings,
-        phrases=facts.summary_line(
-            settings, sorted({r.budget for r in records}), sorted({r.floorplan.shape for r in records})
-        ),
-        denominator=facts.denominator(settings),
+        name=comparison.scenario,
         level=comparison.level,
         headline=headline(comparison),
-        episodes=max((len(group) for group in comparison.groups.values()), default=0),
-        few=any(len(group) < FEWEST for group in comparison.groups.values()),
+        task=_task_summary(comparison),
+        sample=_sample(comparison),
+        charts=_charts(comparison, styles),
+        tables=_tables(comparison, styles),
+        panels=scenario_panels(comparison, styles),
+        failures=failed_or_ended(comparison.records),
+        replay=replay_data(comparison, styles, limit, replays) if comparison.records else None,
+    )
+
+
+def _task_summary(comparison: Comparison) -> TaskSummary:
+    settings = comparison.results.scenarios[comparison.scenario]
+    budgets = sorted({record.budget for record in comparison.records})
+    shapes = sorted({record.floorplan.shape for record in comparison.records})
+    return TaskSummary(
+        team=settings["team"],
+        phrases=facts.summary_line(settings, budgets, shapes),
+        denominator=facts.denominator(settings),
+        setting_rows=facts.setting_rows(settings),
+    )
+
+
+def _sample(comparison: Comparison) -> Sample:
+    counts = [len(records) for records in comparison.groups.values()]
+    return Sample(
+        policies=list(comparison.groups),
+        episodes=max(counts, default=0),
+        few=any(count < FEWEST for count in counts),
         fixed_maps=0 if comparison.over_maps else comparison.map_count,
-        who=WHO if settings["team"] > 1 else WHO[:1],
-        axes=[(axis["key"], AXIS_NAMES[axis["key"]]) for axis in chart["axes"]] if chart else [],
-        levels=[(level["key"], level["title"]) for level in times["levels"]] if times else [],
+    )
+
+
+def _charts(comparison: Comparison, styles: Styles) -> SectionCharts:
+    who = WHO if comparison.results.scenarios[comparison.scenario]["team"] > 1 else WHO[:1]
+    if not comparison.records:
+        return SectionCharts(None, who, [], None, [], None)
+    coverage, times = chart_data(comparison, styles, _points(comparison.results)), times_data(comparison, styles)
+    return SectionCharts(
+        coverage=coverage,
+        who=who,
+        axes=[(axis["key"], AXIS_NAMES[axis["key"]]) for axis in coverage["axes"]],
+        times=times,
+        thresholds=[(level["key"], level["title"]) for level in times["levels"]],
+        multiples=map_multiples(comparison, styles),
+    )
+
+
+def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
+    flown = bool(comparison.records)
+    return SectionTables(
         columns=columns_of(comparison.level),
-        table=results_table(comparison, styles) if flown else [],
-        more=measures_table(comparison),
+        results=results_table(comparison, styles) if flown else [],
+        measures=measures_table(comparison),
         baseline=comparison.ranked_policies[0] if flown else "",
         contrasts=contrast_table(comparison, styles),
-        policies=list(comparison.groups),
-        multiples=map_multiples(comparison, styles),
-        troubles=failed_or_ended(records),
-        panels=scenario_panels(comparison, styles),
-        setting_rows=facts.setting_rows(settings),
-        chart=chart,
-        times=times,
-        replay=replay_data(comparison, styles, REPLAY_BYTES // len(results.scenarios), replays) if flown else None,
     )
 
 

@@ -29,6 +29,11 @@ class Comparison:
         return {policy: records for (scenario, policy), records in groups if scenario == self.scenario}
 
     @cached_property
+    def records(self) -> list[Record]:
+        """The records of all policies, policy by policy."""
+        return [record for group in self.groups.values() for record in group]
+
+    @cached_property
     def level(self) -> CoverageThreshold:
         """The coverage level that the scenario is judged by."""
         return self.results.level(self.scenario)

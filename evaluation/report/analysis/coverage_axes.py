@@ -37,7 +37,7 @@ TITLES = {"steps": "step", "distance": "distance flown by the team", "seconds": 
 
 def axes_of(comparison: Comparison, points: int) -> list[CoverageAxis]:
     """Return the axes on which anything was spent, steps first, with about ``points`` amounts each."""
-    records = [record for group in comparison.groups.values() for record in group]
+    records = comparison.records
     others = [key for key in AXES if key != "steps" and max(record.spent(key)[-1] for record in records) > 0]
     steps = sampled_steps(comparison, points).astype(np.float64)
     first = CoverageAxis("steps", TITLES["steps"], AXES["steps"], False, steps, float(focus_step(comparison)))
@@ -45,7 +45,7 @@ def axes_of(comparison: Comparison, points: int) -> list[CoverageAxis]:
 
 
 def _spending(comparison: Comparison, key: str, points: int) -> CoverageAxis:
-    records = [record for group in comparison.groups.values() for record in group]
+    records = comparison.records
     most = max(float(record.spent(key)[-1]) for record in records)
     if key == "seconds":
         least = min(float(spent[spent > 0][0]) for record in records if (spent := record.spent(key))[-1] > 0)
@@ -65,7 +65,7 @@ def _focus(comparison: Comparison, key: str, amounts: NDArray[np.float64]) -> fl
 
 def sampled_steps(comparison: Comparison, points: int) -> NDArray[np.int64]:
     """Return at most about ``points`` steps: dense while any curve still rises, and the last step of all."""
-    records = [record for records in comparison.groups.values() for record in records]
+    records = comparison.records
     budget, last = max(record.budget for record in records), max(record.steps for record in records)
     focus = min(focus_step(comparison), last)
     early = np.linspace(0, focus, min(focus + 1, points * 2 // 3)).round()

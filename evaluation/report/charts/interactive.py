@@ -32,7 +32,7 @@ def _about(comparison: Comparison, policy: str, style: PolicyStyle) -> dict[str,
 def chart_data(comparison: Comparison, styles: Styles, points: int = 360) -> dict[str, Any]:
     """Return the coverage chart of a scenario as JSON data."""
     axes = axes_of(comparison, points)
-    team = max(record.team for records in comparison.groups.values() for record in records)
+    team = max(record.team for record in comparison.records)
     who = WHO if team > 1 else WHO[:1]
     return {
         "axes": [_axis_data(axis) for axis in axes],
@@ -62,7 +62,7 @@ def _curves(comparison: Comparison, policy: str, axis: CoverageAxis, who: str) -
 
 def times_data(comparison: Comparison, styles: Styles) -> dict[str, Any]:
     """Return, for every level and policy, the share of episodes that got there by each step, as JSON data."""
-    records = [record for group in comparison.groups.values() for record in group]
+    records = comparison.records
     budget = max(record.budget for record in records)
     times = levels_drawn(comparison)
     return {

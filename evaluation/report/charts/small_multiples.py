@@ -56,7 +56,7 @@ class SmallMultiples:
 
 def map_multiples(comparison: Comparison, styles: Styles) -> SmallMultiples | None:
     """Return a panel for each map file, or for each folder where the files are many; None for one map."""
-    indices = sorted({record.task.map_index for records in comparison.groups.values() for record in records})
+    indices = sorted({record.task.map_index for record in comparison.records})
     if len(indices) < 2:
         return None
     folders = _folders(comparison)

@@ -47,7 +47,7 @@ class ScenarioPanels:
 def scenario_panels(comparison: Comparison, styles: Styles) -> ScenarioPanels:
     """Gather the panels of a scenario."""
     task_times = TaskTimes.of(comparison)
-    records = [record for group in comparison.groups.values() for record in group]
+    records = comparison.records
     counts = sorted({len(records) for records in comparison.groups.values()})
     return ScenarioPanels(
         duels=win_matrix(task_times),

@@ -59,7 +59,7 @@ def times_table(comparison: Comparison, task_times: TaskTimes) -> TimesTable | N
 
 
 def _by_map(comparison: Comparison, common: TaskTimes, maps: dict[int, TaskTimes]) -> TimesTable:
-    names = {r.task.map_index: r.floorplan.name for rs in comparison.groups.values() for r in rs}
+    names = {r.task.map_index: r.floorplan.name for r in comparison.records}
     means = np.stack([here.times.mean(axis=0) for here in maps.values()])
     rows = [
         (names[index], [_on_map(here, column, names[index]) for column in range(len(common.policies))])

@@ -104,7 +104,7 @@ def notable_tasks(comparison: Comparison) -> list[Pick]:
     if not order:
         return []
     picks = [("median", order[(len(order) - 1) // 2]), ("fastest", order[0]), ("slowest", order[-1])]
-    failed = sorted(r.task for rs in comparison.groups.values() for r in rs if r.outcome is Outcome.FAILED)
+    failed = sorted(r.task for r in comparison.records if r.outcome is Outcome.FAILED)
     picks += [("with a failure", task) for task in failed[:1]]
     unique = {task: label for label, task in reversed(picks)}
     return [Pick(label, task) for label, task in picks if unique[task] == label]
@@ -132,7 +132,7 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
     Where that is too small even for the coarsest it takes all that is left, and lacks the lowest ranked policies if
     that is not enough either.
     """
-    flown = {r.policy: r for records in comparison.groups.values() for r in records if r.task == pick.task}
+    flown = {r.policy: r for r in comparison.records if r.task == pick.task}
     scenario = recorded_scenario(comparison.results.scenarios[comparison.scenario])
     again = [resimulated(flown[name], scenario) for name in comparison.ranking if name in flown]
     flights = [flight for flight in again if flight.faithful]

@@ -1,4 +1,4 @@
-"""What a reader needs to judge and repeat the results: definitions, settings, parameters, provenance."""
+"""A scenario in words: a line about its task, its denominator, and every setting with its meaning."""
 
 from __future__ import annotations
 
@@ -90,35 +90,3 @@ def _part(model: type[BaseModel], name: str, settings: Mapping[str, Any]) -> typ
 
 def _is_model(kind: Any) -> bool:
     return isinstance(kind, type) and issubclass(kind, BaseModel)
-
-
-def run_rows(runs: Sequence[Mapping[str, Any]]) -> list[tuple[str, list[tuple[str, str]]]]:
-    """Return each fact of the runs with its values, and for values that differ the runs that they are of."""
-    keys = list(dict.fromkeys(key for run in runs for key in run))
-    return [(key, _values(key, runs)) for key in keys]
-
-
-def _values(key: str, runs: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
-    by_value: dict[str, list[int]] = {}
-    for number, run in enumerate(runs, 1):
-        by_value.setdefault(_fact(run.get(key)), []).append(number)
-    if len(by_value) == 1:
-        return [(value, "") for value in by_value]
-    return [(value, _numbered(numbers)) for value, numbers in by_value.items()]
-
-
-def _fact(value: Any) -> str:
-    return "not recorded" if value is None or value == "" else shown(value)
-
-
-def _numbered(numbers: Sequence[int]) -> str:
-    if len(numbers) == 1:
-        return f"run {numbers[0]}"
-    if numbers[-1] - numbers[0] + 1 == len(numbers):
-        return f"runs {numbers[0]} to {numbers[-1]}"
-    return "runs " + ", ".join(str(number) for number in numbers)
-
-
-def commands(runs: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return the different commands of the runs, in order."""
-    return list(dict.fromkeys(str(run["command"]) for run in runs if run.get("command")))

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.charts.small_multiples import Panel, scenario_multiples
 from indoor_explorers.evaluation.report.style.formatting import percent, with_interval
+from indoor_explorers.evaluation.report.style.palette import Styles
+from indoor_explorers.evaluation.report.summary.comparability import Verdict, judged
 from indoor_explorers.evaluation.report.summary.headline import NAME, headline
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared
+from indoor_explorers.evaluation.results.results import Results
 
 
 @dataclass(frozen=True)
@@ -34,8 +38,33 @@ class OverviewRow:
     """Whether that difference was shown."""
 
 
-def line(comparison: Comparison, section_id: str) -> OverviewRow:
-    """Return the line of a scenario."""
+@dataclass(frozen=True)
+class Overview:
+    """The first section of the page."""
+
+    verdict: Verdict
+    lead: Markup
+    """Who was first, in a sentence or two."""
+    level: CoverageThreshold | None
+    """What all scenarios are judged by; None where each has its own."""
+    rows: list[OverviewRow]
+    panels: list[Panel]
+    """Small coverage charts, one for each scenario."""
+
+
+def overview(results: Results, comparisons: Mapping[str, Comparison], styles: Styles) -> Overview:
+    """Gather the overview of all results; ``comparisons`` are those of their common tasks, by section."""
+    return Overview(
+        verdict=judged(results),
+        lead=lead(list(comparisons.values())),
+        level=shared(results.levels),
+        rows=[overview_row(each, section) for section, each in comparisons.items()],
+        panels=scenario_multiples(list(comparisons.items()), styles),
+    )
+
+
+def overview_row(comparison: Comparison, section_id: str) -> OverviewRow:
+    """Return the row of a scenario."""
     name, level = comparison.scenario, comparison.level
     if not comparison.groups:
         return OverviewRow(section_id, name, "", level, "", "", "", "", False)

@@ -36,7 +36,7 @@ def measures_table(comparison: Comparison) -> list[MeasureRow]:
 
 
 def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
-    alone = all(record.team == 1 for records in comparison.groups.values() for record in records)
+    alone = all(record.team == 1 for record in comparison.records)
     left_out = {column.key for column in columns_of(comparison.level)} | (OF_TEAMS if alone else set())
     for key, measure in MEASURES.items():
         if key not in left_out:

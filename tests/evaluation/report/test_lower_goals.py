@@ -30,7 +30,7 @@ from indoor_explorers.evaluation.report.replay.selection import notable_tasks
 from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.report.summary.comparability import judged
 from indoor_explorers.evaluation.report.summary.headline import headline
-from indoor_explorers.evaluation.report.summary.overview import lead, line
+from indoor_explorers.evaluation.report.summary.overview import lead, overview_row
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 from indoor_explorers.evaluation.report.tables.results_table import columns_of, results_table
 from indoor_explorers.evaluation.results.ratios import Ratios
@@ -176,7 +176,7 @@ def test_the_terminal_takes_the_level_that_all_share(near: Results, mixed: Resul
 
 
 def test_scenarios_of_several_levels_are_told_apart(mixed: Results) -> None:
-    lines = [line(Comparison(mixed, name), name) for name in mixed.scenarios]
+    lines = [overview_row(Comparison(mixed, name), name) for name in mixed.scenarios]
     assert [(each.level.title, each.first) for each in lines] == [("T90", "quick"), ("T99", "quick")]
     assert lines[0].time == lines[1].time
     assert "Lowest mean time to the level asked for: <b>quick</b> in 2" in lead(

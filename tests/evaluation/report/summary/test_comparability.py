@@ -9,7 +9,7 @@ from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.summary.comparability import judged, on_common_tasks
-from indoor_explorers.evaluation.report.summary.overview import lead, line
+from indoor_explorers.evaluation.report.summary.overview import lead, overview_row
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.report.reports import Page
 
@@ -98,7 +98,7 @@ def test_few_maps_are_said_to_speak_for_themselves_alone(sound: Results) -> None
 def test_the_overview_names_the_first_of_every_scenario(results: Results, page: Page) -> None:
     comparisons = [Comparison(results, name) for name in results.scenarios]
     for number, comparison in enumerate(comparisons, 1):
-        entry = line(comparison, f"s{number}")
+        entry = overview_row(comparison, f"s{number}")
         assert entry.first == comparison.ranked_policies[0]
         assert entry.runner_up == comparison.ranked_policies[1]
         assert entry.shown == comparison.contrasts[entry.runner_up].shown
