@@ -22,8 +22,13 @@ class RunError(RuntimeError):
     """Report a run that cannot go on through no fault of its input, such as a worker that was killed."""
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return ``"; did you mean 'x'?"`` for the closest known word, else the list of what is known."""
+def did_you_mean(word: str, known: Iterable[str], prefix: str = "") -> str:
+    """Return ``"; did you mean 'x'?"`` for the closest known word, else the list of what is known.
+
+    ``prefix`` is what stands before the words in a dotted key, such as ``"radio."``.
+    """
     names = sorted(known)
     close = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
-    return f"; did you mean {close[0]!r}?" if close else f"; known: {', '.join(names) or 'none'}"
+    if close:
+        return f"; did you mean {prefix + close[0]!r}?"
+    return f"; known: {', '.join(prefix + name for name in names) or 'none'}"

@@ -10,7 +10,9 @@ imported before it is asked for, so torch and ompl load only when they are used.
 from __future__ import annotations
 
 import importlib
+import inspect
 from collections import defaultdict
+from collections.abc import Mapping
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
@@ -68,6 +70,7 @@ def make_policy(name: str, **parameters: Any) -> Policy:
 
     """
     kind, given = _load(name)
+    _refuse_unknown(name, kind, parameters)
     try:
         policy = kind(**given, **parameters)
     except TypeError as error:
@@ -81,6 +84,20 @@ def make_policy(name: str, **parameters: Any) -> Policy:
             f"policy {name!r}: expected a subclass of indoor_explorers.env.Policy, got {type(policy).__name__}"
         )
     return policy
+
+
+def _refuse_unknown(name: str, kind: Any, parameters: Mapping[str, Any]) -> None:
+    """Refuse a parameter that the constructor does not take, with the likely one."""
+    try:
+        known = inspect.signature(kind).parameters
+    except (TypeError, ValueError):  # built-in ones tell nothing; the call itself will
+        return
+    if any(each.kind is inspect.Parameter.VAR_KEYWORD for each in known.values()):
+        return
+    for parameter in parameters:
+        if parameter not in known:
+            hint = did_you_mean(parameter, known)
+            raise InputError(f"policy {name!r} cannot be made: unknown parameter {parameter!r}{hint}")
 
 
 def missing_module(error: ModuleNotFoundError) -> str:

@@ -172,7 +172,7 @@ class Scenario(_Part):
                     raise InputError(f"no setting {'.'.join(parents[: depth + 1])!r}{did_you_mean(parent, known)}")
                 place = place[parent]
             if leaf not in place:
-                raise InputError(f"no setting {key!r}{did_you_mean(leaf, place)}")
+                raise InputError(f"no setting {key!r}{did_you_mean(leaf, place, key.removesuffix(leaf))}")
             place[leaf] = value
         return validated(Scenario, data, "scenario")
 

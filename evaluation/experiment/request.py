@@ -44,9 +44,10 @@ RESOLUTION = Option(metavar="METRES", read=read_metres)
 TEAM = Option(metavar="N", read=read_count)
 SEED = Option(metavar="S", read=read_natural)
 SETTINGS = Option(metavar="key=value", read=read_setting, several=True, flag="--set")
-POLICIES = Option(metavar="a,b,...", read=read_names)
+POLICY_NAMES = Option(metavar="a,b,...", read=read_names)
 #: Settings by dotted keys; pairs of a key and a value will do.
 Settings = Annotated[Mapping[str, Any], BeforeValidator(_settings), SETTINGS]
+NO_SETTINGS: Mapping[str, Any] = {}
 
 
 class Request(BaseModel):
@@ -60,7 +61,7 @@ class ComparisonRequest(Request):
 
     experiment: Annotated[Path | None, Option(metavar="FILE.toml")] = None
     """Policies, scenarios, episodes, seed and settings in a file; what is given beside it goes first."""
-    policies: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), POLICIES] = None
+    policies: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), POLICY_NAMES] = None
     """Names of entries of the experiment, of policies, NAME:PATH such as sb3:DIR, or module:Class. A name with a comma
     in it stands in double quotes, which the shell must not remove: '"dddqn, no guard",pso'."""
     scenario: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), SCENARIO] = None
@@ -75,7 +76,7 @@ class ComparisonRequest(Request):
     """Seeds flown on each map (default 30)."""
     seed: Annotated[int | None, SEED] = None
     """First seed (default 0)."""
-    settings: Settings = {}
+    settings: Settings = NO_SETTINGS
     """Scenario settings such as goal=0.9 or radio.range=3."""
     workers: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
     """Worker processes (default: all cores). 0 flies in this process, where policies that hang or die are not
@@ -90,7 +91,7 @@ class ComparisonRequest(Request):
     """Where episodes are flown: in worker processes of this machine, or on a Ray cluster."""
     address: Annotated[str | None, Option(metavar="HOST:PORT")] = None
     """The Ray cluster's head (default: as Ray finds one)."""
-    ratio_to: Annotated[tuple[str, ...] | None, BeforeValidator(_several), POLICIES] = None
+    ratio_to: Annotated[tuple[str, ...] | None, BeforeValidator(_several), POLICY_NAMES] = None
     """Print steps as ratios to these policies' on the same tasks. Tables and page have ratios in any case: to
     frontier-nearest, or else the first policy, and to policies that know the map."""
 

@@ -128,3 +128,8 @@ def test_a_missing_library_is_told_with_its_extra(module, extra):
     error = ModuleNotFoundError(name=f"{module}.inner")
     assert registry.missing_module(error) == f"no module named '{module}.inner'; install indoor-explorers[{extra}]"
     assert "install" not in registry.missing_module(ModuleNotFoundError(name="thing"))
+
+
+def test_a_parameter_that_a_policy_does_not_take_is_told_with_the_likely_one():
+    with pytest.raises(InputError, match="'pso' cannot be made: unknown parameter 'lenght'; did you mean 'length'"):
+        make_policy("pso", lenght=1)

@@ -63,7 +63,7 @@ def test_bad_files_give_one_clear_line(toml, message, tmp_path):
 def test_settings_are_dotted_and_checked():
     changed = scenario("thesis-open").with_settings({"lidar.range": 5, "goal": 0.5})
     assert (changed.lidar.range, changed.goal) == (5.0, 0.5)
-    with pytest.raises(InputError, match=r"no setting 'lidar\.rang'; did you mean 'range'"):
+    with pytest.raises(InputError, match=r"no setting 'lidar\.rang'; did you mean 'lidar\.range'"):
         scenario("thesis-open").with_settings({"lidar.rang": 5})
     with pytest.raises(InputError, match=r"no setting 'radoi'; did you mean 'radio'"):
         scenario("thesis-open").with_settings({"radoi.range": 5})

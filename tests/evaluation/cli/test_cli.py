@@ -312,8 +312,9 @@ OPEN = ["--scenario", "thesis-open", "--policies", "random"]
         (["report", "nowhere"], "expected a folder with a results.db"),
         (["check", "fronteir"], "unknown policy 'fronteir'; did you mean"),
         (["maps", "nowhere.png"], "nowhere.png"),
-        (["comapre"], "invalid choice: 'comapre'"),
-        ([], "the following arguments are required: COMMAND"),
+        (["compare", *OPEN, "--polices", "x"], "did you mean --policies?; see indoor-explorers compare --help"),
+        (["compare", *OPEN, "--set", "radio.rnge=3"], "no setting 'radio.rnge'; did you mean 'radio.range'"),
+        (["comapre"], "invalid choice: 'comapre'; did you mean 'compare'?"),
     ],
 )
 def test_a_usage_error_is_one_line_and_status_2(words, message, capsys, tmp_path):

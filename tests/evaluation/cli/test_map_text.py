@@ -105,7 +105,7 @@ def test_files_of_every_kind_are_shown(capsys, tmp_path):
         (["a.png", "--set", "map.height=5"], "expected --scenario with --seed and --set"),
         (["--scenario", "maez"], "did you mean 'maze'"),
         (["--scenario", "maze", "--resolution", "2"], "expected map files with --resolution, got --scenario"),
-        (["--scenario", "maze", "--set", "map.corridr=2"], "did you mean 'corridor'"),
+        (["--scenario", "maze", "--set", "map.corridr=2"], "did you mean 'map.corridor'"),
         (["--scenario", "maze", "--set", "map.height=9999"], "less than or equal to 2048"),
         (["nowhere.map"], "nowhere.map: expected a file"),
     ],

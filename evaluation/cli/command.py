@@ -1,0 +1,57 @@
+"""A command: its name, its options, and what it does with them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from indoor_explorers.evaluation.experiment.request import Request
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+#: Characters of a line where the output is not a terminal.
+PLAIN_WIDTH = 120
+#: What is left after Ctrl-C, unless a command says otherwise.
+KEPT = "what is finished is kept, and the same command goes on from there"
+
+Options = TypeVar("Options", bound=Request)
+
+
+@dataclass(frozen=True)
+class Command(Generic[Options]):
+    """One word after ``indoor-explorers``."""
+
+    name: str
+    about: str
+    """Its line in the help."""
+    options: type[Options]
+    """A request; its fields are the options."""
+    run: Callable[[Options, str], int]
+    """Takes the options and what was typed, and returns the exit status."""
+    interrupted: str = KEPT
+    """What is left after Ctrl-C."""
+
+    def start(self, given: dict[str, Any], typed: str) -> int:
+        """Run with the options that were given; returns the exit status."""
+        return self.run(self.options(**given), typed)
+
+
+def debugging() -> bool:
+    """Return whether errors are shown with their traceback."""
+    return bool(os.environ.get("INDOOR_EXPLORERS_DEBUG"))
+
+
+def make_console() -> Console:
+    """Return where commands print."""
+    from rich.console import Console
+
+    console = Console()
+    return console if console.is_terminal else Console(width=PLAIN_WIDTH)
+
+
+def print_line(console: Console, line: str, style: str | None = None) -> None:
+    """Print a line as it is: no markup, no colours of numbers, never broken."""
+    console.print(line, style=style, highlight=False, markup=False, soft_wrap=True)

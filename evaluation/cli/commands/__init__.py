@@ -1,0 +1,22 @@
+"""The commands, a file for each or for a few that belong together.
+
+Each file has the options of its commands and what they do. What takes long to import is imported when a command
+runs, so that help and errors come at once.
+"""
+
+from typing import Any
+
+from indoor_explorers.evaluation.cli.command import Command
+from indoor_explorers.evaluation.cli.commands.bench import BENCH
+from indoor_explorers.evaluation.cli.commands.check import CHECK
+from indoor_explorers.evaluation.cli.commands.compare import COMPARE
+from indoor_explorers.evaluation.cli.commands.listings import POLICIES, SCENARIOS
+from indoor_explorers.evaluation.cli.commands.maps import MAPS
+from indoor_explorers.evaluation.cli.commands.report import REPORT
+from indoor_explorers.evaluation.cli.commands.training import ABLATE, THESIS, TRAIN
+from indoor_explorers.evaluation.cli.commands.watch import WATCH
+
+#: All commands, in the order of the help.
+COMMANDS: tuple[Command[Any], ...] = (
+    *(COMPARE, WATCH, REPORT, TRAIN, ABLATE, THESIS, POLICIES, SCENARIOS, MAPS, BENCH, CHECK),
+)

@@ -1,0 +1,46 @@
+"""``bench``: measure the speed figures on this machine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
+from indoor_explorers.evaluation.experiment.request import Request
+from indoor_explorers.evaluation.options import Option, read_names
+
+
+class BenchOptions(Request):
+    """Which figures are measured, and where they are written."""
+
+    json_file: Annotated[Path | None, Option(metavar="FILE", flag="--json")] = None
+    """Write the figures as a list of name, value and unit."""
+    growth: Annotated[bool, Option()] = False
+    """Also measure how speeds and decisions grow with map, lidar and team."""
+    figures: Annotated[Path | None, Option(metavar="DIR")] = None
+    """Draw that, too: growth and decisions, .svg and .png."""
+    all: Annotated[bool, Option()] = False
+    """Measure everything, also what takes minutes."""
+    only: Annotated[tuple[str, ...], Option(metavar="PATTERN,...", read=read_names)] = ()
+    """Of everything, only figures with such a name: 'world-*-core'."""
+
+
+def run_bench(options: BenchOptions, typed: str) -> int:
+    """Measure the speed figures and print them as they come."""
+    from indoor_explorers.evaluation import bench
+
+    console = make_console()
+    growing = options.growth or options.figures is not None
+    measures = bench.measures(everything=options.all or bool(options.only), growing=growing)
+    if options.only:
+        measures = bench.chosen(measures, [*options.only, *(["growth-*"] if growing else [])])
+    figures = list(bench.measured(measures, console))
+    if options.json_file is not None:
+        bench.write_json(figures, options.json_file)
+    if options.figures is not None:
+        for path in bench.write_growth(figures, options.figures):
+            print_line(console, f"Figure: {path}")
+    return 0
+
+
+BENCH = Command("bench", "measure the speed figures on this machine", BenchOptions, run_bench, "nothing was written")

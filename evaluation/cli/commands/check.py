@@ -1,0 +1,36 @@
+"""``check``: run the conformance suite on a policy."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from typing import Annotated
+
+from indoor_explorers.evaluation.cli.command import Command, debugging, make_console
+from indoor_explorers.evaluation.experiment.request import Request
+from indoor_explorers.evaluation.options import Option
+
+
+class CheckOptions(Request):
+    """Which policy is checked."""
+
+    policy: Annotated[str, Option(metavar="MODULE:CLASS", positional=True)]
+    """Or the name of an installed policy, or NAME:PATH."""
+
+
+def check(options: CheckOptions, typed: str) -> int:
+    """Run the whole conformance suite on a policy and print what it found; the status is 1 where a check fails."""
+    from indoor_explorers.env import make_policy, run_checks
+    from indoor_explorers.evaluation.cli.check_table import print_findings, print_header
+
+    policy, console = make_policy(options.policy), make_console()
+    print_header(console, options.policy, policy)
+    with console.status("checking") if console.is_terminal else nullcontext():
+        findings = list(run_checks(policy))
+    print_findings(console, findings)
+    failures = [finding.error for finding in findings if finding.error is not None]
+    if failures and debugging():
+        raise failures[0]
+    return 1 if failures else 0
+
+
+CHECK = Command("check", "run the conformance suite on a policy", CheckOptions, check)

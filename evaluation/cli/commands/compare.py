@@ -1,0 +1,70 @@
+"""``compare``: fly policies on the same tasks and write a report."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.options import Option
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from indoor_explorers.evaluation.results.results import Results
+
+
+class CompareOptions(ComparisonRequest):
+    """What is compared, and where the results go."""
+
+    out: Annotated[Path, Option(metavar="DIR")]
+    """Folder of the results; resumed when it exists."""
+
+
+def run_compare(options: CompareOptions, typed: str) -> int:
+    """Fly what is missing and print the headline table."""
+    from indoor_explorers.evaluation.cli.progress import ProgressBar
+    from indoor_explorers.evaluation.driver import run
+    from indoor_explorers.evaluation.experiment.planning import plan
+    from indoor_explorers.evaluation.report.tables.headline_table import headline_table
+    from indoor_explorers.evaluation.results.coverage_threshold import threshold_of
+
+    console, experiment = make_console(), plan(options)
+    thresholds = {scenario.name: threshold_of(scenario.goal) for scenario in experiment.scenarios}
+    with ProgressBar(console, thresholds) as bar:
+        results = run(experiment, options.out, options, watcher=bar, command=typed)
+    console.print(headline_table(results, console.width))
+    print_ratios(results, options.ratio_to, console)
+    print_line(console, f"Report: {options.out / 'report.html'}")
+    return _print_failures(results, console)
+
+
+def print_ratios(results: Results, asked: Sequence[str] | None, console: Console) -> None:
+    """Print steps as ratios to those of the policies asked for, where any are."""
+    from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
+    from indoor_explorers.evaluation.results.ratios import Ratios
+
+    for part in ratio_lines(Ratios.of(results, asked)) if asked else ():
+        console.print(part, highlight=False)
+
+
+def _print_failures(results: Results, console: Console) -> int:
+    """Print a line for each cause of failed episodes; returns the exit status."""
+    from indoor_explorers.evaluation.report.analysis.failures import by_cause, failed
+
+    broken = failed(results.records)
+    flown = Counter(record.policy for record in results.records)
+    for records in by_cause(broken):
+        first = records[0]
+        line = (
+            f"failed: {first.policy} in {len(records)} of {flown[first.policy]} episodes, first on "
+            f"{first.task.scenario}, seed {first.task.seed}, step {first.steps}: {first.reason}"
+        )
+        print_line(console, line, "red")
+    return 1 if broken else 0
+
+
+COMPARE = Command("compare", "fly policies on the same tasks and write a report", CompareOptions, run_compare)

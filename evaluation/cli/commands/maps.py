@@ -1,0 +1,62 @@
+"""``maps``: show map files, or what a scenario generates, and their facts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
+from indoor_explorers.evaluation.experiment.request import NO_SETTINGS, RESOLUTION, SEED, Request, Settings
+from indoor_explorers.evaluation.options import Option
+
+if TYPE_CHECKING:
+    from indoor_explorers.env.maps.floorplan import Floorplan
+
+
+class MapsOptions(Request):
+    """Which maps are shown."""
+
+    paths: Annotated[tuple[Path, ...], Option(metavar="PATH", several=True, positional=True)] = ()
+    """Map files: .yaml, .png, .pgm, .bmp, .map, .npy, .json."""
+    resolution: Annotated[float | None, RESOLUTION] = None
+    """Metres per cell to resample map files to."""
+    scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
+    """Show the maps of this scenario instead."""
+    seed: Annotated[int | None, SEED] = None
+    """Makes the map of a scenario (default 0)."""
+    settings: Settings = NO_SETTINGS
+    """Scenario settings such as map.height=128."""
+
+
+def show_maps(options: MapsOptions, typed: str) -> int:
+    """Print a picture and the facts of map files, or of the maps that a scenario's seed makes."""
+    from indoor_explorers.evaluation.cli.map_text import facts, picture
+
+    console = make_console()
+    for floorplan in _floorplans(options):
+        print_line(console, picture(floorplan, console.width))
+        print_line(console, facts(floorplan))
+    return 0
+
+
+def _floorplans(options: MapsOptions) -> Iterator[Floorplan]:
+    from indoor_explorers.env.errors import InputError
+    from indoor_explorers.env.maps.files import read_map
+    from indoor_explorers.env.scenarios.loading import named_scenario
+    from indoor_explorers.env.simulation.spawns import draw_floorplan
+
+    if bool(options.paths) == bool(options.scenario):
+        got = "both" if options.paths else "neither"
+        raise InputError(f"expected the paths of map files or a --scenario, got {got}; see maps --help")
+    if not options.scenario and (options.settings or options.seed is not None):
+        raise InputError("expected --scenario with --seed and --set, got map files, which have none; leave them out")
+    if options.scenario and options.resolution is not None:
+        raise InputError("expected map files with --resolution, got --scenario; use --set map.resolution=... instead")
+    yield from (read_map(path, options.resolution) for path in options.paths)
+    if options.scenario:
+        scenario = named_scenario(options.scenario).with_settings(options.settings)
+        yield from (draw_floorplan(scenario, options.seed or 0, index) for index in range(scenario.map.count))
+
+
+MAPS = Command("maps", "show map files, or what a scenario generates, and their facts", MapsOptions, show_maps)

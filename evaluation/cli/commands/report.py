@@ -1,0 +1,64 @@
+"""``report``: rebuild a report, combine several results, or say what changed between two."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
+from indoor_explorers.evaluation.cli.commands.compare import print_ratios
+from indoor_explorers.evaluation.experiment.request import POLICY_NAMES, Request
+from indoor_explorers.evaluation.options import Option, read_natural
+
+
+class ReportOptions(Request):
+    """Which results are reported, and what is written."""
+
+    folders: Annotated[tuple[Path, ...], Option(metavar="DIR", several=True, positional=True)]
+    """Folders that compare has written."""
+    out: Annotated[Path, Option(metavar="FILE.html")]
+    """The page to write."""
+    against: Annotated[Path | None, Option(metavar="OLD")] = None
+    """Say what changed since the results of this folder."""
+    ratio_to: Annotated[tuple[str, ...] | None, POLICY_NAMES] = None
+    """Print steps as ratios to these policies' on the same tasks. The page has ratios in any case: to frontier-nearest,
+    or else the first policy, and to policies that know the map."""
+    replays: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
+    """Replay N episodes of each scenario (default: as many as keep the page under 10 MB)."""
+    exports: Annotated[Path | None, Option(metavar="DIR")] = None
+    """Also write summary, tables, figures, experiments and planner-arena.db."""
+
+
+def run_report(options: ReportOptions, typed: str) -> int:
+    """Rebuild a report from one folder, or combine several; say what changed against another."""
+    from indoor_explorers.env.errors import InputError
+    from indoor_explorers.evaluation.exports import write_exports
+    from indoor_explorers.evaluation.report import write_report
+    from indoor_explorers.evaluation.report.changes.against import compare_with
+    from indoor_explorers.evaluation.report.changes.against_table import against_lines
+    from indoor_explorers.evaluation.results.combine import combined
+    from indoor_explorers.evaluation.results.results import Results
+
+    results = combined([Results.load(folder) for folder in options.folders])
+    against = None if options.against is None else compare_with(results, Results.load(options.against))
+    if against is not None and not against.identities:
+        raise InputError(
+            f"--against {options.against}: expected results of the same tasks, got none in both; "
+            + "; ".join(against.apart)
+        )
+    try:
+        write_report(results, options.out, against=against, replays=options.replays, ratio_to=options.ratio_to)
+        if options.exports is not None:
+            write_exports(results, options.exports, ratio_to=options.ratio_to)
+    except OSError as error:
+        where = error.filename or options.out
+        raise InputError(f"{where}: cannot be written: {error.strerror}; choose another --out or --exports") from error
+    console = make_console()
+    for part in against_lines(against) if against is not None else ():
+        console.print(part, highlight=False)
+    print_ratios(results, options.ratio_to, console)
+    print_line(console, f"Report: {options.out}")
+    return 0
+
+
+REPORT = Command("report", "rebuild a report, or combine several results", ReportOptions, run_report)

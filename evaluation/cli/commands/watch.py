@@ -1,0 +1,67 @@
+"""``watch``: see a policy fly one episode, or save it as a video."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from indoor_explorers.evaluation.cli.command import Command, make_console
+from indoor_explorers.evaluation.experiment.request import (
+    NO_SETTINGS,
+    RESOLUTION,
+    SEED,
+    TEAM,
+    ComparisonRequest,
+    Request,
+    Settings,
+)
+from indoor_explorers.evaluation.options import Option, read_count, read_rate
+
+
+class WatchOptions(Request):
+    """Which episode is flown, and how it is shown."""
+
+    policy: Annotated[str, Option(metavar="NAME")]
+    """A name, NAME:PATH such as sb3:DIR, or module:Class."""
+    scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
+    """The task (default thesis-obstacles)."""
+    maps: Annotated[str | None, Option(metavar="PATH")] = None
+    """A map file to explore instead."""
+    resolution: Annotated[float | None, RESOLUTION] = None
+    """Metres per cell to resample the map file to."""
+    team: Annotated[int | None, TEAM] = None
+    """Number of UAVs."""
+    seed: Annotated[int, SEED] = 0
+    """The episode; compare flies the same one for this seed."""
+    settings: Settings = NO_SETTINGS
+    """Scenario settings such as goal=0.9 or radio.range=3."""
+    save: Annotated[Path | None, Option(metavar="FILE")] = None
+    """Write a .gif, an .mp4, or the last moment as a .png."""
+    steps: Annotated[int | None, Option(metavar="N", read=read_count)] = None
+    """Stop after N steps."""
+    fps: Annotated[float | None, Option(metavar="N", read=read_rate)] = None
+    """Frames per second (default 8; long videos up to 25)."""
+
+
+def run_watch(options: WatchOptions, typed: str) -> int:
+    """Fly one episode in a window, or into a file."""
+    from indoor_explorers.evaluation.cli.watch import watch
+    from indoor_explorers.evaluation.experiment.planning import plan
+
+    request = ComparisonRequest(
+        policies=options.policy,
+        scenario=options.scenario,
+        maps=options.maps,
+        resolution=options.resolution,
+        team=options.team,
+        episodes=1,
+        seed=options.seed,
+        settings=options.settings,
+    )
+    watch(plan(request), make_console(), save=options.save, steps=options.steps, fps=options.fps)
+    return 0
+
+
+WATCH = Command(
+    *("watch", "watch a policy fly one episode, or save it as a video", WatchOptions, run_watch, "nothing was written")
+)

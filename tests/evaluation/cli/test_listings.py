@@ -1,0 +1,49 @@
+"""Lists of what there is: every name whole, in every window, and aliases told."""
+
+import re
+
+import pytest
+
+from indoor_explorers.env import PRESETS, policy_names
+from indoor_explorers.env.policies.registry import policy_entry_points
+from indoor_explorers.evaluation.cli.commands import listings
+from indoor_explorers.evaluation.cli.parser import main
+
+
+@pytest.mark.parametrize("columns", [40, 80, 120, 200])
+def test_scenarios_are_never_cut(columns, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.setenv("TTY_COMPATIBLE", "1")  # as in a terminal of that width
+    assert main(["scenarios"]) == 0
+    printed = capsys.readouterr().out
+    lines = [line.split() for line in re.sub(r"\x1b\[[0-9;]*m", "", printed).splitlines()]
+    assert [line[0] for line in lines[1 : 1 + len(PRESETS)]] == list(PRESETS)
+    assert "\N{HORIZONTAL ELLIPSIS}" not in printed
+    assert ("A wider window shows" in printed) == (columns < 120)
+
+
+def test_a_pipe_gets_every_column(capsys):
+    assert main(["scenarios"]) == 0
+    printed = capsys.readouterr().out
+    assert all(heading in printed.splitlines()[0] for heading in listings.HEADINGS)
+    (line,) = [line for line in printed.splitlines() if line.startswith("thesis-team-2 ")]
+    assert line.split() == ["thesis-team-2", "16x16", "2", "3", "square", "3", "400", "90%", "of", "map"] + [
+        *("oscillation", "-0.5,", "+1,", "+400")
+    ]
+
+
+def test_sizes_are_those_of_the_maps():
+    for preset in PRESETS.values():
+        assert listings._shape(preset.map) == preset.map.floorplan(0, 0).shape
+
+
+def test_policies_are_listed_with_their_aliases_and_without_markup(capsys):
+    assert main(["policies"]) == 0
+    printed = capsys.readouterr().out
+    lines = {line.split()[0]: line for line in printed.splitlines() if line.strip()}
+    assert set(policy_names()) <= set(lines)
+    assert "`" not in printed
+    assert "alias of frontier-joint" in lines["frontier"]
+    assert "alias of rrt-aep" in lines["rrt"]
+    aliases = [name for name in policy_names() if "alias of" in lines[name]]
+    assert len({entry.value for entry in policy_entry_points().values()}) == len(policy_names()) - len(aliases)

@@ -1,0 +1,67 @@
+"""Help, version and errors come before anything heavy is imported."""
+
+import subprocess
+import sys
+
+import pytest
+
+from indoor_explorers.env import InputError
+from indoor_explorers.evaluation.cli.commands import COMMANDS
+from indoor_explorers.evaluation.cli.parser import build_parser, main
+
+HEAVY = {"numba", "scipy", "pandas", "matplotlib", "plotly", "pyarrow", "jinja2", "rich", "torch", "ompl", "ray", "PIL"}
+
+
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        ([], 0),
+        (["--help"], 0),
+        (["--version"], 0),
+        (["compare", "--help"], 0),
+        (["comapre"], 2),
+        (["compare", "--polices", "random", "--out", "x"], 2),
+    ],
+)
+def test_help_and_usage_errors_import_nothing_heavy(words, status, tmp_path):
+    code = (
+        "import sys\n"
+        "from indoor_explorers.evaluation.cli import main\n"
+        "try: status = main(sys.argv[1:])\n"
+        "except SystemExit as end: status = end.code\n"
+        f"print(status, *sorted({HEAVY!r} & set(sys.modules)), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, cwd=tmp_path)
+    assert done.stderr.splitlines()[-1] == str(status)
+
+
+def test_without_a_word_there_is_help(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main([])
+    printed = capsys.readouterr().out
+    assert all(command.about.split()[0] in printed for command in COMMANDS)
+
+
+def test_every_command_has_help_for_every_option(capsys):
+    for command in COMMANDS:
+        with pytest.raises(SystemExit, match="0"):
+            build_parser().parse_args([command.name, "--help"])
+        printed = " ".join(capsys.readouterr().out.split())
+        for field in command.options.model_fields.values():
+            assert field.description is not None
+            assert " ".join(field.description.split())[:40] in printed
+
+
+def test_the_likely_option_is_named():
+    for words, likely in (
+        (["compare", "--polices", "x", "--out", "y"], "did you mean --policies"),
+        (["compare", "--polices=x", "--out", "y"], "did you mean --policies"),
+        (["report", "a", "--out", "b", "--replay-count", "3"], "did you mean --replays"),
+    ):
+        with pytest.raises(InputError, match=f"unrecognized arguments: --.*{likely}.*see indoor-explorers {words[0]}"):
+            build_parser().parse_args(words)
+
+
+def test_settings_may_be_given_several_times():
+    given = build_parser().parse_args(["compare", "--set", "goal=0.5", "team=2", "--set", "a.b=word", "--out", "x"])
+    assert given.settings == [("goal", 0.5), ("team", 2), ("a.b", "word")]
