@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar
 from zipfile import BadZipFile
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.observations import Encoder, make_encoder
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.registry import missing_module
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.scenarios.validation import validated
@@ -59,9 +59,8 @@ class Trained:
 class TrainedPolicy(Policy):
     """Fly the network of a training, greedily and, but for the guard, without memory.
 
-    Each UAV's action is computed from its own row alone, so that it is the same in any batch; torch runs on one
-    thread meanwhile. Deterministic but for the guard's back-off. The folder is read once in each process, unless it
-    changes.
+    Torch runs on one thread meanwhile. Deterministic but for the guard's back-off. The folder is read once in each
+    process, unless it changes.
 
     Raises:
         InputError: ``path`` is missing or is no training of this library.
@@ -110,27 +109,20 @@ class TrainedPolicy(Policy):
         """Make the mind of one UAV for one episode."""
         return TrainedPilot(self, self.trained().encoder(briefing), briefing)
 
-    def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
-        """Choose for many UAVs, each as it would alone."""
-        scores = self.trained().scores
-        minds = cast("Sequence[TrainedPilot]", pilots)
-        with one_thread():
-            found = [scores(mind.perceive(view)[None])[0] for mind, view in zip(minds, views, strict=True)]
-        legal = np.array([view.legal if self.mask else np.ones(5, np.bool_) for view in views])
-        actions: list[int] = best_moves(np.array(found), legal).tolist()
-        return [mind.review(view, action) for mind, view, action in zip(minds, views, actions, strict=True)]
-
 
 class TrainedPilot(WatchedPilot):
     """Encode one UAV's views."""
 
     def __init__(self, policy: TrainedPolicy, encoder: Encoder, briefing: Briefing) -> None:
         super().__init__(briefing, guard=policy.guard)
-        self._policy, self._encoder = policy, encoder
+        self._scores, self._mask, self._encoder = policy.trained().scores, policy.mask, encoder
 
     def act(self, view: View) -> int:
-        """Choose alone."""
-        return self._policy.act([self], [view])[0]
+        """Choose the best action."""
+        with one_thread():
+            scores = self._scores(self.perceive(view)[None])
+        legal = view.legal if self._mask else np.ones(5, np.bool_)
+        return self.review(view, int(best_moves(scores, legal[None])[0]))
 
     def perceive(self, view: View) -> NDArray[np.float32]:
         """Return the observation (D,) that the training would have given the network."""

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from typing import Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from indoor_explorers.env.observations import Egocentric, Flat
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.learners.sessions.settings import Settings
 
 #: The observation that is the same on maps of any size.
 EGOCENTRIC = "egocentric"
 
 
-class BaselineConfig(BaseModel):
+class BaselineConfig(Settings):
     """Describe one training completely, together with its scenario and seed."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
     total_steps: int = Field(1_000_000, ge=1)
     """Moves made in training, all UAVs of all environments together; the last round may go a little beyond."""

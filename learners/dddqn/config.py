@@ -1,96 +1,20 @@
-"""Every switch and hyperparameter of the DDDQN; the defaults made the weights that ship."""
+"""Every hyperparameter of a DDDQN's training; what it sees and its network have configurations of their own."""
 
 from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field
 
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.learners.dddqn.network.config import NetworkConfig
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE, sensor
-
-#: Layers that the fine map may have, in the order in which they are written.
-Layer = Literal["unknown", "free", "chance", "visits", "frontier", "distance", "mates", "mates_past"]
-LAYERS: tuple[Layer, ...] = ("unknown", "free", "chance", "visits", "frontier", "distance", "mates", "mates_past")
-#: States that the search for tours may keep at each step.
-WIDEST = 1024
+from indoor_explorers.learners.sessions.settings import Settings
 
 
-class _Config(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
-
-
-class ObservationConfig(_Config):
-    """What the network sees of one UAV's belief; see :mod:`indoor_explorers.learners.dddqn.observation.observe`."""
-
-    crop: int = Field(15, ge=3, le=63)
-    """Pixels a side of the fine map around the UAV, odd."""
-    layers: tuple[Layer, ...] = ("unknown", "free", "chance")
-    """What the fine map shows: ``unknown`` and known ``free`` cells, the ``chance`` of unknown cells to count by the
-    learned map prior, ``visits`` since the last gain, ``frontier`` cells, ``distance`` by known free cells to the
-    nearest of them, ``mates`` heard in this step and ``mates_past``, fading with the age of the news."""
-    coarse: int = Field(11, ge=0, le=31)
-    """Blocks a side of the coarse map around the UAV, each 3x3 pixels, odd; 0 leaves it out."""
-    sides: bool = True
-    """The unknown cells below, left of, above and right of the UAV."""
-    identity: bool = False
-    """Which UAV this is, one of eight, so that linked UAVs with the same map may act apart (Terry et al. 2020)."""
-    progress: bool = False
-    """Known share of the map, share of the steps flown and steps since the last gain."""
-    frames: int = Field(1, ge=1, le=8)
-    """Latest scenes shown together, the frame stack of Mnih et al. 2015."""
-    visits: bool = True
-    """For each move: visits of the next cell since the last gain."""
-    gains: bool = True
-    """For each move, as planners see it: the view gain there, and distance and discounted gains of what lies ahead."""
-    tours: bool = True
-    """For each move: the tours that a small beam search finds behind it, in rooms of up to 16x16 cells."""
-    tour_width: int = Field(8, ge=1, le=WIDEST)
-    """States that this search keeps at each step: the more, the shorter its tours and the slower each decision."""
-    prospects: bool = False
-    """For each move: how far it is from the best place to look from, on maps of any size, by what is in view there and
-    the way to it; once by all that is in view and once with isolated cells counting more."""
-
-    @field_validator("crop", "coarse")
-    @classmethod
-    def _odd(cls, value: int) -> int:
-        if value and value % 2 == 0:
-            raise ValueError("expected an odd number, so that the UAV is in the middle")
-        return value
-
-    @field_validator("layers")
-    @classmethod
-    def _in_order(cls, value: tuple[Layer, ...]) -> tuple[Layer, ...]:
-        if not value:
-            raise ValueError("expected at least one layer")
-        return tuple(layer for layer in LAYERS if layer in value)
-
-
-class NetworkConfig(_Config):
-    """The network's shape; see :mod:`indoor_explorers.learners.dddqn.network.model`."""
-
-    width: int = Field(256, ge=8, le=4096)
-    """Units of both hidden layers."""
-    move_width: int = Field(16, ge=1, le=256)
-    """Hidden units of the small net that all moves share."""
-    layer_norm: bool = True
-    """Normalise both hidden layers (Ba et al. 2016)."""
-    dueling: bool = True
-    """Q = V + A - mean A (Wang et al. 2016); without, the last layer gives Q itself."""
-    noisy: bool = False
-    """Explore by noise in the weights of the last layers (Fortunato et al. 2018) on top of epsilon."""
-    tour_cost: float = Field(0.1, ge=0.0)
-    """Begin with what the tours say, where they are seen: each step that a move's tour takes beyond the shortest, to
-    the goal and to 90 %, costs so much at first. So do prospects for each step that a move is behind the best one. The
-    network learns what to put right. 0 begins with nothing."""
-    tour_pull: float = Field(0.0, ge=0.0)
-    """Choose moves as if each step that a move's tour to the goal takes beyond the shortest cost so much on top of what
-    the network says, in training as later: of moves that are worth about the same the one that keeps to a tour. Each
-    step behind the best prospect costs so much, too."""
-
-
-class TrainingConfig(_Config):
+class TrainingConfig(Settings):
     """Describe one training completely, together with its scenario and seed."""
 
     observation: ObservationConfig = ObservationConfig()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,9 +16,9 @@ from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.bitsets import ROOM
-from indoor_explorers.learners.dddqn.config import WIDEST
-from indoor_explorers.learners.dddqn.learning.vector_flight import stacked
 from indoor_explorers.learners.dddqn.network.inference import q_values
+from indoor_explorers.learners.dddqn.observation.config import WIDEST
+from indoor_explorers.learners.dddqn.observation.frame_stack import stacked
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT
 from indoor_explorers.learners.dddqn.observation.map_prior import prior_from
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
@@ -104,10 +103,6 @@ class Dddqn(Policy):
             wide = loaded.observation.model_copy(update={"tour_width": self.tour_width})
             loaded = loaded._replace(observation=wide)
         return DddqnPilot(self, briefing, loaded)
-
-    def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
-        """Choose for many UAVs; each choice is what it would be alone."""
-        return [pilot.act(view) for pilot, view in zip(pilots, views, strict=True)]
 
 
 #: What :func:`suited` says, in words.

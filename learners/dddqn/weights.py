@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
+from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.inference import Weights, shapes, weights_from
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import Layout, layout
 from indoor_explorers.learners.dddqn.observation.map_prior import INPUTS
 from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors

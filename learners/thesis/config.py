@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from indoor_explorers.env.scenarios.presets import REWARDS
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.learners.sessions.settings import Settings
 
 #: What every switch says once its mistake is mended.
 MENDED: dict[str, Any] = {
@@ -21,10 +22,8 @@ MENDED: dict[str, Any] = {
 }
 
 
-class TrainingConfig(BaseModel):
+class TrainingConfig(Settings):
     """Describe one training completely, together with its scenario and seed; the defaults are the thesis's."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
     episodes: int = Field(10_000, ge=1)
     """Episodes flown in training: 10,000 in the empty room, 50,000 among obstacles (section 4.2)."""

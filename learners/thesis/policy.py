@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import hashlib
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.thesis.inference import q_values
@@ -40,60 +38,52 @@ class DddqnThesis(Policy):
     guard: bool = False
     """Hand over to the nearest frontier while the network goes nowhere; the thesis: no."""
 
-    batched: ClassVar[bool] = True
-
     def __post_init__(self) -> None:
-        trained(self._path)
+        trained(self.path)
 
     @property
-    def _path(self) -> Path:
+    def path(self) -> Path:
+        """Path of the weights."""
         return SHIPPED if self.weights is None else Path(self.weights)
 
     @property
     def eye(self) -> Eye:
         """What the network sees."""
-        return trained(self._path).eye
+        return trained(self.path).eye
 
     def provenance(self) -> dict[str, str]:
         """Return the hash of the weights."""
-        return {"weights_sha256": hashlib.sha256(self._path.read_bytes()).hexdigest()}
+        return {"weights_sha256": hashlib.sha256(self.path.read_bytes()).hexdigest()}
 
     def pilot(self, briefing: Briefing) -> DddqnThesisPilot:
         """Make the mind of one UAV for one episode."""
         return DddqnThesisPilot(self, briefing)
 
-    def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
-        """Choose for many UAVs with one forward pass; each choice is what it would be alone."""
-        eye, weights = trained(self._path)
-        images_BKHW = np.empty((len(pilots), eye.frames, eye.height, eye.width), np.uint8)
-        q_BA = np.empty((len(pilots), MOVES), np.float32)
-        minds = cast("Sequence[DddqnThesisPilot]", pilots)
-        for mind, view, images_KHW in zip(minds, views, images_BKHW, strict=True):
-            mind.perceive(view, images_KHW)
-        q_values(images_BKHW, LEVELS, weights, q_BA)
-        return [mind.review(view, self._choice(view, q_A)) for mind, view, q_A in zip(minds, views, q_BA, strict=True)]
-
-    def _choice(self, view: View, q_A: NDArray[np.float32]) -> int:
-        if self.mask and view.legal[:MOVES].any():
-            q_A = np.where(view.legal[:MOVES], q_A, -np.inf)
-        return int(q_A.argmax())
-
 
 class DddqnThesisPilot(WatchedPilot):
-    """Remember the latest images of one UAV."""
+    """Remember the latest images of one UAV, and make the move of highest value."""
 
     def __init__(self, policy: DddqnThesis, briefing: Briefing) -> None:
         super().__init__(briefing, guard=policy.guard)
-        self._policy, self._agent, self._eye = policy, briefing.agent, policy.eye
-        self._images: deque[NDArray[np.uint8]] = deque(maxlen=self._eye.frames)
+        self._trained, self._mask, self._agent = trained(policy.path), policy.mask, briefing.agent
+        eye = self._trained.eye
+        self._past: deque[NDArray[np.uint8]] = deque(maxlen=eye.frames)
+        self._images_BKHW = np.empty((1, eye.frames, eye.height, eye.width), np.uint8)
+        self._q_BA = np.empty((1, MOVES), np.float32)
 
     def act(self, view: View) -> int:
-        """Choose alone."""
-        return self._policy.act([self], [view])[0]
+        """Choose by the values of the moves."""
+        self.perceive(view, self._images_BKHW[0])
+        q_values(self._images_BKHW, LEVELS, self._trained.weights, self._q_BA)
+        q_A = self._q_BA[0]
+        if self._mask and view.legal[:MOVES].any():
+            q_A = np.where(view.legal[:MOVES], q_A, -np.inf)
+        return self.review(view, int(q_A.argmax()))
 
     def perceive(self, view: View, out: NDArray[np.uint8]) -> None:
         """Write the latest images into ``out`` (K, H, W); before the first move, the first one K times."""
-        self._images.append(painted(view, self._agent, identity=self._eye.identity))
-        while len(self._images) < self._eye.frames:
-            self._images.append(self._images[-1])
-        window(self._images, view.cell, out.shape[1:], out)
+        eye = self._trained.eye
+        self._past.append(painted(view, self._agent, identity=eye.identity))
+        while len(self._past) < eye.frames:
+            self._past.append(self._past[-1])
+        window(self._past, view.cell, out.shape[1:], out)

@@ -12,10 +12,11 @@ from torch import Tensor, nn
 from torch.optim.swa_utils import get_ema_multi_avg_fn
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingConfig
+from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.replay import Batch
 from indoor_explorers.learners.dddqn.learning.targets import masked, q_target, shortfall
 from indoor_explorers.learners.dddqn.network.model import DuelingNetwork, new_network
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, layout, tour_costs
 from indoor_explorers.learners.sessions.networks import learner_tensors, restore_learner
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior
 
 #: Episodes that each of several scenarios has at least.

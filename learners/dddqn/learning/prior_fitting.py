@@ -17,8 +17,8 @@ from torch import nn
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import GAINS
 from indoor_explorers.learners.dddqn.observation.map_prior import (
     INPUTS,

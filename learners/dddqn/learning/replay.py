@@ -14,9 +14,9 @@ from torch import Tensor
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.learning.sum_tree import SumTree
 from indoor_explorers.learners.dddqn.learning.targets import look_forward
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import SYMMETRIES, Layout, layout, symmetries
 
 #: Added to errors, so that a transition without one may be drawn again.

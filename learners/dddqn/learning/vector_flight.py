@@ -11,21 +11,13 @@ from indoor_explorers.env.grid.arrays import Mask, read_only
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.env.simulation.world import World
-from indoor_explorers.learners.dddqn.config import ObservationConfig
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
+from indoor_explorers.learners.dddqn.observation.frame_stack import stacked
 from indoor_explorers.learners.dddqn.observation.layout import layout
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
 from indoor_explorers.learners.dddqn.observation.observe import Known, eyes, observe
 from indoor_explorers.learners.sessions.worlds import begin, restore_world, world_tensors
-
-
-def stacked(scene: NDArray[np.uint8], scenes: NDArray[np.uint8], first: Mask) -> NDArray[np.uint8]:
-    """Return the latest scenes (K, I) after new ones (K, S); where they are the ``first`` (K,), they are repeated."""
-    if scene.shape == scenes.shape:
-        return scene
-    frames = scenes.shape[1] // scene.shape[1]
-    later = np.concatenate([scene, scenes[:, : -scene.shape[1]]], axis=1)
-    return np.where(first[:, None], np.tile(scene, (1, frames)), later)
 
 
 class Flock:

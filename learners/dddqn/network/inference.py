@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.learners.dddqn.config import NetworkConfig
+from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.layout import Layout, tour_costs
 
 Array = NDArray[np.float32]

@@ -7,7 +7,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from indoor_explorers.learners.dddqn.config import NetworkConfig
+from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.layout import Layout, tour_costs
 
 #: Noise in each weight at the beginning, in units of the reciprocal root of its layer's inputs.

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import MOVES
-from indoor_explorers.learners.dddqn.config import LAYERS, ObservationConfig
+from indoor_explorers.learners.dddqn.observation.config import LAYERS, ObservationConfig
 
 #: How many flips and quarter turns there are; number 0 leaves everything as it is.
 SYMMETRIES = 8
@@ -61,7 +61,7 @@ class Layout(NamedTuple):
     crop: int
     coarse: int
     layers: NDArray[np.int64]
-    """(8,) where each of :data:`indoor_explorers.learners.dddqn.config.LAYERS` begins in the scene."""
+    """(8,) where each of :data:`indoor_explorers.learners.dddqn.observation.config.LAYERS` begins in the scene."""
     coarse_at: int
     coarse_mates: bool
     sides_at: int

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS
-from indoor_explorers.learners.dddqn.config import ObservationConfig
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import PROSPECTS
 from indoor_explorers.learners.dddqn.observation.view_gain import STALE
 

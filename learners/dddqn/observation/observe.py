@@ -24,9 +24,9 @@ from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.search.bitsets import STRIDE
 from indoor_explorers.env.search.optimistic_views import update_views
-from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.candidates import Outlook, look_for_prospects, new_outlook
 from indoor_explorers.learners.dddqn.observation.changed_boxes import note
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import Layout, layout
 from indoor_explorers.learners.dddqn.observation.map_image import VISIT_CAP, tabulate, write_scene
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, write_chances

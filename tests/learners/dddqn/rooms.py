@@ -13,8 +13,10 @@ from indoor_explorers.env import PRESETS, Policy, Scenario, World
 from indoor_explorers.env.grid.arrays import Belief, Mask
 from indoor_explorers.env.maps import Floorplan
 from indoor_explorers.env.sensing.lidar import scan
-from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig, TrainingConfig
+from indoor_explorers.learners.dddqn.config import TrainingConfig
+from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.model import arrays, new_network
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import layout
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, prior_arrays, prior_from
 from indoor_explorers.learners.dddqn.weights import write_weights

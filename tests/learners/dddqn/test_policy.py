@@ -1,4 +1,4 @@
-"""The policy: batched, deterministic, picklable, and with clear errors."""
+"""The policy: deterministic, picklable, and with clear errors."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
-from indoor_explorers.learners.dddqn.config import LAYERS, ObservationConfig
 from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.observation.config import LAYERS, ObservationConfig
 from indoor_explorers.learners.dddqn.policy import Dddqn, DddqnPilot
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
 from tests.learners.dddqn.rooms import fly, small_room, some_prior, write_network

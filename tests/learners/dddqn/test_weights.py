@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.dddqn import weights as module
-from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
+from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.model import arrays, new_network
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import layout
 from indoor_explorers.learners.dddqn.observation.map_prior import prior_arrays
 from indoor_explorers.learners.dddqn.weights import (

@@ -9,11 +9,13 @@ import pytest
 import torch
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig, TrainingConfig
+from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.learner import Learner
 from indoor_explorers.learners.dddqn.learning.replay import Batch
+from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.inference import q_values, weights_from
 from indoor_explorers.learners.dddqn.network.model import DuelingNetwork, arrays
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import TOURS, layout
 
 SMALL = ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False)

@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, Scenario
-from indoor_explorers.learners.dddqn.config import ObservationConfig, TrainingConfig
+from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.multi_task_flight import Flocks, shares
 from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.observation.scales import sensor
 from indoor_explorers.learners.dddqn.train import Progress, train

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import torch
 
-from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.learning.replay import Batch, Replay
 from indoor_explorers.learners.dddqn.learning.sum_tree import SumTree
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import layout, symmetries
 
 SMALL = ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False)

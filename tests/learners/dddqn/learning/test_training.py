@@ -14,12 +14,14 @@ import torch
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.training import nested
-from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig, TrainingConfig
+from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
 from indoor_explorers.learners.dddqn.learning.tensorboard import FOLDER
 from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.network.config import NetworkConfig
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
 from indoor_explorers.learners.dddqn.train import Progress, train

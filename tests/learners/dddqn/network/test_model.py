@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 import torch
 
-from indoor_explorers.learners.dddqn.config import NetworkConfig, ObservationConfig
+from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.inference import q_values, shapes, weights_from
 from indoor_explorers.learners.dddqn.network.model import DuelingNetwork, NoisyLinear, arrays, duel, new_network
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import TOURS, layout
 
 SMALL = layout(ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False))

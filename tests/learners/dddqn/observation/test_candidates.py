@@ -12,7 +12,7 @@ from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.sensing.lidar import new_scan, optics, visible_cells
-from indoor_explorers.learners.dddqn.config import ObservationConfig
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import PROSPECT, PROSPECTS, layout, tour_costs
 from tests.learners.dddqn.observation.test_observe import Watcher
 from tests.learners.dddqn.rooms import random_belief

@@ -12,8 +12,8 @@ from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.env.sensing.lidar import view_gain
-from indoor_explorers.learners.dddqn.config import LAYERS, Layer, ObservationConfig
 from indoor_explorers.learners.dddqn.observation.changed_boxes import note
+from indoor_explorers.learners.dddqn.observation.config import LAYERS, Layer, ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import (
     GAINS,
     SYMMETRIES,

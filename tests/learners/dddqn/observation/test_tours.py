@@ -17,8 +17,8 @@ from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.bitsets import STRIDE, board_size, neighbour_pairs, without
 from indoor_explorers.env.search.optimistic_views import update_views
 from indoor_explorers.env.sensing.lidar import view_gain
-from indoor_explorers.learners.dddqn.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.beam import Aim, follow_tour, new_beam, shortest_tour
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import TOURS
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
 from indoor_explorers.learners.dddqn.observation.optimistic_map import UNLIKELY, assume_obstacles
