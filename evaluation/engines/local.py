@@ -15,7 +15,7 @@ from indoor_explorers.evaluation.experiment.experiment import Job
 
 def fly_job(job: Job) -> list[Record]:
     """Fly a job in this process, unprotected: a policy that hangs or ends its process does that to this one."""
-    return list(fly(job.policy.make(), job.policy.name, job.scenario, job.tasks, cold=True))
+    return list(fly(job.policy.make(), job.policy.name, job.scenario, job.tasks))
 
 
 def fly_jobs(jobs: Sequence[Job], workers: int, limits: Limits) -> Iterator[list[Record]]:

@@ -44,11 +44,9 @@ def serve(connection: Connection, buffer: SharedStepBuffer, driver: int) -> None
     _register("numba:compile", Compiling(buffer.clock))
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver is gone
         connection.send(None)
-        warm: set[str] = set()
         while True:
             job = connection.recv()
-            _serve_job(job, connection, buffer, cold=job.policy.name not in warm)
-            warm.add(job.policy.name)
+            _serve_job(job, connection, buffer)
 
 
 def _leave_with(driver: int) -> None:
@@ -57,9 +55,9 @@ def _leave_with(driver: int) -> None:
     os._exit(1)
 
 
-def _serve_job(job: Job, connection: Connection, buffer: SharedStepBuffer, *, cold: bool) -> None:
+def _serve_job(job: Job, connection: Connection, buffer: SharedStepBuffer) -> None:
     try:
-        for record in fly(_made(job, buffer.clock), job.policy.name, job.scenario, job.tasks, buffer, cold=cold):
+        for record in fly(_made(job, buffer.clock), job.policy.name, job.scenario, job.tasks, buffer):
             connection.send(record)
         connection.send(None)
     except InputError as error:

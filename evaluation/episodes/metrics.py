@@ -80,11 +80,11 @@ MEASURES: dict[str, Measure] = {
         "steps",
         "steps since a UAV last heard of a teammate, mean over pairs and steps; never heard counts from the start",
     ),
-    "latency_total_s": Measure("latency, all", "s", "time of all decisions of the team together"),
+    "latency_total_s": Measure("latency, all", "s", "time of all decisions of the team together, compiling left out"),
     "latency_p50_us": Measure(
         "latency p50",
         "us",
-        "median time of a decision; in a batch, its time / its size; a policy's first ones in a process are left out",
+        "median time of a decision, compiling left out; of a batch of decisions, its time / its size",
     ),
     "latency_p99_us": Measure("latency p99", "us", "99th percentile of the same"),
 }

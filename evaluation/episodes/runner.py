@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
@@ -17,6 +16,7 @@ from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.recorder import Log
 from indoor_explorers.evaluation.episodes.running import RunningEpisode, failed_record
 from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer, Steps
+from indoor_explorers.evaluation.episodes.thinking_time import thinking_time
 from indoor_explorers.evaluation.experiment.experiment import Task
 
 #: Belief cells (episodes x agents x map) of one batch: bounds its memory to a few hundred megabytes.
@@ -35,15 +35,12 @@ def fly(
     scenario: Scenario,
     tasks: Sequence[Task],
     buffer: SharedStepBuffer | None = None,
-    *,
-    cold: bool = False,
 ) -> Iterator[Record]:
     """Fly the tasks of one scenario and yield their records.
 
     Tasks on maps of one shape fly in lock-step, so that a batched policy gets one forward pass for all of
     them. A policy that raises costs only the episode it raised in. A ``buffer`` is told of decisions that are going
-    on and, of a task alone, of every step. The first decisions of a policy that is ``cold`` in this process load and
-    compile: they are left out of the latencies.
+    on and, of a task alone, of every step. What numba compiles or loads meanwhile is left out of all times.
     """
     drawn = {task: draw_floorplan(scenario, task.seed, task.map_index) for task in tasks}
 
@@ -56,11 +53,10 @@ def fly(
         for start in range(0, len(alike), batch):
             some = alike[start : start + batch]
             try:
-                yield from _fly_batch(policy, name, scenario, some, buffer, cold)
+                yield from _fly_batch(policy, name, scenario, some, buffer)
             except _Undivided:  # episodes do not depend on their batch: alone, each shows whether it is to blame
                 for one in some:
-                    yield from _fly_batch(policy, name, scenario, [one], buffer, cold)
-            cold = False
+                    yield from _fly_batch(policy, name, scenario, [one], buffer)
 
 
 def _fly_batch(
@@ -69,11 +65,10 @@ def _fly_batch(
     scenario: Scenario,
     tasks: Sequence[tuple[Task, Floorplan]],
     buffer: SharedStepBuffer | None,
-    cold: bool,
 ) -> list[Record]:
     world = World(scenario, len(tasks))
     flights = [RunningEpisode.begin(world, place, *task) for place, task in enumerate(tasks)]
-    batch = _Batch(policy, world, flights, buffer, cold)
+    batch = _Batch(policy, world, flights, buffer)
     batch.fly()
     return [
         failed_record(flight, name, scenario, floorplan, Steps(flown.actions, flown.seconds[1:], flown.sent[1:]))
@@ -93,7 +88,6 @@ class _Batch:
         world: World,
         flights: Sequence[RunningEpisode],
         buffer: SharedStepBuffer | None,
-        cold: bool,
     ) -> None:
         self.log = Log(world)
         self._policy = policy
@@ -102,7 +96,6 @@ class _Batch:
         self._clock = Clock() if buffer is None else buffer.clock
         self._buffer = buffer if world.batch == 1 else None
         self._seconds = np.zeros(world.batch)
-        self._cold = cold
 
     def fly(self) -> None:
         """Fly every episode to its end."""
@@ -113,7 +106,6 @@ class _Batch:
         for actions in rollout(self._world, self._ask):
             if not self.log.running.any():  # the last one failed at this step
                 break
-            self._cold = False
             self.log.add(actions, self._seconds)
             if self._buffer is not None:
                 self._buffer.add(actions[0], self._seconds[0], int(self._world.state.sent_bytes[0].sum()))
@@ -161,9 +153,9 @@ class _Batch:
         views = [self._world.view(*uav) for uav in group]
         try:
             with self._clock:
-                start = time.perf_counter()
+                start = thinking_time()
                 actions = list(self._policy.act(pilots, views))
-                share = (time.perf_counter() - start) / len(group)
+                share = (thinking_time() - start) / len(group)
                 if len(actions) != len(group):
                     raise ValueError(f"act returned {len(actions)} actions for {len(group)} pilots")
                 return [(uav, a) for uav, a in zip(group, actions, strict=True) if self._is_accepted(uav, a, share)]
@@ -177,8 +169,7 @@ class _Batch:
         """Check one decision and post its message; what is wrong with it fails its own episode."""
         episode, agent = uav
         flight = self._flights[episode]
-        if not self._cold:
-            flight.latencies.append(seconds)
+        flight.latencies.append(seconds)
         self._seconds[episode] += seconds
         try:
             if not is_action(action):

@@ -1,7 +1,9 @@
 """Episodes flown by the runner."""
 
+import numba
 import numpy as np
 import pytest
+from numba.core import event
 
 from indoor_explorers.env import PRESETS
 from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
@@ -124,10 +126,57 @@ def test_a_tally_that_breaks_fails_the_episode():
     assert record.covered.shape[0] == record.steps + 1
 
 
-def test_first_decisions_in_a_process_are_left_out_of_the_latencies():
-    at_once = TEAM.with_settings({"budget": 1})
-    (cold,), (warm,) = (fly(Wander(), "w", at_once, tasks(1), cold=cold) for cold in (True, False))
-    assert cold.metrics["latency_p50_us"] is None
-    assert warm.metrics["latency_p50_us"] > 0
-    assert cold.metrics["latency_total_s"] > 0
-    assert facts(cold) == facts(warm)
+def test_compiling_is_no_part_of_a_decision(monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: clock[0])
+    monkeypatch.setattr(event, "timer", lambda: clock[0])
+
+    class CompilesAtStep2(Wander):
+        class Mind(Wanderer):
+            def act(self, view):
+                clock[0] += 0.25
+                if view.step == 2:
+                    with event.trigger_event("numba:compiler_lock"), event.trigger_event("numba:compiler_lock"):
+                        clock[0] += 100.0
+                return super().act(view)
+
+        def pilot(self, briefing):
+            return self.Mind(briefing)
+
+    for policy in (CompilesAtStep2(), type("Together", (CompilesAtStep2,), {"batched": True})()):
+        (record,) = fly(policy, "w", TEAM.with_settings({"budget": 4}), tasks(1))
+        np.testing.assert_allclose(np.diff(record.seconds), 2 * 0.25)
+        assert record.metrics["latency_p99_us"] == record.metrics["latency_p50_us"] == 0.25e6
+
+
+def test_what_numba_really_compiles_is_no_part_of_a_decision():
+    class Compiles(Wander):
+        class Mind(Wanderer):
+            def act(self, view):
+                if view.step == 1:
+                    numba.njit(lambda x: x + view.step)(1)
+                return super().act(view)
+
+        def pilot(self, briefing):
+            return self.Mind(briefing)
+
+    with event.install_recorder("numba:compiler_lock") as recorder:
+        (record,) = fly(Compiles(), "w", TEAM.with_settings({"budget": 3}), tasks(1))
+    assert len(recorder.buffer) >= 2 * TEAM.team
+    assert np.diff(record.seconds)[1] < recorder.buffer[-1][0] - recorder.buffer[0][0]
+
+
+def test_only_a_policy_that_batches_is_asked_for_many_uavs_at_once():
+    sizes = []
+
+    class Counts(Wander):
+        def act(self, pilots, views):
+            sizes.append(len(pilots))
+            return super().act(pilots, views)
+
+    alone = [facts(record) for record in fly(Counts(), "w", TEAM, tasks(3))]
+    assert set(sizes) == {1}
+    sizes.clear()
+    together = [facts(record) for record in fly(type("Many", (Counts,), {"batched": True})(), "w", TEAM, tasks(3))]
+    assert max(sizes) == 3 * TEAM.team
+    assert alone == together
