@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
 
 def matched(costs: NDArray[np.float64], extra: float) -> NDArray[np.int64]:
@@ -12,8 +13,6 @@ def matched(costs: NDArray[np.float64], extra: float) -> NDArray[np.int64]:
     With fewer places than UAVs every place takes ceil(N / K) of them, all but one at an ``extra`` cost
     (H. W. Kuhn, "The Hungarian method for the assignment problem", 1955, doi:10.1002/nav.3800020109).
     """
-    from scipy.optimize import linear_sum_assignment
-
     uavs, places = costs.shape
     copies = -(-uavs // places)
     repeated = np.concatenate([costs + (extra if copy else 0.0) for copy in range(copies)], axis=1)
