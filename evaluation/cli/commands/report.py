@@ -54,7 +54,7 @@ def run_report(options: ReportOptions, typed: str) -> int:
         where = error.filename or options.out
         raise InputError(f"{where}: cannot be written: {error.strerror}; choose another --out or --exports") from error
     console = make_console()
-    for part in against_lines(against) if against is not None else ():
+    for part in against_lines(against, console.width) if against is not None else ():
         console.print(part, highlight=False)
     print_ratios(results, options.ratio_to, console)
     print_line(console, f"Report: {options.out}")

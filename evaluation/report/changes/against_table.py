@@ -12,11 +12,14 @@ from rich.text import Text
 from indoor_explorers.evaluation.report.changes.against import Against, Change
 from indoor_explorers.evaluation.report.style.formatting import counted
 
+#: Characters of a line from which on old and new means are shown beside their difference.
+WIDE = 110
 
-def against_lines(against: Against) -> Iterator[RenderableType]:
+
+def against_lines(against: Against, width: int = WIDE) -> Iterator[RenderableType]:
     """Yield what a terminal shows of new results against old ones: a table, changes first, and what it leaves out."""
     if against.changes:
-        yield _table(against)
+        yield _table(against, width >= WIDE)
     yield Text(f"{against.shown} of {counted(len(against.changes), 'comparison')} shown to have changed")
     for each in against.identities:
         yield Text(f"{each.scenario}, {each.policy}: {each.text}")
@@ -24,11 +27,11 @@ def against_lines(against: Against) -> Iterator[RenderableType]:
         yield Text(line, "yellow")
 
 
-def _table(against: Against) -> Table:
+def _table(against: Against, wide: bool) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("policy", overflow="fold", min_width=14)
     table.add_column("figure", no_wrap=True)
-    for heading in ("old", "new", "new - old", "could see"):
+    for heading in ("old", "new", "new - old", "could see") if wide else ("new - old",):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("", overflow="fold")
     several, before = len({change.scenario for change in against.changes}) > 1, ""
@@ -37,7 +40,8 @@ def _table(against: Against) -> Table:
             table.add_row(Text(change.scenario, "bold"))
         before = change.scenario
         names = (Text(change.policy), Text(change.title))
-        table.add_row(*names, *map(Text, change.figures), Text(change.verdict, _style(change)))
+        figures = change.figures if wide else change.figures[2:3]
+        table.add_row(*names, *map(Text, figures), Text(change.verdict, _style(change)))
     return table
 
 

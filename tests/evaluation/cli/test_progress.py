@@ -1,13 +1,15 @@
 """What a run says about itself while it goes on."""
 
 import io
+from dataclasses import replace
 
 import pytest
 from rich.console import Console
 
 from indoor_explorers.env import PRESETS
 from indoor_explorers.evaluation.cli import progress
-from indoor_explorers.evaluation.cli.progress import Means, ProgressBar
+from indoor_explorers.evaluation.cli.progress import ProgressBar
+from indoor_explorers.evaluation.cli.running_means import RunningMeans
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
@@ -22,28 +24,45 @@ def records():
     return [*fly(Wander(), "[b]wander", ROOM, tasks), *fly(WrongAction(), "broken", ROOM, tasks[:1])]
 
 
-def test_means_are_those_of_the_records(records):
-    means = Means()
+def test_means_are_over_the_tasks_that_all_have_flown(records):
+    """The second policy is flown last and on fewer tasks; until it has begun, the first one stands alone."""
+    means, other = RunningMeans(), [replace(record, policy="other") for record in records[:4]]
     for record in records[:4]:
-        means.add(record)
-    area, covered, reached, failed = means.cells()
-    assert float(area) == pytest.approx(sum(r.metrics["auc"] for r in records[:4]) / 4, abs=5e-4)
-    assert covered == f"{sum(r.curve[-1] for r in records[:4]) / 4:.1%}"
-    assert reached == f"{sum(r.metrics['t99'] is not None for r in records[:4]) / 4:.0%}"
-    assert failed == ""
+        means.add(record, record.metrics["t99"] is not None)
+    (alone,) = means.means().values()
+    assert means.tasks == 4
+    assert alone.auc == pytest.approx(sum(record.metrics["auc"] for record in records[:4]) / 4)
+    assert alone.coverage == pytest.approx(sum(record.curve[-1] for record in records[:4]) / 4)
+    assert alone.reached == sum(record.metrics["t99"] is not None for record in records[:4]) / 4
+    easier = replace(other[0], task=other[0].task._replace(scenario="easier"), metrics={"auc": 1.0})
+    means.add(easier, True)
+    assert (means.tasks, set(means.means().values())) == (0, {None})
+    for record in other[1:3]:
+        means.add(record, False)
+    first, second = means.means().values()
+    assert means.tasks == 2
+    assert first.auc == second.auc == pytest.approx(sum(record.metrics["auc"] for record in records[1:3]) / 2)
+    assert means.episodes == {"[b]wander": 4, "other": 3}
 
 
-def test_what_is_reached_is_the_level_of_the_scenario(records):
-    means, screen = Means(), io.StringIO()
-    for record in records[:4]:
-        means.add(record, CoverageThreshold("t50"))
-    assert means.cells()[2] == f"{sum(r.metrics['t50'] is not None for r in records[:4]) / 4:.0%}"
-    for levels, words in (({}, "99 % reached"), ({ROOM.name: CoverageThreshold("t90")}, "90 % reached")):
-        bar = ProgressBar(Console(file=screen, width=100), levels)
-        bar.begin(5, 9)
-        bar.flown(records)
+def test_failed_episodes_are_counted(records):
+    means = RunningMeans()
+    for record in records:
+        means.add(record, False)
+    assert means.failed == {"[b]wander": 0, "broken": 1}
+
+
+def test_what_is_reached_is_the_threshold_of_the_scenario(records):
+    for key in ("t99", "t50"):
+        screen, thresholds = io.StringIO(), {} if key == "t99" else {ROOM.name: CoverageThreshold(key)}
+        bar = ProgressBar(Console(file=screen, width=100), thresholds)
+        bar.begin(5, 4)
+        bar.flown(records[:3])
         Console(file=screen, width=100).print(bar._shown())
-        assert words in screen.getvalue()
+        assert f"{key[1:]} % reached" in screen.getvalue()
+        share = sum(record.metrics[key] is not None for record in records[:3]) / 3
+        assert f"{share:.0%}" in screen.getvalue().splitlines()[-2]
+        assert "means over the 3 tasks that all of these have flown" in screen.getvalue()
 
 
 def test_a_terminal_sees_every_policy(records):
@@ -71,4 +90,13 @@ def test_a_log_file_gets_lines(records, monkeypatch):
     lines = screen.getvalue().splitlines()
     assert lines[0] == "flying 5 episodes"
     assert lines[1].startswith("5 of 5 episodes, ")
-    assert "mean AUC so far: [b]wander 0." in lines[1]
+    assert "; mean AUC over 1 task: [b]wander 0." in lines[1]
+
+
+def test_one_episode_is_one_episode(records, monkeypatch):
+    monkeypatch.setattr(progress, "SAY_EVERY", -1.0)
+    screen = io.StringIO()
+    with ProgressBar(Console(file=screen, width=100)) as bar:
+        bar.begin(1, 1)
+        bar.flown(records[:1])
+    assert screen.getvalue().startswith("flying 1 episode\n1 of 1 episode, ")

@@ -32,10 +32,10 @@ def with_metric(held, metric, policy, shift):
     return replace(held, records=[shifted(record) for record in held.records])
 
 
-def printed(against):
-    console = Console(width=250, no_color=True)
+def printed(against, width=250):
+    console = Console(width=width, no_color=True)
     with console.capture() as shown:
-        for part in against_lines(against):
+        for part in against_lines(against, width):
             console.print(part)
     return shown.get()
 
@@ -73,6 +73,21 @@ def test_worse_goes_by_the_metric_and_latencies_get_a_caveat(old):
     new = with_metric(new, "latency_p50_us", NAMES[0], np.linspace(-2.2, -2, EPISODES))
     verdicts = {change.metric: change.verdict for change in compare_with(new, old).changes}
     assert verdicts == {"auc": "worse", "latency_p50_us": "better, or the machine"}
+
+
+@pytest.mark.parametrize("width", [80, 109, 110])
+def test_verdicts_and_differences_are_whole_in_narrow_windows(width, old):
+    named = results(EPISODES)
+    plain = replace(named, records=[replace(r, policy="frontier-nearest") for r in named.records[:EPISODES]])
+    plain = replace(plain, policies={"frontier-nearest": {}})
+    new = with_metric(plain, "latency_p50_us", "frontier-nearest", np.linspace(-2.2, -2, EPISODES))
+    new = with_metric(new, "path_length", "frontier-nearest", np.array([5.0, -5.0] * (EPISODES // 2)))
+    found = compare_with(new, plain)
+    shown = printed(found, width)
+    assert "frontier-nearest" in shown
+    assert "no change shown" in " ".join(shown.split())
+    assert all(change.figures[2] in shown for change in found.changes)
+    assert "\N{HORIZONTAL ELLIPSIS}" not in shown
 
 
 def test_many_comparisons_of_noise_invent_nothing(old):
@@ -145,3 +160,18 @@ def test_the_command_tells_and_exits_well(tmp_path, capsys):
     assert (tmp_path / "exports" / "planner-arena.db").is_file()
     assert (tmp_path / "exports" / "summary.csv").read_bytes() == (tmp_path / "new" / "summary.csv").read_bytes()
     assert main(["report", str(tmp_path / "new"), "--against", str(tmp_path), "--out", str(tmp_path / "no.html")]) == 2
+
+
+def test_results_without_a_common_task_are_refused(tmp_path, capsys):
+    words = ["compare", "--policies", "random", "--scenario", "thesis-open", "--episodes", "1", "--workers", "0"]
+    main([*words, "--out", str(tmp_path / "old")])
+    main([*words, "--seed", "5", "--out", str(tmp_path / "new")])
+    capsys.readouterr()
+    page = tmp_path / "page.html"
+    assert main(["report", str(tmp_path / "new"), "--against", str(tmp_path / "old"), "--out", str(page)]) == 2
+    shown = capsys.readouterr()
+    assert (shown.out, shown.err.count("\n")) == ("", 1)
+    assert (
+        "expected results of the same tasks, got none in both; policy 'random' on 'thesis-open': 0 tasks" in shown.err
+    )
+    assert not page.exists()
