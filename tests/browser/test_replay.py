@@ -119,7 +119,7 @@ def test_a_uav_alone_knows_no_more_than_the_team(page):
     open_replay(page, step=25)
     team = pictures(page)
     choice = page.locator(f"{REPLAY} select[aria-label='Map of']")
-    assert choice.locator("option").all_inner_texts() == ["team", "UAV 1", "UAV 2", "UAV 3", "UAV 4"]
+    assert choice.locator("option").all_inner_texts() == ["team", "UAV 0", "UAV 1", "UAV 2", "UAV 3"]
     choice.select_option("3")
     assert "map=3" in settled(page, "map=3")
     assert pictures(page) != team

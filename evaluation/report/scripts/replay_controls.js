@@ -71,7 +71,7 @@ class Controls {
   opened() {
     const { episode, place, map } = this.replay, team = Math.max(...episode.flights.map((flight) => flight.team));
     this.episodes.value = String(place);
-    const uavs = Array.from({ length: team }, (_, uav) => [uav + 1, `UAV ${uav + 1}`]);
+    const uavs = Array.from({ length: team }, (_, uav) => [uav + 1, `UAV ${uav}`]);
     fill(this.maps, [[0, "team"], ...(episode.own ? uavs : [])]);
     this.replay.map = map <= team && episode.own ? map : 0;
     this.maps.value = String(this.replay.map);

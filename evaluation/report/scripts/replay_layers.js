@@ -131,6 +131,6 @@ class Marks {
     pen.font = `700 ${Math.round(radius * 1.3)}px system-ui, sans-serif`;
     pen.textAlign = "center";
     pen.textBaseline = "middle";
-    pen.fillText(String(uav + 1), x, y + radius * 0.08);
+    pen.fillText(String(uav), x, y + radius * 0.08);
   }
 }
