@@ -131,7 +131,8 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
         "parameters": {name: repr(value) for name, value in parameters.items()},
         **policy.provenance(),
     }
-    return facts | {"hash": hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]}
+    digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
+    return facts | {"hash": digest, "uses_generator": policy.uses_generator}
 
 
 def _make_folder(out: Path) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -23,6 +24,7 @@ from indoor_explorers.env.conformance.contract import (
 from indoor_explorers.env.conformance.findings import CannotFly, calling, shown
 from indoor_explorers.env.conformance.traces import Decision, Setup, Trace, digest_of
 from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.maps.sources import MapSource
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.scenarios.scenario import Scenario
@@ -70,11 +72,24 @@ class Flight:
         *,
         ask: Callable[[list[Uav]], list[list[Uav]]] = together,
         changed: Changed | None = None,
+        told: MapSource | None = None,
     ) -> None:
+        """Start the episodes of ``setups``.
+
+        Args:
+            policy: what flies.
+            scenario: the task.
+            setups: seeds, maps and spawns, one for each episode.
+            ask: divides the UAVs to be asked into calls.
+            changed: a UAV whose doings are replaced.
+            told: what briefings say about where maps come from instead of the truth.
+
+        """
         self._policy = policy
         self._ask = ask
         self._changed = changed
         self._task = scenario.model_copy(deep=True)  # which the policy may reach through its briefing
+        self._told = self._task if told is None else self._task.model_copy(update={"map": told})
         self._world = World(self._task, len(setups))
         for b, setup in enumerate(setups):
             self._world.begin(b, setup.seed, floorplan=setup.floorplan, spawns=setup.spawns)
@@ -93,6 +108,7 @@ class Flight:
 
     def _pilot(self, trace: Trace, b: int, n: int) -> Pilot:
         briefing = self._world.briefing(b, n, privileged=is_privileged(self._policy))
+        briefing = replace(briefing, scenario=self._told)
         self._briefings.append((trace, briefing, facts_of(briefing)))
         with calling("policy.pilot"):
             pilot = self._policy.pilot(briefing)

@@ -8,6 +8,7 @@ from functools import cached_property
 from indoor_explorers.env.conformance.findings import Breach
 from indoor_explorers.env.conformance.flying import Changed, Flight, together
 from indoor_explorers.env.conformance.traces import Setup, Trace
+from indoor_explorers.env.maps.sources import MapSource
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.scenarios.presets import PRESETS
 from indoor_explorers.env.scenarios.scenario import Scenario
@@ -57,15 +58,16 @@ class Subject:
         policy: Policy | None = None,
         ask: Callable[[list[Uav]], list[list[Uav]]] = together,
         changed: Changed | None = None,
+        told: MapSource | None = None,
     ) -> list[Trace]:
-        """Fly episodes side by side, with the policy or a copy of it.
+        """Fly episodes side by side, with the policy or a copy of it; the other arguments are those of ``Flight``.
 
         Raises:
             Breach: an answer breaks the contract, and none of the same kind did so in :attr:`alone`.
 
         """
         known = {kind for trace in self.alone for kind in trace.breaches}
-        traces = Flight(policy or self.policy, scenario, setups, ask=ask, changed=changed).fly(steps)
+        traces = Flight(policy or self.policy, scenario, setups, ask=ask, changed=changed, told=told).fly(steps)
         for trace in traces:
             for kind in trace.breaches.keys() - known:
                 raise trace.breaches[kind]

@@ -9,17 +9,22 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.conformance.causes import shared_things
-from indoor_explorers.env.conformance.findings import Differs
+from indoor_explorers.env.conformance.findings import Breach, CannotFly, Differs
 from indoor_explorers.env.conformance.flying import Changed, is_privileged
 from indoor_explorers.env.conformance.harness import FIRST, SOLO, TEAM, Subject
 from indoor_explorers.env.conformance.traces import Setup, Trace, compare
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.sources import MapSource, OfficeMap, ThesisMaps
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.world import World
 
 #: Steps up to which unseen cells are changed.
 MOMENTS = (1, 5, 15, 30)
+#: What briefings say about where maps come from instead of the truth.
+TOLD: tuple[MapSource, ...] = (OfficeMap(), ThesisMaps(obstacles=0), ThesisMaps(obstacles=60, obstacle_size=(1, 1)))
+#: How to mend a policy that depends on that.
+DECLARE = "read briefing.generator alone and declare uses_generator = True, or do without briefing.scenario.map"
 #: The team without any radio.
 SILENT = TEAM.with_settings({"radio.model": "none"})
 #: Whose doings are replaced.
@@ -58,6 +63,26 @@ def changed_where_unseen(scenario: Scenario, trace: Trace, step: int) -> Setup |
     flip = unseen & (np.random.default_rng(step).random(plan.shape) < 0.5)
     truth = np.where(flip, np.where(plan.truth == FREE, OCCUPIED, FREE), plan.truth).astype(np.uint8)
     return Setup(trace.setup.seed, Floorplan(truth, "changed where unseen"), spawns) if flip.any() else None
+
+
+def check_generator(subject: Subject) -> str:
+    """Tell false settings of the maps' generator, or none: a policy that declares no use of them must do the same."""
+    if subject.policy.uses_generator:
+        return "not checked: the policy declares that it uses the generator's settings"
+    decisions = 0
+    for scenario, trace in zip((SOLO, TEAM), subject.alone, strict=True):
+        for maps in TOLD:
+            try:
+                (again,) = subject.fly(scenario, [trace.setup], told=maps)
+            except CannotFly as error:
+                found = f"the policy fails when it is told of other maps ({error.found})"
+                raise Breach(found, DECLARE) from error
+            found = compare(again, trace, range(scenario.team))
+            decisions += found.compared
+            if found.differs is not None:
+                agent, step = found.differs
+                raise Differs(f"UAV {agent} chose otherwise at step {step} when it was told of other maps", DECLARE)
+    return f"{len(TOLD)} false descriptions of the maps, {decisions} decisions: changed nothing"
 
 
 def check_unlinked(subject: Subject) -> str:

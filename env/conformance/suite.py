@@ -14,7 +14,7 @@ from indoor_explorers.env.conformance.determinism import (
 )
 from indoor_explorers.env.conformance.findings import Breach, CannotFly, Differs, Finding
 from indoor_explorers.env.conformance.harness import Subject
-from indoor_explorers.env.conformance.information_leaks import check_unlinked, check_unseen
+from indoor_explorers.env.conformance.information_leaks import check_generator, check_unlinked, check_unseen
 from indoor_explorers.env.conformance.latency import report_large_latency, report_latency
 from indoor_explorers.env.policies.policy import Policy
 
@@ -30,6 +30,7 @@ CHECKS: dict[str, Callable[[Subject], str]] = {
     "pilots share nothing": check_independent,
     "order of the batch": check_order,
     "no hidden knowledge": check_unseen,
+    "map generator": check_generator,
     "unlinked teammates": check_unlinked,
     "latency": report_latency,
     "latency, large map": report_large_latency,

@@ -41,6 +41,9 @@ class Policy(ABC):
     #: True for a yardstick that is given the true map; it is marked so wherever it appears.
     privileged: ClassVar[bool] = False
 
+    #: True for a policy that reads ``briefing.generator``, which any policy may; results mark it.
+    uses_generator: ClassVar[bool] = False
+
     #: True where :meth:`act` chooses for many UAVs at less cost than one by one, such as with one forward pass. Such a
     #: policy is asked for all UAVs of a batch at once, and a decision's time is its share of the batch's; any other
     #: is asked, and timed, for one UAV after the other.

@@ -10,6 +10,7 @@ import numpy as np
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 
 if TYPE_CHECKING:
+    from indoor_explorers.env.maps.sources import MapSource
     from indoor_explorers.env.scenarios.scenario import Scenario
 
 #: What a pilot tells the teammates in radio range: nothing, or a few numbers.
@@ -70,3 +71,13 @@ class Briefing:
     """The true map (H, W) uint8, for privileged policies; None for everyone else."""
     starts: tuple[Cell, ...] | None = field(default=None, repr=False)
     """Where all UAVs start, by number, for privileged policies; None for everyone else."""
+
+    @property
+    def generator(self) -> MapSource | None:
+        """The settings of the random generator that draws the maps; None where maps come from files.
+
+        Any policy may read them: they say what maps are like, such as how many obstacles a room has, and never which
+        map is flown. A policy that does declares :attr:`~indoor_explorers.env.policies.policy.Policy.uses_generator`.
+        Other policies must not depend on where maps come from, ``scenario.map`` included.
+        """
+        return self.scenario.map if self.scenario.map.generated else None

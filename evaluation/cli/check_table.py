@@ -26,6 +26,8 @@ def print_header(console: Console, name: str, policy: Policy) -> None:
     """
     kind = type(policy)
     told = "the true map, too: privileged" if is_privileged(policy) else "its view and briefing alone"
+    if policy.uses_generator:
+        told += "; it reads the settings of the maps' generator (uses_generator)"
     facts = Table.grid(padding=(0, 2))
     facts.add_column(style="dim", no_wrap=True)
     facts.add_column(overflow="fold")

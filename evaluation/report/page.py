@@ -93,13 +93,17 @@ class ShownPolicies:
 
     facts: Mapping[str, Mapping[str, Any]]
     privileged: list[str]
+    uses_generator: list[str]
     swatches: dict[str, Markup]
     """Line and marker of each, as in the charts."""
 
 
 def _policies(results: Results, styles: Styles) -> ShownPolicies:
     return ShownPolicies(
-        results.policies, results.privileged_policies, {name: swatch(style) for name, style in styles.items()}
+        results.policies,
+        results.privileged_policies,
+        results.generator_policies,
+        {name: swatch(style) for name, style in styles.items()},
     )
 
 

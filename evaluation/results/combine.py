@@ -12,6 +12,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.results.store import identity
 
 #: Settings of a scenario that do not change the task.
 ASIDE = ("name", "fingerprint", "map.paths")
@@ -52,8 +53,9 @@ def _refuse_unlike(one: Results, other: Results) -> None:
             raise InputError(f"scenario {name!r} is not the same task in both results; what differs: {difference}")
         _refuse_other_seeds(one, other, name)
     for name in (name for name in one.policies if name in other.policies):
-        if one.policies[name] != other.policies[name]:
-            what = differing_fields(one.policies[name], other.policies[name], aside=("hash",)) or "its hash"
+        ours, theirs = identity(one.policies[name]), identity(other.policies[name])
+        if ours != theirs:
+            what = differing_fields(ours, theirs, aside=("hash",)) or "its hash"
             raise InputError(
                 f"policy {name!r} is not the same in both results; what differs: {what}; rename it in one of them"
             )

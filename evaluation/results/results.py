@@ -68,6 +68,11 @@ class Results:
         return [name for name, about in self.policies.items() if about.get("privileged")]
 
     @property
+    def generator_policies(self) -> list[str]:
+        """The policies that read the settings of the maps' generator, in table order."""
+        return [name for name, about in self.policies.items() if about.get("uses_generator")]
+
+    @property
     def warnings(self) -> list[str]:
         """What differs between the runs and could make figures differ, a line each: commits, versions, machines."""
         lines = []

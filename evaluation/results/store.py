@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import sqlite3
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -82,6 +82,15 @@ def _not_written(path: Path, error: sqlite3.Error) -> RunError:
     )
 
 
+#: Facts about a policy that its class and parameters already decide; older stores do not have them.
+DERIVED_FACTS = ("uses_generator",)
+
+
+def identity(about: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the facts that tell a policy from others."""
+    return {key: value for key, value in about.items() if key not in DERIVED_FACTS}
+
+
 class Store:
     """Keep the results of one experiment in a file; use as a context manager."""
 
@@ -140,7 +149,8 @@ class Store:
         with _transaction(self._db, self.path):
             for name, about in policies.items():
                 self._db.execute(
-                    "INSERT OR IGNORE INTO policy VALUES (?, (SELECT count(*) FROM policy), ?)",
+                    "INSERT INTO policy VALUES (?, (SELECT count(*) FROM policy), ?)"
+                    " ON CONFLICT (name) DO UPDATE SET facts = excluded.facts",
                     (name, json.dumps(about, sort_keys=True)),
                 )
             for scenario in experiment.scenarios:
@@ -171,7 +181,9 @@ class Store:
         ]
         known = {name: json.loads(facts) for name, facts in self._db.execute("SELECT name, facts FROM policy")}
         differing += [
-            f"the parameters of policy {name!r}" for name in policies if name in known and known[name] != policies[name]
+            f"the parameters of policy {name!r}"
+            for name in policies
+            if name in known and identity(known[name]) != identity(policies[name])
         ]
         if differing:
             more = [f"and {len(differing) - MOST_NAMED} more"] if len(differing) > MOST_NAMED else []

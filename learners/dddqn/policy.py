@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,8 @@ class Dddqn(Policy):
             ``tour_width`` is no number of states.
 
     """
+
+    uses_generator: ClassVar[bool] = True
 
     weights: str | None = None
     """Name of weights that ship, or path of a training's folder or weights; None: those that suit the scenario."""
@@ -145,8 +147,7 @@ def _is_room(briefing: Briefing) -> bool:
 
 
 def _is_empty(briefing: Briefing) -> bool:
-    maps = briefing.scenario.map
-    return isinstance(maps, ThesisMaps) and maps.obstacles == 0
+    return isinstance(briefing.generator, ThesisMaps) and briefing.generator.obstacles == 0
 
 
 def opened(path: str, **parameters: Any) -> Dddqn:

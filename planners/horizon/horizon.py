@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,13 +38,15 @@ class Horizon(Policy):
     In rooms of up to ``room`` cells the search is over (cell, unseen set), taking unknown cells to be free to fly
     through and transparent. It aims at the scenario's goal coverage. Cells count by their chance to be free:
     with ``prior`` "source" and a generator of random rooms, the chance is worked out from the generator's
-    statistics (``briefing.scenario.map``: number, sizes and margins of obstacles; never the map); otherwise, and with
+    statistics (``briefing.generator``: number, sizes and margins of obstacles; never the map); otherwise, and with
     "belief", it is learned during the flight from the UAV's own map. Beyond ``room`` cells, or where
     no tour is found, ``beyond`` looks a few frontiers ahead instead.
 
     Receding-horizon exploration: A. Bircher et al., ICRA 2016, doi:10.1109/ICRA.2016.7487281; the search over whole
     tours is this project's.
     """
+
+    uses_generator: ClassVar[bool] = True
 
     width: int = 100
     """States that the beam keeps at each step."""
@@ -113,7 +115,7 @@ class Horizon(Policy):
         return TourPlanner(briefing.shape, briefing.lidar_range, prior, config, goal, self.spare, selection)
 
     def _prior(self, briefing: Briefing) -> Prior:
-        source = briefing.scenario.map
+        source = briefing.generator
         if self.prior == "none":
             return OpenPrior()
         if self.prior == "source" and isinstance(source, ThesisMaps) and RoomPrior.suits(source):

@@ -195,6 +195,9 @@ def _unlike_sizes(results: Results) -> Iterator[str]:
 def _yardsticks(results: Results) -> Iterator[str]:
     if results.privileged_policies:
         yield f"Yardsticks that are given the true map, and do not compete: {', '.join(results.privileged_policies)}."
+    if results.generator_policies:
+        names = ", ".join(results.generator_policies)
+        yield f"Policies that read the settings of the random generator that draws the maps, never the map: {names}."
 
 
 def _censored(results: Results) -> Iterator[str]:

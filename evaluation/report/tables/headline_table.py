@@ -20,6 +20,8 @@ from indoor_explorers.evaluation.statistics import Estimate
 WIDE = 110
 #: The same with the ratio to a policy that knows the map.
 WIDEST = 135
+#: Marks policies that read the settings of the maps' generator.
+MARK = "\N{DAGGER}"
 #: Characters of one more time.
 A_TIME = 22
 
@@ -54,6 +56,8 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     if known:
         table.add_column(f"{level.title if level else 'steps'} / {known}", justify="right", no_wrap=True)
+    if any(policy in results.generator_policies for _, policy in results.groups):
+        table.caption = f"{MARK} reads the settings of the maps' generator, never the map"
     for scenario in results.scenarios:
         if len(results.scenarios) > 1:
             name = scenario if level else f"{scenario} ({results.level(scenario).title})"
@@ -78,6 +82,8 @@ def _row(comparison: Comparison, policy: str, times: Sequence[str]) -> list[Text
     best = policy == comparison.ranked_policies[0] and len(comparison.ranked_policies) > 1
     failures = len(failed(comparison.groups[policy]))
     name = f"{policy} (knows the map)" if comparison.privileged(policy) else policy
+    if policy in comparison.results.generator_policies:
+        name += f" {MARK}"
     return [
         Text(name, "dim" if comparison.privileged(policy) else ""),
         *(Text(_steps(comparison.estimate(policy, key)), "bold" if best and key == level else "") for key in times),

@@ -31,6 +31,36 @@ def test_an_honest_policy_passes_and_gets_a_report():
     assert "one UAV, 16x16: median" in report["latency"]
 
 
+class ReadsMapSettings(Honest):
+    """Picks its way by what the scenario says about maps."""
+
+    def act(self, view):
+        crowded = getattr(self.briefing.scenario.map, "obstacles", 1) > 0
+        moves = np.flatnonzero(view.legal)
+        return int(moves[0 if crowded else -1])
+
+
+class ReadsGenerator(Honest):
+    def act(self, view):
+        moves = np.flatnonzero(view.legal)
+        return int(moves[self.briefing.generator.height % len(moves)])
+
+
+class Declares(Flying):
+    uses_generator = True
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"), [(ReadsMapSettings, "chose otherwise at step 0"), (ReadsGenerator, "has no attribute")]
+)
+def test_a_policy_declares_that_it_reads_the_settings_of_the_maps_generator(kind, message):
+    found = findings(kind)
+    assert failures(found) == {"map generator"}
+    assert message in found["map generator"].text
+    assert "uses_generator = True" in found["map generator"].mend
+    assert not failures(findings(kind, Declares))
+
+
 class Bold(Honest):
     def act(self, view):
         return self.briefing.agent % 4

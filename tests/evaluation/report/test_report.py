@@ -98,6 +98,21 @@ def test_figures_are_deterministic(hostile: Results, tmp_path: Path) -> None:
         assert one.read_bytes() == other.read_bytes()
 
 
+def test_policies_that_read_the_generators_settings_are_marked(results: Results) -> None:
+    name = next(iter(results.policies))
+    policies = results.policies | {name: results.policies[name] | {"uses_generator": True}}
+    marked = Results(policies, results.scenarios, results.runs, list(results.records))
+    for found, expected in ((results, False), (marked, True)):
+        console = Console(width=200, record=True, quiet=True)
+        with console.capture() as shown:
+            console.quiet = False
+            console.print(headline_table(found))
+        assert (f"{name} \N{DAGGER}" in shown.get()) == expected
+        assert ("\N{DAGGER} reads the settings of the maps' generator" in shown.get()) == expected
+        assert ("knows the generator</span>" in render(found)) == expected
+        assert (f"generator that draws the maps, never the map: {name}." in render(found)) == expected
+
+
 def test_the_terminal_table_shows_names_as_they_are(hostile: Results, results: Results) -> None:
     console = Console(width=200, record=True, quiet=True)
     with console.capture() as shown:

@@ -59,6 +59,18 @@ def test_what_goes_in_comes_out(tmp_path):
         assert (record.task, record.outcome, record.steps) == (copy.task, copy.outcome, copy.steps)
 
 
+def test_a_store_from_before_a_derived_fact_goes_on_and_learns_it(tmp_path):
+    filled(tmp_path / "results.db")
+    planned = experiment()
+    facts = {name: each | {"uses_generator": True} for name, each in about(planned).items()}
+    with Store(tmp_path / "results.db") as store:
+        assert store.begin_run(planned, facts, {"command": "y"}) == 2
+        assert store.policies() == facts
+        other = {name: each | {"use": "another"} for name, each in facts.items()}
+        with pytest.raises(InputError, match="holds another experiment"):
+            store.begin_run(planned, other, {"command": "z"})
+
+
 def test_floor_plans_are_read_back_whole(tmp_path):
     marked = Floorplan.from_free(np.ones((5, 7), np.bool_), "marked", 0.25, 0.5, (4, 6))
     record = filled(tmp_path / "results.db")[0]
