@@ -3,10 +3,11 @@
 A name is imported when it is first asked for, so that a program pays only for what it uses.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import gymnasium
+
+from indoor_explorers.env.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from indoor_explorers.env.conformance import Finding, check_policy, run_checks
@@ -65,21 +66,13 @@ _MODULES = {
     "scenarios.scenario": ("Scenario",),
     "simulation.world": ("World",),
 }
+__getattr__ = lazy_names(__name__, _MODULES)
 
 gymnasium.register(
     id="IndoorExplorers-v0",
     entry_point="indoor_explorers.env.interfaces.gymnasium_env:IndoorExplorersEnv",
     vector_entry_point="indoor_explorers.env.interfaces.vector:IndoorExplorersVectorEnv",
 )
-
-
-def __getattr__(name: str) -> Any:
-    """Import a public name from its module."""
-    for module, names in _MODULES.items():
-        if name in names:
-            value = globals()[name] = getattr(import_module(f"{__name__}.{module}"), name)
-            return value
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

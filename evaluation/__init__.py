@@ -1,19 +1,46 @@
-"""Experiments, their results and reports."""
+"""Experiments, their results and reports.
 
-from typing import TYPE_CHECKING, Any
+Names other than :func:`compare` are imported when they are first asked for: worker processes do without tables and
+statistics, and the command line shows its help without the world.
+"""
 
+from typing import TYPE_CHECKING
+
+from indoor_explorers.env.lazy_names import lazy_names
 from indoor_explorers.evaluation.compare import compare
 
 if TYPE_CHECKING:
+    from indoor_explorers.evaluation.driver import missing_jobs, policy_facts
+    from indoor_explorers.evaluation.engines.local import fly_job
+    from indoor_explorers.evaluation.experiment.experiment import Experiment
+    from indoor_explorers.evaluation.experiment.planning import plan
+    from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+    from indoor_explorers.evaluation.experiment.selection import DEFAULT_POLICIES
     from indoor_explorers.evaluation.results.results import Results
+    from indoor_explorers.evaluation.results.store import Store
 
-__all__ = ["Results", "compare"]
+__all__ = [
+    "DEFAULT_POLICIES",
+    "ComparisonRequest",
+    "Experiment",
+    "Results",
+    "Store",
+    "compare",
+    "fly_job",
+    "missing_jobs",
+    "plan",
+    "policy_facts",
+]
 
+_MODULES = {
+    "driver": ("missing_jobs", "policy_facts"),
+    "engines.local": ("fly_job",),
+    "experiment.experiment": ("Experiment",),
+    "experiment.planning": ("plan",),
+    "experiment.request": ("ComparisonRequest",),
+    "experiment.selection": ("DEFAULT_POLICIES",),
+    "results.results": ("Results",),
+    "results.store": ("Store",),
+}
 
-def __getattr__(name: str) -> Any:
-    """Import what tables and statistics need only when it is asked for: worker processes never do."""
-    if name != "Results":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from indoor_explorers.evaluation.results.results import Results
-
-    return Results
+__getattr__ = lazy_names(__name__, _MODULES)

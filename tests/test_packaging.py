@@ -101,13 +101,22 @@ def test_importing_the_command_line_loads_neither_torch_nor_ompl():
     assert done.stdout.strip() == "[]"
 
 
-def test_public_names_of_the_world_are_imported_when_they_are_asked_for():
-    code = """
+LAZY = {
+    "env": {"numba", "scipy", "pydantic", "pettingzoo"},
+    "env.interfaces": {"numba", "scipy", "pettingzoo", "stable_baselines3"},
+    "evaluation": {"numba", "scipy", "pandas", "matplotlib", "plotly", "pyarrow", "rich"},
+}
+
+
+@pytest.mark.parametrize("package", LAZY)
+def test_public_names_are_imported_when_they_are_asked_for(package):
+    code = f"""
 import sys
-import indoor_explorers.env as env
-assert not {"numba", "scipy", "pydantic", "pettingzoo"} & set(sys.modules)
-assert all(hasattr(env, name) for name in env.__all__)
-assert sorted(env.__all__) == sorted(name for names in env._MODULES.values() for name in names)
+import indoor_explorers.{package} as package
+assert not {LAZY[package]!r} & set(sys.modules)
+assert all(hasattr(package, name) for name in package.__all__)
+lazy = [name for names in package._MODULES.values() for name in names]
+assert sorted(package.__all__) == sorted({{*lazy, *(name for name in package.__all__ if name == "compare")}})
 assert "numba" in sys.modules
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)

@@ -1,5 +1,7 @@
 """What the README shows works as it stands there."""
 
+import ast
+import importlib
 import re
 import subprocess
 import sys
@@ -39,6 +41,19 @@ def test_every_command_line_is_understood():
     assert len(lines) >= 3
     for line in lines:
         build_parser().parse_args(line.replace("'", "").split())
+
+
+def test_documents_import_public_names_alone():
+    public = re.findall(
+        r"`(indoor_explorers\.[\w.]+)`", README.partition("## Public names")[2].partition("- The entry")[0]
+    )
+    for document in ("README.md", "CONTRIBUTING.md", "evaluation/CLUSTER.md"):
+        for block in re.findall(r"```python\n(.*?)```", (ROOT / document).read_text(), re.DOTALL):
+            for node in ast.walk(ast.parse(block)):
+                if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("indoor_explorers"):
+                    assert node.module in public, (document, node.module)
+                    names = importlib.import_module(node.module).__all__
+                    assert {alias.name for alias in node.names} <= set(names), (document, node.module)
 
 
 def test_links_lead_somewhere():

@@ -1,1 +1,25 @@
-"""The world as a Gymnasium, PettingZoo or Stable-Baselines3 environment."""
+"""The world as a Gymnasium, PettingZoo or Stable-Baselines3 environment.
+
+Each interface is imported, with the library it needs, when its name is first asked for.
+"""
+
+from typing import TYPE_CHECKING
+
+from indoor_explorers.env.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from indoor_explorers.env.interfaces.gymnasium_env import IndoorExplorersEnv
+    from indoor_explorers.env.interfaces.pettingzoo import env, parallel_env
+    from indoor_explorers.env.interfaces.stable_baselines import StableBaselinesVecEnv
+    from indoor_explorers.env.interfaces.vector import IndoorExplorersVectorEnv
+
+__all__ = ["IndoorExplorersEnv", "IndoorExplorersVectorEnv", "StableBaselinesVecEnv", "env", "parallel_env"]
+
+_MODULES = {
+    "gymnasium_env": ("IndoorExplorersEnv",),
+    "pettingzoo": ("env", "parallel_env"),
+    "stable_baselines": ("StableBaselinesVecEnv",),
+    "vector": ("IndoorExplorersVectorEnv",),
+}
+
+__getattr__ = lazy_names(__name__, _MODULES)
