@@ -8,10 +8,11 @@ The machine code is kept; when nothing has changed, this takes a few seconds.
 from __future__ import annotations
 
 import sys
+from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
-from indoor_explorers.env import PRESETS, Scenario, World, make_policy
+from indoor_explorers.env import PRESETS, World, make_policy
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
 from tests.behaviour.policies import POLICIES
@@ -24,13 +25,13 @@ ROOMS = [
 ]
 
 
-def fly_policies(scenario: Scenario) -> None:
-    """Fly one short episode of every policy."""
-    for name in POLICIES:
-        sys.stdout.write(f"compiling {name}, {scenario.name}\n")
-        sys.stdout.flush()
-        for _ in fly(make_policy(name), name, scenario, [Task(scenario.name, 0, 0)]):
+def fly_policy(name: str) -> str:
+    """Fly short episodes of a policy."""
+    policy = make_policy(name)
+    for scenario in ROOMS:
+        for _ in fly(policy, name, scenario, [Task(scenario.name, 0, 0)]):
             pass
+    return name
 
 
 def fly_presets() -> None:
@@ -41,7 +42,14 @@ def fly_presets() -> None:
         world.step(np.zeros((2, scenario.team), np.int64))
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Compile, and say for which policies that is done."""
     fly_presets()
-    for room in ROOMS:
-        fly_policies(room)
+    with ProcessPoolExecutor() as pool:  # of two processes that need the same function, one waits for the other
+        for number, name in enumerate(pool.map(fly_policy, POLICIES), start=1):
+            sys.stdout.write(f"compiled {name} ({number} of {len(POLICIES)})\n")
+            sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -77,6 +77,7 @@ def check(records, honest, reason, steps):
         assert record.metrics["messages_bytes"] == undisturbed.sent[steps]
 
 
+SLOW = pytest.mark.slow  # each costs a process, in a way much like another one's
 OVERDUE = "decision took longer than 1 s (--decision-timeout)"
 
 
@@ -88,11 +89,11 @@ OVERDUE = "decision took longer than 1 s (--decision-timeout)"
         ("HangsInSleep", OVERDUE),
         ("HangsInPython", OVERDUE),
         ("HangsTogether", OVERDUE),
-        ("HangsForGood", OVERDUE),
+        pytest.param("HangsForGood", OVERDUE, marks=SLOW),
         ("HangsInC", OVERDUE),
         ("Exits", "the process of the policy ended with exit code 3"),
-        ("KillsItself", "the process of the policy was killed by signal 9 (SIGKILL)"),
-        ("Segfaults", "the process of the policy was killed by signal 11 (SIGSEGV)"),
+        pytest.param("KillsItself", "the process of the policy was killed by signal 9 (SIGKILL)", marks=SLOW),
+        pytest.param("Segfaults", "the process of the policy was killed by signal 11 (SIGSEGV)", marks=SLOW),
     ],
 )
 def test_a_policy_that_breaks_costs_only_its_own_episode(policy, reason, supervisor, honest):
