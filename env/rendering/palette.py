@@ -23,7 +23,7 @@ BAR, TROUGH = (0, 143, 104), (226, 229, 234)
 #: (3, 3) uint8 RGB of unknown, free and occupied cells on a map, in the order of the cell values.
 KNOWN = np.zeros((3, 3), np.uint8)
 KNOWN[UNKNOWN], KNOWN[FREE], KNOWN[OCCUPIED] = (193, 198, 206), (255, 255, 255), (46, 52, 64)
-#: The same for the true map where nobody knows it yet.
+#: The same for the part of the true map that no UAV knows yet.
 HIDDEN = KNOWN.copy()
 HIDDEN[FREE], HIDDEN[OCCUPIED] = (193, 198, 206), (163, 169, 180)
 

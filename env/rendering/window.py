@@ -62,7 +62,7 @@ class Window:
         self._clock.tick(self._fps)
 
     def linger(self, picture: NDArray[np.uint8]) -> None:
-        """Go on showing a picture until somebody closes the window; return at once when nobody can see it."""
+        """Show a picture until the window is closed; return at once where there is no window to see."""
         self.show(picture)
         while not self.closed and self._pygame.display.get_driver() not in BLIND:
             self.show(picture)

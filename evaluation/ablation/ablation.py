@@ -1,4 +1,4 @@
-"""The ablate command: train what is missing, judge what is finished, write the table and the figure."""
+"""The ablate command: train what is missing, score what is finished, write the table and the figure."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.evaluation.ablation.drawing import write_figure
 from indoor_explorers.evaluation.ablation.running import Failure, train_all
-from indoor_explorers.evaluation.ablation.runs import Order, orders_of
-from indoor_explorers.evaluation.ablation.scoring import judge
+from indoor_explorers.evaluation.ablation.runs import TrainingRun, runs_of
+from indoor_explorers.evaluation.ablation.scoring import score
 from indoor_explorers.evaluation.ablation.table import printed, write_table
 
 
@@ -41,16 +41,16 @@ def run_ablation(
 
     """
     scenario = named_scenario(scenario_name)
-    orders = orders_of(learner, scenario_name, scenario, patterns=patterns, settings=settings, seeds=seeds, out=out)
+    runs = runs_of(learner, scenario_name, scenario, patterns=patterns, settings=settings, seeds=seeds, out=out)
     try:
         out.mkdir(parents=True, exist_ok=True)
         try:
-            failures = train_all(orders, jobs, lambda line: console.print(line, highlight=False, soft_wrap=True))
+            failures = train_all(runs, jobs, lambda line: console.print(line, highlight=False, soft_wrap=True))
         except KeyboardInterrupt:
-            console.print("interrupted; judging what is finished, Ctrl-C again leaves that out")
-            _conclude(orders, scenario, out, console, episodes, jobs, command)
+            console.print("interrupted; scoring what is finished, Ctrl-C again leaves that out")
+            _conclude(runs, scenario, out, console, episodes, jobs, command)
             raise
-        _conclude(orders, scenario, out, console, episodes, jobs, command)
+        _conclude(runs, scenario, out, console, episodes, jobs, command)
     except OSError as error:
         raise InputError(
             f"{error.filename or out}: cannot be written: {error.strerror}; choose another --out"
@@ -59,7 +59,7 @@ def run_ablation(
 
 
 def _conclude(
-    orders: Sequence[Order],
+    runs: Sequence[TrainingRun],
     scenario: Scenario,
     out: Path,
     console: Console,
@@ -67,10 +67,10 @@ def _conclude(
     workers: int,
     command: str,
 ) -> None:
-    """Judge what is finished, and write and print what came out."""
-    found = judge(orders, scenario, out, episodes=episodes, workers=workers, command=command)
+    """Score what is finished, and write and print what came out."""
+    found = score(runs, scenario, out, episodes=episodes, workers=workers, command=command)
     if not found:
-        console.print(f"no training of {orders[0].variant!r} is finished yet, with which all others are compared")
+        console.print(f"no training of {runs[0].variant!r} is finished yet, with which all others are compared")
         return
     write_table(found, out / "ablation.csv")
     figure = write_figure(found, scenario.name, out / "figures")

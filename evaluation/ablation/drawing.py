@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.ablation.scoring import Judged
+from indoor_explorers.evaluation.ablation.scoring import VariantScore
 from indoor_explorers.evaluation.report.style.palette import COLOURS, PolicyStyle, policy_styles
 from indoor_explorers.evaluation.report.style.print_style import LOOK, plain, save, sheet, strokes
 
@@ -27,7 +27,7 @@ LEARNING, GAP = 2.0, 0.95
 GREY, DOT = "#666666", "#222222"
 
 
-def write_figure(found: Sequence[Judged], scenario: str, folder: Path) -> Path:
+def write_figure(found: Sequence[VariantScore], scenario: str, folder: Path) -> Path:
     """Write the figure as SVG, PNG and PDF, and return the path of the picture."""
     folder.mkdir(parents=True, exist_ok=True)
     with mpl.rc_context(LOOK):
@@ -35,7 +35,7 @@ def write_figure(found: Sequence[Judged], scenario: str, folder: Path) -> Path:
     return next(path for path in paths if path.suffix == ".png")
 
 
-def ablation_figure(found: Sequence[Judged], scenario: str) -> Figure:
+def ablation_figure(found: Sequence[VariantScore], scenario: str) -> Figure:
     """Draw differences in T99 and T90, the least T99 on top, and below them learning curves."""
     full = found[0]
     ranked = sorted(found, key=lambda each: each.against(full, "t99").mean)
@@ -48,7 +48,7 @@ def ablation_figure(found: Sequence[Judged], scenario: str) -> Figure:
         _differences(axes, ranked, full, metric)
         _scale(axes, ranked, full, metric)
         axes.set_xlabel(f"{title} less that of {full.variant} ({full.mean(metric).mean:.1f}) [steps]")
-    panels[0].set_yticks(range(len(ranked)), [plain(judged.variant) for judged in ranked])
+    panels[0].set_yticks(range(len(ranked)), [plain(variant.variant) for variant in ranked])
     panels[0].set_title(f"What each ingredient is worth on {plain(scenario)}", pad=14)
     _note(panels[0], _made_of(found), above=True)
     axes = figure.add_subplot(grid[1])
@@ -56,8 +56,8 @@ def ablation_figure(found: Sequence[Judged], scenario: str) -> Figure:
     return figure
 
 
-def _made_of(found: Sequence[Judged]) -> str:
-    counts = sorted({len(judged.seeds) for judged in found})
+def _made_of(found: Sequence[VariantScore]) -> str:
+    counts = sorted({len(variant.seeds) for variant in found})
     seeds = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
     maps = found[0].times["t99"].shape[1]
     return f"Means over {seeds} trainings, a dot each, on {maps} unseen maps; 95 % intervals over both."
@@ -78,14 +78,14 @@ def _note(axes: Axes, text: str, *, above: bool = False) -> None:
     )
 
 
-def _differences(axes: Axes, ranked: Sequence[Judged], full: Judged, metric: str) -> None:
+def _differences(axes: Axes, ranked: Sequence[VariantScore], full: VariantScore, metric: str) -> None:
     """Draw a row for each variant: its interval, its mean and its trainings."""
     axes.axvline(0.0, color="#444444", linewidth=0.8)
-    for place, judged in enumerate(ranked):
-        estimate = judged.against(full, metric)
-        dots = judged.dots(full, metric)
+    for place, variant in enumerate(ranked):
+        estimate = variant.against(full, metric)
+        dots = variant.dots(full, metric)
         axes.scatter(dots, np.full(len(dots), place + 0.28), s=6, color=DOT, alpha=0.6, linewidths=0, zorder=2)
-        if judged is full:
+        if variant is full:
             continue
         colour = _hue(estimate.low, estimate.high)
         if estimate.low is not None and estimate.high is not None:
@@ -97,9 +97,9 @@ def _differences(axes: Axes, ranked: Sequence[Judged], full: Judged, metric: str
     axes.tick_params(axis="y", length=0)
 
 
-def _scale(axes: Axes, ranked: Sequence[Judged], full: Judged, metric: str) -> None:
+def _scale(axes: Axes, ranked: Sequence[VariantScore], full: VariantScore, metric: str) -> None:
     """Make an axis logarithmic far from 0 where some variants are very far away."""
-    far = max(abs(judged.against(full, name).mean) for judged in ranked for name in ("t99", "t90"))
+    far = max(abs(variant.against(full, name).mean) for variant in ranked for name in ("t99", "t90"))
     if far > FAR * NEAR:
         low, high = axes.dataLim.intervalx
         axes.set_xscale("symlog", linthresh=NEAR, linscale=1.0)
@@ -116,19 +116,19 @@ def _hue(low: float | None, high: float | None) -> str:
     return COLOURS[1 if low > 0 else 0][0]
 
 
-def _far_apart(ranked: Sequence[Judged], full: Judged) -> list[Judged]:
+def _far_apart(ranked: Sequence[VariantScore], full: VariantScore) -> list[VariantScore]:
     """Return the variants that differ most from the full one, in their rank."""
-    others = [judged for judged in ranked if judged is not full]
+    others = [variant for variant in ranked if variant is not full]
     most = sorted(others, key=lambda each: -abs(each.against(full, "t99").mean))[:CURVES]
-    return [judged for judged in others if judged in most]
+    return [variant for variant in others if variant in most]
 
 
-def _learning(axes: Axes, shown: Sequence[Judged]) -> None:
+def _learning(axes: Axes, shown: Sequence[VariantScore]) -> None:
     """Draw the mean steps to the goal by moves made, with a band over the trainings."""
-    styles = policy_styles(judged.variant for judged in shown)
-    for judged in shown:
-        if all(curve.shape[1] for curve in judged.curves):
-            _curve(axes, judged, styles[judged.variant])
+    styles = policy_styles(variant.variant for variant in shown)
+    for variant in shown:
+        if all(curve.shape[1] for curve in variant.curves):
+            _curve(axes, variant, styles[variant.variant])
     axes.set(yscale="log", xlabel="moves made in training", ylabel="mean steps to the goal")
     axes.set_title("How they learn: greedy evaluations, apart from training", fontsize=8.5)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 1e3:,.0f}k" if value else "0"))
@@ -143,9 +143,9 @@ def _learning(axes: Axes, shown: Sequence[Judged]) -> None:
     _note(axes, "Lines: means of the trainings; bands: from the best to the worst of them.")
 
 
-def _curve(axes: Axes, judged: Judged, style: PolicyStyle) -> None:
-    moves, values = on_one_grid(judged.curves)
-    label = plain(judged.variant)
+def _curve(axes: Axes, variant: VariantScore, style: PolicyStyle) -> None:
+    moves, values = on_one_grid(variant.curves)
+    label = plain(variant.variant)
     axes.plot(moves, values.mean(axis=0), **strokes(style) | {"marker": "", "label": label})
     axes.fill_between(moves, values.min(axis=0), values.max(axis=0), color=style.hex, alpha=0.15, linewidth=0)
 

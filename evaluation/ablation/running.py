@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import IO, NamedTuple
 
-from indoor_explorers.evaluation.ablation.runs import Order, read_note
+from indoor_explorers.evaluation.ablation.runs import TrainingRun, read_note
 
 #: Seconds between two looks at the processes.
 PAUSE = 0.2
@@ -24,15 +24,15 @@ COMMAND = (sys.executable, "-P", "-m", "indoor_explorers.evaluation.ablation.wor
 class Failure(NamedTuple):
     """A training that did not end well."""
 
-    order: Order
+    run: TrainingRun
     reason: str
 
 
-class Child:
+class TrainingProcess:
     """The process of one training."""
 
-    def __init__(self, order: Order) -> None:
-        self.order = order
+    def __init__(self, run: TrainingRun) -> None:
+        self.run = run
         self._errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115  # lives as long as the process
         self._process = subprocess.Popen(
             COMMAND,
@@ -44,7 +44,7 @@ class Child:
         )
         assert self._process.stdin is not None
         with self._process.stdin as pipe:
-            pipe.write(json.dumps(order._asdict()).encode())
+            pipe.write(json.dumps(run._asdict()).encode())
 
     @property
     def over(self) -> bool:
@@ -57,7 +57,7 @@ class Child:
         lines = self._errors.read().decode(errors="replace").strip().splitlines()
         self._errors.close()
         status = self._process.wait()
-        return Failure(self.order, lines[-1] if lines else f"ended with status {status}") if status else None
+        return Failure(self.run, lines[-1] if lines else f"ended with status {status}") if status else None
 
     def interrupt(self) -> None:
         """Ask the training to write a checkpoint and stop."""
@@ -75,39 +75,39 @@ class Child:
         self.wait()
 
 
-def train_all(orders: Sequence[Order], jobs: int, tell: Callable[[str], None]) -> list[Failure]:
+def train_all(runs: Sequence[TrainingRun], jobs: int, tell: Callable[[str], None]) -> list[Failure]:
     """Train what is not finished, ``jobs`` at once, and return what failed; Ctrl-C writes checkpoints first."""
-    waiting = [order for order in orders if "weights" not in read_note(order)][::-1]
-    running: list[Child] = []
+    waiting = [run for run in runs if "weights" not in read_note(run)][::-1]
+    running: list[TrainingProcess] = []
     failures: list[Failure] = []
     try:
         while waiting or running:
             while waiting and len(running) < jobs:
-                running.append(Child(waiting.pop()))
-                tell(f"{running[-1].order.title}: training, {len(waiting)} more to go")
+                running.append(TrainingProcess(waiting.pop()))
+                tell(f"{running[-1].run.title}: training, {len(waiting)} more to go")
             time.sleep(PAUSE)
-            for child in [child for child in running if child.over]:
-                running.remove(child)
-                failure = child.failure()
+            for process in [process for process in running if process.over]:
+                running.remove(process)
+                failure = process.failure()
                 failures += [failure] if failure else []
-                tell(f"{child.order.title}: {failure.reason if failure else _took(child.order)}")
+                tell(f"{process.run.title}: {failure.reason if failure else _took(process.run)}")
     finally:
         _stop(running)
     return failures
 
 
-def _stop(running: Sequence[Child]) -> None:
+def _stop(running: Sequence[TrainingProcess]) -> None:
     """Let trainings write their checkpoints and end; a Ctrl-C meanwhile ends them at once."""
-    for child in running:
-        child.interrupt()
+    for process in running:
+        process.interrupt()
     try:
-        for child in running:
-            child.wait()
+        for process in running:
+            process.wait()
     except KeyboardInterrupt:
-        for child in running:
-            child.kill()
+        for process in running:
+            process.kill()
         raise
 
 
-def _took(order: Order) -> str:
-    return f"trained in {read_note(order)['minutes']:.1f} min"
+def _took(run: TrainingRun) -> str:
+    return f"trained in {read_note(run)['minutes']:.1f} min"

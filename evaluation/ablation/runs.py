@@ -17,7 +17,7 @@ from indoor_explorers.evaluation.training import find_learner, nested
 NOTE = "ablation.json"
 
 
-class Order(NamedTuple):
+class TrainingRun(NamedTuple):
     """One training."""
 
     learner: str
@@ -42,14 +42,14 @@ class Order(NamedTuple):
         return {key: value for key, value in made.items() if key != "folder"}
 
 
-def read_note(order: Order) -> dict[str, Any]:
+def read_note(run: TrainingRun) -> dict[str, Any]:
     """Return what is known of a training: ``weights`` once it is finished, ``minutes``; empty when it never began.
 
     Raises:
         InputError: the folder holds another training, or its note is damaged.
 
     """
-    path = Path(order.folder) / NOTE
+    path = Path(run.folder) / NOTE
     if not path.exists():
         return {}
     try:
@@ -59,16 +59,16 @@ def read_note(order: Order) -> dict[str, Any]:
         raise InputError(
             f"{path}: expected the note of a training, got something else ({error!r}); delete it"
         ) from error
-    for key, mine in order.identity.items():
+    for key, mine in run.identity.items():
         if found.get(key) != mine:
             raise InputError(
-                f"{order.folder} holds a training with {key} {found.get(key)}, expected {mine}; give the same as then, "
+                f"{run.folder} holds a training with {key} {found.get(key)}, expected {mine}; give the same as then, "
                 "or another --out"
             )
     return note
 
 
-def orders_of(
+def runs_of(
     learner: str,
     scenario_name: str,
     scenario: Scenario,
@@ -77,7 +77,7 @@ def orders_of(
     settings: Mapping[str, Any],
     seeds: int,
     out: Path,
-) -> list[Order]:
+) -> list[TrainingRun]:
     """Return the trainings of the variants whose names match any of the patterns, and of the first, all seeds 1 first.
 
     Raises:
@@ -88,15 +88,15 @@ def orders_of(
     module = find_learner(learner)
     variants = _chosen(_declared(learner, module, scenario.team), patterns)
     shared = {**getattr(module, "ABLATION_SETTINGS", {}), **settings}
-    orders = [
-        Order(learner, scenario_name, name, seed, {**shared, **switches}, str(out / name / f"seed-{seed}"))
+    runs = [
+        TrainingRun(learner, scenario_name, name, seed, {**shared, **switches}, str(out / name / f"seed-{seed}"))
         for seed in range(1, seeds + 1)
         for name, switches in variants.items()
     ]
-    for order in orders:
-        validated(module.TrainingConfig, nested(order.settings), f"settings of learner {learner!r}")
-        read_note(order)
-    return orders
+    for run in runs:
+        validated(module.TrainingConfig, nested(run.settings), f"settings of learner {learner!r}")
+        read_note(run)
+    return runs
 
 
 def _declared(learner: str, module: Any, team: int) -> dict[str, Mapping[str, Any]]:

@@ -1,4 +1,4 @@
-"""How the trainings do on maps that none of them has seen, the same for all, and what that says about a variant."""
+"""Scores of the trainings on the same unseen maps, and the difference that each variant makes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Scenario
-from indoor_explorers.evaluation.ablation.runs import Order, read_note
+from indoor_explorers.evaluation.ablation.runs import TrainingRun, read_note
 from indoor_explorers.evaluation.driver import fly_missing
 from indoor_explorers.evaluation.experiment.experiment import build_experiment
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
@@ -29,7 +29,7 @@ RECORD = "training.json"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Judged:
+class VariantScore:
     """The finished trainings of one variant."""
 
     variant: str
@@ -50,58 +50,58 @@ class Judged:
         """Return the mean of a time over trainings and episodes."""
         return mean_of_seeds(self.times[metric])
 
-    def against(self, full: Judged, metric: str) -> Estimate:
+    def against(self, full: VariantScore, metric: str) -> Estimate:
         """Return how much more steps it takes than another variant."""
         return difference_of_seeds(self.times[metric], full.times[metric])
 
-    def dots(self, full: Judged, metric: str) -> NDArray[np.float64]:
+    def dots(self, full: VariantScore, metric: str) -> NDArray[np.float64]:
         """Return (S,) how much more steps each training takes than the other variant's do in the mean."""
         return np.asarray(self.times[metric].mean(axis=1) - full.times[metric].mean())
 
 
-def judge(
-    orders: Sequence[Order], scenario: Scenario, out: Path, *, episodes: int, workers: int, command: str
-) -> list[Judged]:
+def score(
+    runs: Sequence[TrainingRun], scenario: Scenario, out: Path, *, episodes: int, workers: int, command: str
+) -> list[VariantScore]:
     """Fly what was not flown yet of the finished trainings; return the variants in order, the first leading.
 
     Nothing is returned while no training of the first variant is finished, as there is nothing to compare with.
     """
-    finished = [order for order in orders if "weights" in read_note(order)]
-    if not orders or not any(order.variant == orders[0].variant for order in finished):
+    finished = [run for run in runs if "weights" in read_note(run)]
+    if not runs or not any(run.variant == runs[0].variant for run in finished):
         return []
-    module, task = find_learner(orders[0].learner), scenario.for_evaluation()
-    policies = [module.flown(_weights(order)) | {"name": order.title} for order in finished]
+    module, task = find_learner(runs[0].learner), scenario.for_evaluation()
+    policies = [module.flown(_weights(run)) | {"name": run.title} for run in finished]
     experiment = build_experiment(policies, [task], episodes=episodes, seed=FIRST_SEED, settings={})
     fly_missing(experiment, out / FLIGHTS, ComparisonRequest(workers=workers), command=command)
     results = Results.load(out / FLIGHTS)
-    names = dict.fromkeys(order.variant for order in orders)
-    groups = [[order for order in finished if order.variant == name] for name in names]
-    return [_judged(group, results, task.name, episodes) for group in groups if group]
+    names = dict.fromkeys(run.variant for run in runs)
+    groups = [[run for run in finished if run.variant == name] for name in names]
+    return [_score(group, results, task.name, episodes) for group in groups if group]
 
 
-def _weights(order: Order) -> Path:
-    return Path(order.folder) / str(read_note(order)["weights"])
+def _weights(run: TrainingRun) -> Path:
+    return Path(run.folder) / str(read_note(run)["weights"])
 
 
-def _judged(orders: Sequence[Order], results: Results, scenario: str, episodes: int) -> Judged:
-    titles = [order.title for order in orders]
+def _score(runs: Sequence[TrainingRun], results: Results, scenario: str, episodes: int) -> VariantScore:
+    titles = [run.title for run in runs]
     groups = [results.groups[scenario, title][:episodes] for title in titles]
-    return Judged(
-        variant=orders[0].variant,
-        settings=orders[0].settings,
-        seeds=[order.seed for order in orders],
+    return VariantScore(
+        variant=runs[0].variant,
+        settings=runs[0].settings,
+        seeds=[run.seed for run in runs],
         times={
             metric: np.stack([results.values(scenario, title, metric)[:episodes] for title in titles])
             for metric in ("t90", "t99")
         },
         never=float(np.mean([record.metrics.get("t99") is None for records in groups for record in records])),
-        minutes=float(np.mean([read_note(order)["minutes"] for order in orders])),
-        curves=[_curve(order) for order in orders],
+        minutes=float(np.mean([read_note(run)["minutes"] for run in runs])),
+        curves=[_curve(run) for run in runs],
     )
 
 
-def _curve(order: Order) -> NDArray[np.float64]:
-    path = Path(order.folder) / RECORD
+def _curve(run: TrainingRun) -> NDArray[np.float64]:
+    path = Path(run.folder) / RECORD
     try:
         trials = json.loads(path.read_text(encoding="utf-8"))["evaluations"]
         return np.array([(trial["steps"], trial["t_goal"]) for trial in trials], np.float64).reshape(-1, 2).T

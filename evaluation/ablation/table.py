@@ -11,7 +11,7 @@ from typing import Any
 from rich.table import Table
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.ablation.scoring import Judged
+from indoor_explorers.evaluation.ablation.scoring import VariantScore
 from indoor_explorers.evaluation.statistics import Estimate
 
 METRICS = ("t90", "t99")
@@ -24,17 +24,17 @@ COLUMNS = (
 )
 
 
-def row(judged: Judged, full: Judged) -> dict[str, Any]:
+def row(variant: VariantScore, full: VariantScore) -> dict[str, Any]:
     """Return a variant's row; differences of the full one to itself are empty."""
-    cells: dict[str, Any] = {"variant": judged.variant, "seeds": len(judged.seeds)}
+    cells: dict[str, Any] = {"variant": variant.variant, "seeds": len(variant.seeds)}
     for metric in METRICS:
-        cells |= _cells(metric, judged.mean(metric))
-        if judged is not full:
-            cells |= _cells(f"{metric}_to_full", judged.against(full, metric))
+        cells |= _cells(metric, variant.mean(metric))
+        if variant is not full:
+            cells |= _cells(f"{metric}_to_full", variant.against(full, metric))
     return cells | {
-        "never_99_percent": f"{100 * judged.never:.3f}",
-        "minutes": f"{judged.minutes:.2f}",
-        "settings": json.dumps(judged.settings),
+        "never_99_percent": f"{100 * variant.never:.3f}",
+        "minutes": f"{variant.minutes:.2f}",
+        "settings": json.dumps(variant.settings),
     }
 
 
@@ -43,24 +43,24 @@ def _cells(name: str, estimate: Estimate) -> dict[str, str]:
     return {f"{name}{end}": "" if figure is None else f"{figure:.3f}" for end, figure in figures}
 
 
-def write_table(found: Sequence[Judged], path: Path) -> None:
+def write_table(found: Sequence[VariantScore], path: Path) -> None:
     """Write one row for each variant, the full one first."""
     with written_whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
         table.writeheader()
-        table.writerows(row(judged, found[0]) for judged in found)
+        table.writerows(row(variant, found[0]) for variant in found)
 
 
-def printed(found: Sequence[Judged]) -> Table:
+def printed(found: Sequence[VariantScore]) -> Table:
     """Return the table for the terminal, the best first."""
     full = found[0]
     headings = ("variant", "seeds", "T90", "T99", "never", "T90 to full", "T99 to full", "minutes")
     table = Table(*headings, box=None, header_style="bold")
-    for judged in sorted(found, key=lambda each: each.mean("t99").mean):
-        apart = ["", ""] if judged is full else [_signed(judged.against(full, metric)) for metric in METRICS]
-        means = [f"{judged.mean(metric).mean:.1f}" for metric in METRICS]
-        rest = (f"{100 * judged.never:.1f} %", *apart, f"{judged.minutes:.1f}")
-        table.add_row(judged.variant, str(len(judged.seeds)), *means, *rest)
+    for variant in sorted(found, key=lambda each: each.mean("t99").mean):
+        apart = ["", ""] if variant is full else [_signed(variant.against(full, metric)) for metric in METRICS]
+        means = [f"{variant.mean(metric).mean:.1f}" for metric in METRICS]
+        rest = (f"{100 * variant.never:.1f} %", *apart, f"{variant.minutes:.1f}")
+        table.add_row(variant.variant, str(len(variant.seeds)), *means, *rest)
     return table
 
 

@@ -1,4 +1,4 @@
-"""A training in a process of its own: ``python -m indoor_explorers.evaluation.ablation.worker``, ordered on stdin."""
+"""A training in a process of its own: ``python -m indoor_explorers.evaluation.ablation.worker``, the run as JSON on stdin."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.validation import validated
-from indoor_explorers.evaluation.ablation.runs import NOTE, Order, read_note
+from indoor_explorers.evaluation.ablation.runs import NOTE, TrainingRun, read_note
 from indoor_explorers.evaluation.training import find_learner, nested
 
 
-def train_one(order: Order) -> None:
+def train_one(run: TrainingRun) -> None:
     """Train, or go on with what is there; note the minutes in the folder, and the weights at the end."""
-    module = find_learner(order.learner)
-    config = validated(module.TrainingConfig, nested(order.settings), f"settings of learner {order.learner!r}")
-    before = read_note(order).get("minutes", 0.0)
-    folder, began = Path(order.folder), time.monotonic()
+    module = find_learner(run.learner)
+    config = validated(module.TrainingConfig, nested(run.settings), f"settings of learner {run.learner!r}")
+    before = read_note(run).get("minutes", 0.0)
+    folder, began = Path(run.folder), time.monotonic()
     weights: Path | None = None
     try:
-        weights = module.train(config, named_scenario(order.scenario), folder, seed=order.seed, resume=True)
+        weights = module.train(config, named_scenario(run.scenario), folder, seed=run.seed, resume=True)
     finally:
         if folder.is_dir():
-            note: dict[str, Any] = {"order": order.identity, "minutes": before + (time.monotonic() - began) / 60}
+            note: dict[str, Any] = {"order": run.identity, "minutes": before + (time.monotonic() - began) / 60}
             _write(folder / NOTE, note if weights is None else note | {"weights": weights.name})
 
 
@@ -37,9 +37,9 @@ def _write(path: Path, note: dict[str, Any]) -> None:
 
 
 def main() -> int:
-    """Train what stdin orders; returns the exit status."""
+    """Train the run that stdin describes; returns the exit status."""
     try:
-        train_one(Order(**json.load(sys.stdin)))
+        train_one(TrainingRun(**json.load(sys.stdin)))
     except InputError as error:
         sys.stderr.write(" ".join(str(error).split()) + "\n")
         return 2

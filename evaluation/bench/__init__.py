@@ -7,8 +7,8 @@ run with each other, not with those of another day.
 from __future__ import annotations
 
 from indoor_explorers.evaluation.bench.drawing import write_growth
-from indoor_explorers.evaluation.bench.figure import Figure, Measure, write_json
+from indoor_explorers.evaluation.bench.figure import Benchmark, Figure, write_json
 from indoor_explorers.evaluation.bench.suite import chosen, measures
 from indoor_explorers.evaluation.bench.table import measured
 
-__all__ = ["Figure", "Measure", "chosen", "measured", "measures", "write_growth", "write_json"]
+__all__ = ["Benchmark", "Figure", "chosen", "measured", "measures", "write_growth", "write_json"]

@@ -23,7 +23,7 @@ from indoor_explorers.evaluation.bench.worlds import square
 
 #: Steps of the flight that warms up.
 WARM_UP = 10
-#: Maps of the growth figures are known but for squares so many lidar ranges wide, as far apart.
+#: Maps of the growth figures are known except for squares this many lidar ranges wide and apart.
 POCKET = 2
 #: Lidar range in cells, steps and flights of the growth figures.
 GROWTH_LIDAR, GROWTH_STEPS, GROWTH_FLIGHTS = 5.0, 8, 2
@@ -88,7 +88,7 @@ def _flight(name: str, task: Scenario, seed: int, pockets: bool) -> list[tuple[f
 
 
 def _reveal(world: World) -> None:
-    """Let everybody know the map but for squares."""
+    """Reveal the map to all UAVs, except for squares."""
     width = int(POCKET * GROWTH_LIDAR)
     rows, cols = np.indices(world.state.truth.shape[1:]) // width
     hidden = (rows % 2 == 1) & (cols % 2 == 1)

@@ -48,7 +48,7 @@ def comparison_time(episodes: int) -> float:
         return seconds_of(lambda: run(plan(request), Path(folder) / "out"))
 
 
-class Trained(NamedTuple):
+class TrainingCost(NamedTuple):
     """What came of a training."""
 
     seconds: float
@@ -58,13 +58,13 @@ class Trained(NamedTuple):
 
 
 def trained(part: Literal["seconds", "t90"], preset: str, episodes: int) -> float:
-    """Return a figure of a training of the DDDQN as one of its presets does, on about so many episodes."""
+    """Return a figure of a training of the DDDQN as one of its presets does, on about this many episodes."""
     return float(getattr(_trained(preset, episodes), part))
 
 
 @lru_cache(maxsize=2)
-def _trained(name: str, episodes: int) -> Trained:
-    """Train the DDDQN as one of its presets does, on about so many episodes."""
+def _trained(name: str, episodes: int) -> TrainingCost:
+    """Train the DDDQN as one of its presets does, on about this many episodes."""
     learner = find_learner("dddqn")
     preset = learner.PRESETS[name]
     settings = {**preset.settings, "total_steps": TRAINING_STEPS * episodes}
@@ -73,4 +73,4 @@ def _trained(name: str, episodes: int) -> Trained:
         out = Path(folder) / "out"
         seconds = seconds_of(lambda: learner.train(config, scenario(preset.scenario), out, seed=preset.seed))
         record = json.loads((out / "training.json").read_text())
-    return Trained(seconds * episodes / record["episodes"], record["evaluations"][-1]["t90"])
+    return TrainingCost(seconds * episodes / record["episodes"], record["evaluations"][-1]["t90"])

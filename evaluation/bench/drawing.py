@@ -18,7 +18,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.bench.deciding import SIDES, TEAM_SIDE, TEAMS
 from indoor_explorers.evaluation.bench.figure import Figure
-from indoor_explorers.evaluation.bench.growth import SERIES, Series
+from indoor_explorers.evaluation.bench.growth import SERIES, GrowthSeries
 from indoor_explorers.evaluation.report.style.palette import COLOURS
 from indoor_explorers.evaluation.report.style.print_style import FORMATS, LOOK
 
@@ -60,7 +60,7 @@ def growth_figure(values: dict[str, float]) -> Picture:
     return picture
 
 
-def _panel(axes: Axes, series: Series, points: list[tuple[int, float]], colour: str) -> None:
+def _panel(axes: Axes, series: GrowthSeries, points: list[tuple[int, float]], colour: str) -> None:
     """Draw one series with the value at each point."""
     axes.set(xscale="log", yscale="log", xlabel=series.quantity)
     axes.set_title(series.rest, fontsize=8.5, fontweight="normal", color="#444444")

@@ -22,7 +22,7 @@ from indoor_explorers.evaluation.bench.worlds import first_episodes, next_episod
 TURNS = np.array([0, 1, 3, 2])
 
 
-class Ground(NamedTuple):
+class SearchArrays(NamedTuple):
     """Working arrays of a search."""
 
     seen: NDArray[np.int64]
@@ -50,7 +50,7 @@ def _is_new(state: State, b: int, row: int, col: int) -> bool:
 
 
 @leaf()
-def _move_of(state: State, b: int, agent: int, heading: int, ground: Ground, search: int) -> int:
+def _move_of(state: State, b: int, agent: int, heading: int, ground: SearchArrays, search: int) -> int:
     """Return the first move to the nearest new cell, 4 when there is none or teammates are in the way."""
     height, width = state.truth.shape[1], state.truth.shape[2]
     origin = state.cell[b, agent, 0] * width + state.cell[b, agent, 1]
@@ -76,7 +76,7 @@ def _move_of(state: State, b: int, agent: int, heading: int, ground: Ground, sea
 
 
 @kernel()
-def _choose(state: State, headings: np.ndarray, ground: Ground, searches: int, actions: np.ndarray) -> int:
+def _choose(state: State, headings: np.ndarray, ground: SearchArrays, searches: int, actions: np.ndarray) -> int:
     """Fill ``actions`` (B, N) and turn ``headings`` (B, N); return how many searches there have been."""
     for b in range(state.end.shape[0]):
         for n in range(state.end.shape[1]):
@@ -92,7 +92,7 @@ def exploring_moves(task: Scenario, batch: int, steps: int) -> NDArray[np.int64]
     world = World(task, batch)
     seeds = first_episodes(world)
     cells = world.state.truth[0].size
-    ground = Ground(*(np.zeros(cells, np.int64) for _ in Ground._fields))
+    ground = SearchArrays(*(np.zeros(cells, np.int64) for _ in SearchArrays._fields))
     moves = np.empty((steps, batch, task.team), np.int64)
     headings, searches = np.zeros((batch, task.team), np.int64), 0
     for actions in moves:

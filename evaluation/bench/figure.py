@@ -25,7 +25,7 @@ class Figure(NamedTuple):
     unit: str
 
 
-class Measure(NamedTuple):
+class Benchmark(NamedTuple):
     """One figure to be measured; ``take`` measures it, in seconds to minutes."""
 
     group: str

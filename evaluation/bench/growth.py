@@ -20,7 +20,7 @@ STEPS = 100
 BATCH = 16
 
 
-class Series(NamedTuple):
+class GrowthSeries(NamedTuple):
     """One quantity that grows, and what the rest is."""
 
     name: str
@@ -51,25 +51,25 @@ def _team(size: int) -> float:
 
 
 SERIES = (
-    Series(
+    GrowthSeries(
         *("growth-area", "side of the map in cells", "one UAV, lidar 5, one core"),
         (16, 32, 64, 128, 256, 512, 1024),
         lambda side: f"{side}x{side}",
         lambda side: _steady(square(side, 5.0, 1)),
     ),
-    Series(
+    GrowthSeries(
         *("growth-lidar", "lidar range in cells", "one UAV, map 256x256, one core"),
         (1, 3, 5, 10, 20, 35, 50),
         str,
         lambda cells: _steady(square(256, float(cells), 1)),
     ),
-    Series(
+    GrowthSeries(
         *("growth-team", "UAVs in the team", "map 128x128, lidar 5, radio disc 15, one core"),
         (1, 2, 4, 8, 16, 32, 64),
         str,
         _team,
     ),
-    Series(
+    GrowthSeries(
         *("growth-batch", "episodes in the batch", "one UAV, map 16x16, lidar 3, all cores"),
         (1, 4, 16, 64, 256, 1024, 4096),
         str,

@@ -13,22 +13,22 @@ from numpy.typing import NDArray
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.policies.registry import policy_entry_points
 from indoor_explorers.evaluation.bench import ancestor, deciding, decisions, exploring, faces, growth, worlds
-from indoor_explorers.evaluation.bench.figure import Measure
+from indoor_explorers.evaluation.bench.figure import Benchmark
 from indoor_explorers.evaluation.bench.worlds import STEPS, WORLDS
 
 SPEED = "agent-steps/s"
 
 
-def measures(*, everything: bool = False, growing: bool = False) -> list[Measure]:
+def measures(*, everything: bool = False, growing: bool = False) -> list[Benchmark]:
     """Return what ``bench`` measures; ``growing`` adds how speeds grow, ``everything`` that and what takes minutes."""
     found = [*_world(), *_memory(), *_starts(), *_faces(), *_lidar(), *_decisions(), *_harness(everything)]
     if growing or everything:
-        found += [Measure("Growth", name, SPEED, take) for name, take in growth.growth().items()]
-        found += [Measure("Growth", name, "us", take) for name, take in deciding.growth().items()]
+        found += [Benchmark("Growth", name, SPEED, take) for name, take in growth.growth().items()]
+        found += [Benchmark("Growth", name, "us", take) for name, take in deciding.growth().items()]
     return found
 
 
-def chosen(among: Sequence[Measure], patterns: Sequence[str]) -> list[Measure]:
+def chosen(among: Sequence[Benchmark], patterns: Sequence[str]) -> list[Benchmark]:
     """Return the measures whose names match one of the patterns, as file names do."""
     found = [measure for measure in among if any(fnmatchcase(measure.name, pattern) for pattern in patterns)]
     if not found:
@@ -37,17 +37,17 @@ def chosen(among: Sequence[Measure], patterns: Sequence[str]) -> list[Measure]:
     return found
 
 
-def _world() -> Iterator[Measure]:
+def _world() -> Iterator[Benchmark]:
     """Yield the worlds' speeds, and two of them next to the ancestor's, each measured once."""
     takes = {name: cache(take) for base in WORLDS for name, take in _variants(base)}
-    yield from (Measure("World", name, SPEED, take) for name, take in takes.items())
+    yield from (Benchmark("World", name, SPEED, take) for name, take in takes.items())
     for team in (1, 4):
         name = f"world-16x16-lidar3-team{team}"
         slow = cache(partial(ancestor.ancestor_speed, WORLDS[name][0]))
-        yield Measure("Ancestor", f"ancestor-16x16-team{team}", SPEED, slow)
+        yield Benchmark("Ancestor", f"ancestor-16x16-team{team}", SPEED, slow)
         for tail in ("", "-core"):
             ratio = partial(lambda fast, slow: fast() / slow(), takes[name + tail], slow)
-            yield Measure("Ancestor", f"ratio-to-ancestor-team{team}{tail}", "x", ratio)
+            yield Benchmark("Ancestor", f"ratio-to-ancestor-team{team}{tail}", "x", ratio)
 
 
 def _variants(name: str) -> Iterator[tuple[str, Callable[[], float]]]:
@@ -63,43 +63,43 @@ def _speed(task: Scenario, batch: int, threads: int, moves: Callable[[], NDArray
     return worlds.world_speed(task, batch, threads=threads, moves=moves())
 
 
-def _memory() -> Iterator[Measure]:
+def _memory() -> Iterator[Benchmark]:
     for name, (task, _) in WORLDS.items():
-        yield Measure("Memory", name.replace("world", "memory"), "bytes", partial(worlds.memory, task))
+        yield Benchmark("Memory", name.replace("world", "memory"), "bytes", partial(worlds.memory, task))
 
 
-def _starts() -> Iterator[Measure]:
-    yield Measure("Starts", "first-compile", "s", faces.first_compile)
-    yield Measure("Starts", "first-step", "s", faces.first_step)
+def _starts() -> Iterator[Benchmark]:
+    yield Benchmark("Starts", "first-compile", "s", faces.first_compile)
+    yield Benchmark("Starts", "first-step", "s", faces.first_step)
     for side, (task, _) in ((16, WORLDS["world-16x16-lidar3-team1"]), (250, WORLDS["world-250x250-lidar35-team2"])):
-        yield Measure("Starts", f"reset-{side}x{side}", "us", partial(worlds.reset_time, task))
+        yield Benchmark("Starts", f"reset-{side}x{side}", "us", partial(worlds.reset_time, task))
 
 
-def _faces() -> Iterator[Measure]:
-    yield Measure("Faces", "gym-step", "us", faces.gymnasium_step)
+def _faces() -> Iterator[Benchmark]:
+    yield Benchmark("Faces", "gym-step", "us", faces.gymnasium_step)
     if importlib.util.find_spec("pettingzoo"):
-        yield Measure("Faces", "pettingzoo-step-team4", "us", faces.pettingzoo_step)
-    yield Measure("Faces", "vector-channels-256", "env-steps/s", partial(faces.vector_speed, 256))
+        yield Benchmark("Faces", "pettingzoo-step-team4", "us", faces.pettingzoo_step)
+    yield Benchmark("Faces", "vector-channels-256", "env-steps/s", partial(faces.vector_speed, 256))
 
 
-def _lidar() -> Iterator[Measure]:
+def _lidar() -> Iterator[Benchmark]:
     for cells in (3, 10, 35):
-        yield Measure("Lidar", f"lidar-range{cells}", "us", partial(faces.scan_time, float(cells)))
+        yield Benchmark("Lidar", f"lidar-range{cells}", "us", partial(faces.scan_time, float(cells)))
 
 
-def _decisions() -> Iterator[Measure]:
+def _decisions() -> Iterator[Benchmark]:
     for name, take in deciding.figures().items():
-        yield Measure("Decisions", name, "us", take)
+        yield Benchmark("Decisions", name, "us", take)
 
 
-def _harness(everything: bool) -> Iterator[Measure]:
+def _harness(everything: bool) -> Iterator[Benchmark]:
     for policy in policy_entry_points():
-        yield Measure("Harness", f"harness-overhead-{policy}", "%", partial(decisions.overhead, policy))
+        yield Benchmark("Harness", f"harness-overhead-{policy}", "%", partial(decisions.overhead, policy))
     for episodes in (1000, 10_000) if everything else (1000,):
         take = partial(decisions.comparison_time, episodes)
-        yield Measure("Harness", f"harness-{episodes}-episodes", "s", take)
+        yield Benchmark("Harness", f"harness-{episodes}-episodes", "s", take)
     if everything and importlib.util.find_spec("torch"):
         for preset, name in (("thesis-open-quick", ""), ("thesis-open-map", "-map-alone")):
             seconds, t90 = (partial(decisions.trained, part, preset, 10_000) for part in ("seconds", "t90"))
-            yield Measure("Harness", f"train-10000-episodes{name}", "s", seconds)
-            yield Measure("Harness", f"train-10000-episodes{name}-t90", "steps", t90)
+            yield Benchmark("Harness", f"train-10000-episodes{name}", "s", seconds)
+            yield Benchmark("Harness", f"train-10000-episodes{name}-t90", "steps", t90)

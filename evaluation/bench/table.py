@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from rich.console import Console
 
-from indoor_explorers.evaluation.bench.figure import REPEATS, Figure, Measure
+from indoor_explorers.evaluation.bench.figure import REPEATS, Benchmark, Figure
 from indoor_explorers.evaluation.bench.worlds import cores
 
 NAME_WIDTH = 44
@@ -18,8 +18,8 @@ LARGER = {
 PREFIXES = ((1e6, 1e6, "M "), (1e4, 1e3, "k "))
 
 
-def measured(measures: Iterable[Measure], console: Console) -> Iterator[Figure]:
-    """Measure and yield one figure after the other, printing each."""
+def measured(measures: Iterable[Benchmark], console: Console) -> Iterator[Figure]:
+    """Benchmark and yield one figure after the other, printing each."""
     group = None
     for measure in measures:
         if measure.group != group:

@@ -62,7 +62,7 @@ def shown_best(comparison: Comparison, metric: str) -> str | None:
     """Return the policy whose metric was shown to be better than every other's on the tasks that all flew.
 
     A difference is shown where the sign-flip test's p-value, adjusted by Holm's method for the number of
-    policies, is at most 0.05. Policies that know the map do not compete.
+    policies, is at most 0.05. Policies that know the map are not ranked.
     """
     common = TaskTimes.of(comparison, metric).common()
     if len(common.policies) < 2 or not common.tasks:
@@ -84,10 +84,10 @@ def caption(comparison: Comparison) -> list[str]:
         f"{span} a policy on {counted(comparison.map_count, 'map')}.",
         _interval_kind(comparison, min(counts)),
         f"Coverage is the {denominator(settings)}.",
-        f"{_times(comparison.level)}; an episode that never gets there counts as its budget of {limit} steps.",
-        *(["A dash: the goal of this scenario does not ask for that level."] if comparison.level != T99 else []),
-        "Bold: better than every other policy (sign-flip test, p of at most 0.05 after Holm's adjustment).",
-        *(["Policies that know the map do not compete."] if any(map(comparison.privileged, comparison.groups)) else []),
+        f"{_times(comparison.level)}; an episode that never reaches it counts as its budget of {limit} steps.",
+        *(["A dash: the goal of this scenario does not ask for that threshold."] if comparison.level != T99 else []),
+        "Bold: significantly better than every other policy (sign-flip test, p at most 0.05 after Holm's adjustment).",
+        *(["Policies that know the map are not ranked."] if any(map(comparison.privileged, comparison.groups)) else []),
     ]
 
 

@@ -48,9 +48,9 @@ def write_report(
 ) -> None:
     """Write one HTML file that shows ``results`` and needs nothing else, not even a network.
 
-    ``against`` adds what changed since other results. With ``replays`` it holds that many episodes of each scenario;
-    else as many as keep it under 10 MB. ``ratio_to`` names the policies whose steps those of all are divided by, see
-    :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`.
+    ``against`` adds what changed since other results. ``replays`` is the number of episodes to embed for each scenario;
+    by default as many as keep the page under 10 MB. ``ratio_to`` names the baselines of the
+    ratios of steps, see :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as partial:

@@ -13,7 +13,7 @@ from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.evaluation.statistics.effects import effect_size, smallest_detectable_difference
 from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, Estimate, paired_values
 from indoor_explorers.evaluation.statistics.means import bootstrap_means
-from indoor_explorers.evaluation.statistics.resampling import Layout
+from indoor_explorers.evaluation.statistics.resampling import MapGroups
 from indoor_explorers.evaluation.statistics.significance import holm, sign_flip_test
 from indoor_explorers.evaluation.statistics.wins import WinTieLoss, win_scores, win_tie_loss
 
@@ -82,7 +82,7 @@ def contrasts(
     scores = np.stack([win_scores(*pair, lower_is_better=lower_is_better) for pair in pairs])
     estimates = bootstrap_means(np.concatenate((differences, scores)).T, maps=maps)
     p_values = [sign_flip_test(row, maps) for row in differences]
-    layout = Layout.of(maps, differences.shape[1])
+    layout = MapGroups.of(maps, differences.shape[1])
     return {
         name: Contrast(
             difference=estimates[k],

@@ -34,8 +34,8 @@ def performance_profile(ratios: NDArray[np.floating]) -> tuple[NDArray[np.float6
     """Return (tau, share): the share of tasks on which a policy needs at most tau times the best one's steps.
 
     ``tau`` (T,) holds 1 and every finite ratio, rising; ``share`` (T, P) is constant between them. At tau = 1
-    it says how often a policy is the best or as good, at the last tau how often it gets there at all. Profiles
-    order two policies reliably, and more only with care: the best policy on a task depends on who took part
+    it says how often a policy is the best or as good, at the last tau how often it solves a task at all. Profiles
+    order two policies reliably, and more only with care: the best policy on a task depends on which policies took part
     (Dolan & More 2002, doi:10.1007/s101070100263; Gould & Scott 2016, doi:10.1145/2950048).
 
     Args:

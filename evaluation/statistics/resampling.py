@@ -29,7 +29,7 @@ CHUNK = 2**18
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class MapGroups:
     """Which episodes lie on which map; maps are numbered by first appearance, whatever their labels."""
 
     label: NDArray[np.int64]
@@ -44,7 +44,7 @@ class Layout:
     """True: the maps stand for maps like them. False: they are too few for that."""
 
     @classmethod
-    def of(cls, maps: ArrayLike | None, count: int) -> Layout:
+    def of(cls, maps: ArrayLike | None, count: int) -> MapGroups:
         """Sort ``count`` episodes by their (E,) ``maps``; without maps, each has its own.
 
         Raises:
@@ -76,7 +76,7 @@ def maps_are_sampled(maps: ArrayLike | None) -> bool:
 
     Without maps, every episode counts as a map of its own.
     """
-    return maps is None or Layout.of(maps, np.size(maps)).sampled
+    return maps is None or MapGroups.of(maps, np.size(maps)).sampled
 
 
 def resampled_weights(count: int, resamples: int, maps: ArrayLike | None = None) -> Iterator[NDArray[np.float64]]:
@@ -91,9 +91,9 @@ def resampled_weights(count: int, resamples: int, maps: ArrayLike | None = None)
         InputError: there is not one label an episode.
 
     """
-    layout = Layout.of(maps, count)
+    layout = MapGroups.of(maps, count)
     if len(layout.size) == 1:
-        layout = Layout.of(None, count)
+        layout = MapGroups.of(None, count)
     draw = _Sampled(layout) if layout.sampled else _Fixed(layout)
     rows = max(1, CHUNK // max(1, count))
     for start in range(0, resamples, rows):
@@ -102,14 +102,14 @@ def resampled_weights(count: int, resamples: int, maps: ArrayLike | None = None)
 
 def independent_units(differences: NDArray[np.float64], maps: ArrayLike | None) -> NDArray[np.float64]:
     """Return what varies independently: the mean of each map where maps are a sample, else the episodes."""
-    layout = Layout.of(maps, len(differences))
+    layout = MapGroups.of(maps, len(differences))
     return np.asarray(np.bincount(layout.label, differences) / layout.size) if layout.sampled else differences
 
 
 class _Sampled:
     """Draw maps, then episodes within them; episodes alone where each has its own map."""
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: MapGroups) -> None:
         self.layout = layout
         self.maps, self.episodes = np.random.default_rng(0), np.random.default_rng((0, 1))
 
@@ -125,7 +125,7 @@ class _Sampled:
 class _Fixed:
     """Draw episodes within each map, as many as it has."""
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: MapGroups) -> None:
         self.layout = layout
         self.episodes = np.random.default_rng(0)
 

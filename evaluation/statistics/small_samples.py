@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy import stats
 
 from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE
-from indoor_explorers.evaluation.statistics.resampling import Layout
+from indoor_explorers.evaluation.statistics.resampling import MapGroups
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class SmallSample:
     @classmethod
     def of(cls, count: int, maps: ArrayLike | None) -> SmallSample:
         """Describe ``count`` episodes on (E,) ``maps``."""
-        layout = Layout.of(maps, count)
+        layout = MapGroups.of(maps, count)
         if layout.sampled:
             return cls(len(layout.size), len(layout.size) - 1)
         return cls(count, count - len(layout.size))

@@ -15,7 +15,7 @@ AS_WAS, MENDED, EACH = "thesis", "mended", "each"
 LONGER = 5
 
 
-class Experiment(NamedTuple):
+class ThesisExperiment(NamedTuple):
     """One training of the thesis."""
 
     name: str
@@ -30,7 +30,7 @@ class Experiment(NamedTuple):
     said: str
     """What the thesis says of it, with the figure that shows it."""
     starts_from: str | None = None
-    """Experiment whose weights it starts from."""
+    """ThesisExperiment whose weights it starts from."""
 
     def episodes(self, base: int) -> int:
         """Return the training episodes when those in the empty room have ``base``."""
@@ -64,22 +64,22 @@ _TEAMS = (
 )
 
 
-def _experiments() -> Iterator[Experiment]:
+def _experiments() -> Iterator[ThesisExperiment]:
     for place, (minutes, said) in enumerate(_OPEN):
         rewards, stuck = place // 3 + 1, place % 3
         name = f"rewards-{rewards}-stuck-{stuck}"
-        yield Experiment(name, f"rewards-{rewards}", _STUCK[stuck], f"thesis-{name}", minutes, said)
+        yield ThesisExperiment(name, f"rewards-{rewards}", _STUCK[stuck], f"thesis-{name}", minutes, said)
     alone = "4.9, 4.10: mostly negative scores, rising slowly; learns to avoid some obstacles, then crashes"
-    yield Experiment("obstacles-1", "obstacles", "one UAV", "thesis-obstacles", 120.19, alone)
+    yield ThesisExperiment("obstacles-1", "obstacles", "one UAV", "thesis-obstacles", 120.19, alone)
     for team, reach, minutes, said in _TEAMS:
         name, title = f"team-{team}-radio-{reach}", f"{team} UAVs, radio {reach}"
-        yield Experiment(name, "obstacles", title, f"thesis-{name}", minutes, said, "obstacles-1")
+        yield ThesisExperiment(name, "obstacles", title, f"thesis-{name}", minutes, said, "obstacles-1")
 
 
 EXPERIMENTS = tuple(_experiments())
 
 
-def chosen(patterns: Sequence[str]) -> list[Experiment]:
+def chosen(patterns: Sequence[str]) -> list[ThesisExperiment]:
     """Return the experiments whose names match any of the patterns, and those whose weights they start from.
 
     Raises:

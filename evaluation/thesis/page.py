@@ -11,7 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.report.style.formatting import percent
-from indoor_explorers.evaluation.thesis.experiments import GROUPS, Experiment
+from indoor_explorers.evaluation.thesis.experiments import GROUPS, ThesisExperiment
 from indoor_explorers.evaluation.thesis.results import Run
 
 #: The figures of a group, with what is to be seen in them.
@@ -46,7 +46,7 @@ def write_page(runs: Sequence[Run], config: Any, folder: Path, path: Path) -> No
         partial.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _rows(runs: Sequence[Run]) -> list[tuple[Experiment, list[dict[str, Any]]]]:
+def _rows(runs: Sequence[Run]) -> list[tuple[ThesisExperiment, list[dict[str, Any]]]]:
     """Return the experiments, each once, with the rows of their versions."""
     experiments = list(dict.fromkeys(run.experiment for run in runs))
     return [(one, [run.row() for run in runs if run.experiment == one]) for one in experiments]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.thesis.experiments import Experiment
+from indoor_explorers.evaluation.thesis.experiments import ThesisExperiment
 
 #: What a training writes, as :mod:`indoor_explorers.learners.thesis.train` says.
 RECORD, EPISODES, WEIGHTS = "training.json", "episodes.csv", "weights.safetensors"
@@ -27,7 +27,7 @@ COLUMNS = (
 class Run(NamedTuple):
     """One finished training."""
 
-    experiment: Experiment
+    experiment: ThesisExperiment
     version: str
     record: dict[str, Any]
     scores: NDArray[np.float64]
@@ -60,7 +60,7 @@ class Run(NamedTuple):
         } | {name: round(final[name], 4) for name in COLUMNS[-5:]}
 
 
-def read_run(experiment: Experiment, version: str, folder: Path) -> Run | None:
+def read_run(experiment: ThesisExperiment, version: str, folder: Path) -> Run | None:
     """Return the training of a folder, None where there is none that is finished.
 
     Raises:

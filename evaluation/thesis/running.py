@@ -12,7 +12,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.thesis.drawing import write_figures
-from indoor_explorers.evaluation.thesis.experiments import Experiment, chosen, versions
+from indoor_explorers.evaluation.thesis.experiments import ThesisExperiment, chosen, versions
 from indoor_explorers.evaluation.thesis.page import write_page
 from indoor_explorers.evaluation.thesis.results import WEIGHTS, Run, read_run, write_summary
 from indoor_explorers.evaluation.training import find_learner, run_training
@@ -64,7 +64,7 @@ def _pace(episodes: int, settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _trained(
-    experiment: Experiment, version: str, settings: Mapping[str, Any], folder: Path, seed: int, console: Console
+    experiment: ThesisExperiment, version: str, settings: Mapping[str, Any], folder: Path, seed: int, console: Console
 ) -> Run:
     """Return a training, flown now where it is not finished."""
     run = read_run(experiment, version, folder)

@@ -64,7 +64,7 @@ class Comparison:
         return self.results.estimates(self.scenario, policy).get(metric, missing)
 
     def time(self, policy: str) -> Estimate:
-        """Return the mean steps to the level, episodes that never got there counted as their budget."""
+        """Return the mean steps to the level, an episode that never reached it counts as its budget."""
         return self.estimate(policy, self.level.key)
 
     def reached(self, policy: str) -> float:
@@ -72,7 +72,7 @@ class Comparison:
         return self.results.success(self.scenario, policy, self.level.key)
 
     def to_reference(self, policy: str) -> Estimate:
-        """Return the mean ratio of a policy's steps to those of the one that knows the map; NaN without such a one."""
+        """Return the mean ratio of a policy's steps to those of the privileged one; NaN without one."""
         ratios = self.results.to_reference(self.scenario, policy, self.level.key)
         held = ~np.isnan(ratios)
         return bootstrap_mean(ratios[held], maps=self.maps(policy)[held])
@@ -113,8 +113,8 @@ class Comparison:
         if not self.groups or not self.aligned:
             return {}
         first = self.ranked_policies[0]
-        yardsticks = [policy for policy in self.ranking if policy not in self.ranked_policies]
-        return self._family(self.ranked_policies) | self._family([first, *yardsticks])
+        privileged = [policy for policy in self.ranking if policy not in self.ranked_policies]
+        return self._family(self.ranked_policies) | self._family([first, *privileged])
 
     def _family(self, policies: Sequence[str]) -> dict[str, Contrast]:
         values = {policy: self._times(policy) for policy in policies}

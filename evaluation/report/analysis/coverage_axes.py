@@ -79,9 +79,9 @@ def focus_step(comparison: Comparison) -> int:
 
 
 def settled(groups: Sequence[Sequence[Record]], share: float) -> int:
-    """Return the step after which little happens: the last mean curve of the groups to get to a share is there.
+    """Return the step after which little happens: the last of the groups' mean curves reaches the share.
 
-    Groups whose mean never gets there do not count, unless none does: then it is the budget.
+    Groups whose mean never reaches it are ignored; the result is the budget when no group reaches it.
     """
     budget = max(record.budget for records in groups for record in records)
     reached = [step for records in groups if (step := _mean_reaches(records, share)) is not None]

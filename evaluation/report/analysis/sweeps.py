@@ -46,7 +46,7 @@ def reach(settings: Settings) -> float:
 def radio_sweeps(scenarios: Mapping[str, Settings]) -> list[RadioSweep]:
     """Return the sweeps of at least two ranges, in the order of their first scenario.
 
-    A radio that reaches nobody or everybody has no model to speak of and stands in every sweep it fits; ``disc`` and
+    The models ``none`` and ``unlimited`` are the ends of every sweep that they fit; ``disc`` and
     ``square`` are two sweeps.
     """
     families: dict[str, dict[str, Settings]] = {}

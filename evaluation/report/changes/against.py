@@ -88,7 +88,7 @@ class Change:
             return ("better" if self.better else "worse") + (
                 ", or the machine" if self.metric in OF_THE_MACHINE else ""
             )
-        return "too few tasks" if math.isinf(self.detectable) else "no change shown"
+        return "too few tasks" if math.isinf(self.detectable) else "not significant"
 
     @property
     def title(self) -> str:

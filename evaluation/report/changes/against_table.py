@@ -20,7 +20,7 @@ def against_lines(against: Against, width: int = WIDE) -> Iterator[RenderableTyp
     """Yield what a terminal shows of new results against old ones: a table, changes first, and what it leaves out."""
     if against.changes:
         yield _table(against, width >= WIDE)
-    yield Text(f"{against.shown} of {counted(len(against.changes), 'comparison')} shown to have changed")
+    yield Text(f"{against.shown} of {counted(len(against.changes), 'comparison')} changed significantly")
     for each in against.identities:
         yield Text(f"{each.scenario}, {each.policy}: {each.text}")
     for line in against.apart:
@@ -31,7 +31,7 @@ def _table(against: Against, wide: bool) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("policy", overflow="fold", min_width=14)
     table.add_column("figure", no_wrap=True)
-    for heading in ("old", "new", "new - old", "could see") if wide else ("new - old",):
+    for heading in ("old", "new", "new - old", "detectable") if wide else ("new - old",):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("", overflow="fold")
     several, before = len({change.scenario for change in against.changes}) > 1, ""

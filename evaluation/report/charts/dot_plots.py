@@ -13,7 +13,7 @@ from indoor_explorers.evaluation.report.style.formatting import with_interval
 from indoor_explorers.evaluation.report.style.palette import DASHES, MARKER_PATHS, PolicyStyle
 from indoor_explorers.evaluation.statistics import Estimate
 
-#: The most dots of a plot; more episodes are drawn as that many quantiles.
+#: The most dots of a plot; more episodes are reduced to this many quantiles.
 DOTS = 80
 
 

@@ -61,7 +61,7 @@ def _curves(comparison: Comparison, policy: str, axis: CoverageAxis, who: str) -
 
 
 def times_data(comparison: Comparison, styles: Styles) -> dict[str, Any]:
-    """Return, for every level and policy, the share of episodes that got there by each step, as JSON data."""
+    """Return, for every level and policy, the share of episodes that reached it by each step, as JSON data."""
     records = comparison.records
     budget = max(record.budget for record in records)
     times = levels_drawn(comparison)
@@ -84,7 +84,7 @@ def levels_drawn(comparison: Comparison) -> list[str]:
 
 
 def _last_time(comparison: Comparison, budget: int) -> int:
-    """Return when the last episode got to the level, of policies that mostly get there; the budget where none does."""
+    """Return the last step at which an episode of a mostly successful policy reached the threshold, else the budget."""
     groups, key = comparison.groups.items(), comparison.level.key
     mostly = [group for policy, group in groups if comparison.reached(policy) >= MOSTLY]
     times = [late for group in mostly for record in group if (late := record.metrics.get(key)) is not None]

@@ -32,7 +32,8 @@ def scenario_figures(comparison: Comparison, styles: Styles) -> Iterator[tuple[s
     task_times = TaskTimes.of(comparison)
     profile, pareto, rows = profile_plot(task_times, styles), pareto_plot(comparison, styles), rank_rows(task_times)
     if profile is not None:
-        note = f"{counted(len(task_times.common().tasks), 'task')} that all flew; never reached, never solved."
+        tasks = counted(len(task_times.common().tasks), "task")
+        note = f"{tasks} flown by all policies; a curve that stays below 100 % has unsolved tasks."
         yield "profile", _alone(profile, comparison, styles, note)
     if pareto is not None:
         how = "" if any(each.dots for each in pareto.series) else " with 95 % bootstrap interval"
@@ -71,7 +72,10 @@ def _sweep_figure(panel: SweepPanel, styles: Styles) -> Figure:
     figure.suptitle(plain(panel.title, 90), x=0.07, y=1.0, ha="left", fontsize=10)
     _legend(figure, panel.policies, styles, (0.93, 0.88))
     how = "too few for intervals, each is a dot" if panel.few else "95 % bootstrap intervals"
-    _note(figure, f"{panel.tasks} episodes a point, {how}. {'Hollow: not every episode got there.' * panel.hollow}")
+    _note(
+        figure,
+        f"{panel.tasks} episodes a point, {how}. {'Hollow: some episodes did not reach the threshold.' * panel.hollow}",
+    )
     return figure
 
 

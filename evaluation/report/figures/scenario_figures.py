@@ -42,7 +42,7 @@ def coverage_figure(comparison: Comparison, styles: Styles) -> Figure:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     labels = [_label(comparison, policy) for policy in comparison.groups]
     axes.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.04, 1.0), borderaxespad=0.0)
-    _footnote(axes, comparison, "" if banded else " left out where so many would hide each other")
+    _footnote(axes, comparison, "" if banded else " are left out, as they would overlap")
     return figure
 
 
@@ -77,7 +77,7 @@ def times_figure(comparison: Comparison, styles: Styles) -> Figure:
         axes.spines["left"].set_visible(False)
     row[0].set_yticks(range(len(ranked)), [_label(comparison, policy) for policy in ranked])
     row[0].set_title(plain(comparison.scenario, 70))
-    _footnote(row[0], comparison, "; hollow dots never got there")
+    _footnote(row[0], comparison, "; hollow dots: threshold not reached")
     return figure
 
 

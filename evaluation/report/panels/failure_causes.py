@@ -31,7 +31,7 @@ class Cause(NamedTuple):
 
 
 def causes(troubles: Sequence[Record], flown: dict[str, int]) -> list[Cause]:
-    """Gather records that failed or ended early, of policies with that many episodes ``flown``; most frequent first."""
+    """Return a row for each policy and cause, most frequent first; ``flown`` counts the episodes of each policy."""
     return [_cause(records, flown[records[0].policy]) for records in by_cause(troubles)]
 
 

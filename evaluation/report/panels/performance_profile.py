@@ -11,7 +11,7 @@ from indoor_explorers.evaluation.report.style.formatting import percent
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
 from indoor_explorers.evaluation.statistics import performance_profile, performance_ratios
 
-#: The most stairs of a policy; more tasks are drawn as that many quantiles.
+#: The most stairs of a policy; more tasks are reduced to this many quantiles.
 STAIRS = 300
 
 

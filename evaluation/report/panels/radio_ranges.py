@@ -114,10 +114,10 @@ def _series(
         low=low,
         high=high,
         dots=few or None,
-        text=[_told(far, estimate, quantity) for (_, far), estimate in zip(flown, estimates, strict=True)],
+        text=[_text(far, estimate, quantity) for (_, far), estimate in zip(flown, estimates, strict=True)],
     )
 
 
-def _told(far: float, estimate: Estimate, quantity: Quantity) -> str:
+def _text(far: float, estimate: Estimate, quantity: Quantity) -> str:
     shown = with_interval(estimate, quantity.decimals) if estimate.mean else fixed(0.0, 0)
     return f"radio {_named(far)}: {quantity.title} {shown} {quantity.unit}".strip()

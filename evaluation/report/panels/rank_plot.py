@@ -50,8 +50,8 @@ class Improvement(NamedTuple):
 
     def dot_plot(self, style: PolicyStyle) -> Markup:
         """Draw it against one half, in the colour of the policy; without an interval, each task's score."""
-        told = f"{self.policy} better than {self.other}: {self.text}"
-        return share_dot_plot(self.scores, self.estimate, style, told)
+        label = f"{self.policy} better than {self.other}: {self.text}"
+        return share_dot_plot(self.scores, self.estimate, style, label)
 
 
 def _clipped(share: float) -> str:

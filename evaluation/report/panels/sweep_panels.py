@@ -30,7 +30,7 @@ class SweepPanel:
     """Episodes a point."""
     few: bool
     hollow: bool
-    """Whether a point is hollow, since some of its episodes never got there."""
+    """Whether a point is hollow: some of its episodes never reached the threshold."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def _radio_title(sweep: RadioSweep) -> str:
 def _team_title(scaling: TeamScaling, settings: Mapping[str, Any]) -> str:
     radio = settings[scaling.scenarios[-1]]["radio"]
     reach = {"none": "without radio", "unlimited": "unlimited radio"}
-    told = reach.get(radio["model"], f"{radio['model']} radio of {radio['range']:g} cells")
+    radius = reach.get(radio["model"], f"{radio['model']} radio of {radio['range']:g} cells")
     loss = f", {radio['loss']:.0%} of contacts lost" if radio.get("loss") else ""
     *most, last = scaling.teams
-    return f"{', '.join(str(team) for team in most)} and {last} UAVs, {told}{loss}"
+    return f"{', '.join(str(team) for team in most)} and {last} UAVs, {radius}{loss}"

@@ -27,9 +27,9 @@ class SpeedUp(NamedTuple):
     each: list[float]
     """The ratio on every task, where these are too few for an interval."""
     censored: bool
-    """Whether an episode never got there and counts as its budget."""
+    """Whether an episode never reached the threshold and counts as its budget."""
 
-    def a_uav(self) -> SpeedUp:
+    def per_uav(self) -> SpeedUp:
         """Return the gain divided by the number of UAVs: the parallel efficiency."""
         mean, low, high = self.speedup
         share = Estimate(mean / self.team, low and low / self.team, high and high / self.team)
@@ -37,7 +37,7 @@ class SpeedUp(NamedTuple):
 
 
 def speed_ups(results: Results, scaling: TeamScaling, policy: str, metric: str) -> list[SpeedUp]:
-    """Return a policy's gains by team, one UAV first; teams of which no episode got there are left out."""
+    """Return a policy's gains by team, one UAV first; teams of which no episode reached the threshold are left out."""
     solo = _times(results, scaling.scenarios[0], policy, metric)
     maps = _maps(results, scaling.scenarios[0], policy)
     found = []
@@ -95,7 +95,7 @@ def scaling_plots(results: Results, scaling: TeamScaling, styles: Styles) -> lis
 
 def _speedup_plot(found: Mapping[str, list[SpeedUp]], scaling: TeamScaling, level: str, styles: Styles) -> Plot:
     most = scaling.teams[-1]
-    series = _series(found, styles, _speedup_told)
+    series = _series(found, styles, _speedup_text)
     return Plot(
         title=f"Speed-up to {level}",
         label=f"Speed-up to {level} coverage against the number of UAVs",
@@ -107,8 +107,8 @@ def _speedup_plot(found: Mapping[str, list[SpeedUp]], scaling: TeamScaling, leve
 
 
 def _efficiency_plot(found: Mapping[str, list[SpeedUp]], scaling: TeamScaling, level: str, styles: Styles) -> Plot:
-    shares = {policy: [each.a_uav() for each in found[policy]] for policy in found}
-    series = _series(shares, styles, _efficiency_told)
+    shares = {policy: [each.per_uav() for each in found[policy]] for policy in found}
+    series = _series(shares, styles, _efficiency_text)
     return Plot(
         title=f"Efficiency to {level}",
         label=f"Parallel efficiency to {level} coverage against the number of UAVs",
@@ -130,7 +130,7 @@ def _top(series: list[PlotSeries]) -> float:
     return max(end for each in series for end in (*each.y, *(each.high or []), *dots, 0.0))
 
 
-def _series(found: Mapping[str, list[SpeedUp]], styles: Styles, told: Callable[[SpeedUp], str]) -> list[PlotSeries]:
+def _series(found: Mapping[str, list[SpeedUp]], styles: Styles, text_of: Callable[[SpeedUp], str]) -> list[PlotSeries]:
     """Return each policy's line, drawn a little beside the others' so that intervals do not hide each other."""
     span = max(each.team for gains_of in found.values() for each in gains_of) - 1
     lines = []
@@ -148,17 +148,17 @@ def _series(found: Mapping[str, list[SpeedUp]], styles: Styles, told: Callable[[
                 high=high,
                 dots=[(at, value) for at, each in zip(x, of_policy, strict=True) for value in each.each] or None,
                 hollow=[each.censored for each in of_policy],
-                text=[told(each) for each in of_policy],
+                text=[text_of(each) for each in of_policy],
             )
         )
     return lines
 
 
-def _speedup_told(gain: SpeedUp) -> str:
+def _speedup_text(gain: SpeedUp) -> str:
     return f"{gain.team} UAVs: {with_interval(gain.speedup, 2)} times as fast"
 
 
-def _efficiency_told(gain: SpeedUp) -> str:
+def _efficiency_text(gain: SpeedUp) -> str:
     low, high = gain.speedup.low, gain.speedup.high
     around = "" if low is None or high is None else f" [{percent(low)}, {percent(high)}]"
     return f"{gain.team} UAVs: {percent(gain.speedup.mean)}{around}"

@@ -90,11 +90,11 @@ def _on_map(here: TaskTimes, column: int, name: str) -> TimesCell:
     means = here.times.mean(axis=0)
     ratio, reached = _ratio(means, column), int(here.reached[:, column].sum())
     typical = int(np.argmin(np.abs(here.times[:, column] - estimate.mean)))
-    told = f"{interval(estimate, 1)} {reached}/{len(here.tasks)}".strip()
+    detail = f"{interval(estimate, 1)} {reached}/{len(here.tasks)}".strip()
     mean = f"mean {here.level.title} {fixed(estimate.mean, 1)} {interval(estimate, 1)} steps"
     there = f"{here.level.percent} reached in {reached} of {counted(len(here.tasks), 'episode')}"
     title = f"{here.policies[column]} on {name}: {mean}, {_times(ratio)}; {there}"
-    return _place(fixed(estimate.mean, 1), told, ratio, means, title, here, column, here.tasks[typical])
+    return _place(fixed(estimate.mean, 1), detail, ratio, means, title, here, column, here.tasks[typical])
 
 
 def _on_task(common: TaskTimes, row: int, column: int) -> TimesCell:

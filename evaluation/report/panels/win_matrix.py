@@ -30,7 +30,7 @@ class WinCell(NamedTuple):
 
 
 def win_matrix(task_times: TaskTimes) -> list[tuple[str, list[WinCell | None]]]:
-    """Return a row of cells for each policy, best first; None where a policy meets itself or nobody flew both.
+    """Return a row of cells for each policy, best first; None on the diagonal and where two policies share no task.
 
     Empty when there are fewer than two policies with a task in common.
     """
@@ -46,15 +46,15 @@ def _duel(task_times: TaskTimes, policy: str, other: str) -> WinCell | None:
     tally = win_tie_loss(pair.ours, pair.theirs)
     score = (tally.wins - tally.losses) / len(pair.tasks)
     return WinCell(
-        tally, round(4 * score), _told(policy, other, tally, pair), replay_link(policy, _furthest_ahead(pair))
+        tally, round(4 * score), _text(policy, other, tally, pair), replay_link(policy, _furthest_ahead(pair))
     )
 
 
-def _told(policy: str, other: str, tally: WinTieLoss, pair: PairedTimes) -> str:
+def _text(policy: str, other: str, tally: WinTieLoss, pair: PairedTimes) -> str:
     ahead = pair.theirs - pair.ours
     return (
         f"{policy} against {other}: fewer steps on {tally.wins} of {counted(len(pair.tasks), 'task')}, "
-        f"as many on {tally.ties}, more on {tally.losses}; furthest ahead by {fixed(float(ahead.max()), 0)} steps"
+        f"equal on {tally.ties}, more on {tally.losses}; furthest ahead by {fixed(float(ahead.max()), 0)} steps"
     )
 
 

@@ -103,9 +103,9 @@ def _discoveries(frames: NDArray[np.int64], firsts: NDArray[np.int64]) -> Keyed:
         cells = np.flatnonzero(frames[uav] < count)
         when = frames[uav, cells]
         news = (firsts[when] != uav) | (when[:, None] <= frames[:, cells].T)
-        told = speakers[when, uav] & news.all(axis=1)
-        keys.append(when[told] * team + uav)
-        places.append(cells[told])
+        sent = speakers[when, uav] & news.all(axis=1)
+        keys.append(when[sent] * team + uav)
+        places.append(cells[sent])
     found = runs(np.concatenate(keys), np.concatenate(places), np.flatnonzero(speakers))
     return Keyed(found.keys // team, found.numbers)
 

@@ -47,7 +47,7 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
         comparison: the scenario's results.
         styles: the look of each policy.
         limit: about how many bytes the data may take; the most telling episodes come first.
-        count: replay so many episodes instead, whatever they take.
+        count: replay this many episodes instead, whatever their size.
 
     """
     settings = comparison.results.scenarios[comparison.scenario]

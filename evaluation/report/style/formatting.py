@@ -11,7 +11,7 @@ MINUS, THIN_SPACE, EN_DASH = "\u2212", "\u202f", "\u2013"
 
 
 def fixed(value: float | None, decimals: int, *, sign: bool = False) -> str:
-    """Format with that many decimals, a real minus and thin spaces from 10 000 on; missing is a dash."""
+    """Format with this many decimals, a real minus and thin spaces from 10 000 on; missing is a dash."""
     if value is None or math.isnan(value):
         return EN_DASH
     text = f"{abs(value):,.{decimals}f}".replace(",", THIN_SPACE if abs(value) >= 10_000 else "")

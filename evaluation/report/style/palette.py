@@ -47,7 +47,7 @@ MARKER_PATHS = (
 
 
 def crowded(policies: int) -> bool:
-    """Return whether so many policies share colours, so that bands around their curves would hide each other."""
+    """Return whether policies outnumber the colours: bands around their curves would then overlap too much."""
     return policies > len(COLOURS)
 
 

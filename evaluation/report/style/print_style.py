@@ -43,7 +43,7 @@ LOOK: dict[Any, Any] = {
 
 
 def sheet(width: float, height: float) -> Figure:
-    """Return an empty figure of that many inches."""
+    """Return an empty figure of this size in inches."""
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
     return figure

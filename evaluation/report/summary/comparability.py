@@ -60,7 +60,7 @@ def judged(results: Results) -> Verdict:
     warnings = [
         *_missing(results), *_unlike(results), *copies, *_failed(results), *_few(results), *_runs(results),
     ]  # fmt: skip
-    notes = [*repeats, *_unlike_sizes(results), *_few_maps(results), *_yardsticks(results), *_censored(results)]
+    notes = [*repeats, *_unlike_sizes(results), *_few_maps(results), *_privileged(results), *_censored(results)]
     return Verdict(not warnings, _headline(results), warnings, notes)
 
 
@@ -106,9 +106,9 @@ def _missing(results: Results) -> Iterator[str]:
         listed = ", ".join(f"{name} lacks {number} of {len(everything)}" for name, number in lacking.items())
         common = len(_common(results, scenario))
         rest = (
-            f"only the {counted(common, 'task')} that all who flew here have in common are compared"
+            f"only the {counted(common, 'task')} that all of these policies flew are compared"
             if common
-            else "no task is common to all, so the figures are of different tasks"
+            else "no task was flown by all, so the figures are about different tasks"
         )
         yield f"Missing episodes in {scenario}: {listed}; {rest}."
 
@@ -122,8 +122,8 @@ def _unlike(results: Results) -> Iterator[str]:
     for scenario, number in unlike.items():
         if number:
             yield (
-                f"In {scenario}, {counted(number, 'episode')} began unlike another policy's of the same seed: "
-                "the map, the starts, the team, the budget or the denominator differ."
+                f"In {scenario}, {counted(number, 'episode')} started differently from another policy's episode with the "
+                "same seed: the map, the starts, the team, the budget or the denominator differ."
             )
 
 
@@ -143,8 +143,8 @@ def _copies(results: Results) -> tuple[list[str], list[str]]:
         if flights < len(records):
             text = (
                 f"In {scenario}, the {counted(len(records), 'episode')} of {policy} are only "
-                f"{counted(flights, 'different flight')}: more seeds from the same starts repeated them exactly and "
-                "told nothing new, but intervals and tests count them."
+                f"{counted(flights, 'different flight')}: more seeds from the same starts repeat them exactly and "
+                "add no information, but intervals and tests count them."
             )
             (grave if flights < (1 - FEW_COPIES) * len(records) else slight).append(text)
     return grave, slight
@@ -154,20 +154,20 @@ def _failed(results: Results) -> Iterator[str]:
     counts = Counter(record.policy for record in results.records if record.outcome is Outcome.FAILED)
     if counts:
         listed = ", ".join(f"{name} in {counted(number, 'episode')}" for name, number in sorted(counts.items()))
-        yield f"Policies that broke: {listed}. What they covered until then counts."
+        yield f"Failed policies: {listed}. Their coverage up to the failure counts."
 
 
 def _few(results: Results) -> Iterator[str]:
     few = [name for name in results.scenarios if 0 < len(_common(results, name)) < FEWEST]
     if few:
         where = "" if len(few) == len(results.scenarios) else f" in {', '.join(few)}"
-        yield f"Fewer than {FEWEST} episodes a policy{where}: dots and no intervals, and no difference is claimed."
+        yield f"Fewer than {FEWEST} episodes a policy{where}: dots instead of intervals, and no tests."
 
 
 def _runs(results: Results) -> Iterator[str]:
     """Name sources that were changed after their commit, and what differs between the runs."""
     if any("uncommitted" in str(run.get("commit", "")) for run in results.runs):
-        yield "The source had uncommitted changes: the commit alone does not tell what was flown."
+        yield "The source had uncommitted changes: the commit alone does not identify the code."
     yield from (f"{text[0].upper()}{text[1:]}." for text in results.warnings)
 
 
@@ -178,7 +178,7 @@ def _few_maps(results: Results) -> Iterator[str]:
         if len(_common(results, name)) >= FEWEST and not comparison.over_maps:
             number = comparison.map_count
             which = "its one map" if number == 1 else f"its {number} maps"
-            yield f"Intervals of {name} speak about {which} alone, not about others of the kind."
+            yield f"Intervals of {name} hold for {which} alone, not for other maps of this kind."
 
 
 def _unlike_sizes(results: Results) -> Iterator[str]:
@@ -187,14 +187,15 @@ def _unlike_sizes(results: Results) -> Iterator[str]:
         sizes = [record.reachable for record in results.records if record.task.scenario == name]
         if sizes and max(sizes) > UNLIKE * min(sizes):
             yield (
-                f"The maps of {name} have from {min(sizes)} to {max(sizes)} cells to cover: means in steps are mostly "
-                "about the large ones; ranks, wins, profiles and AUC weigh all maps alike."
+                f"The maps of {name} have from {min(sizes)} to {max(sizes)} cells to cover: the large ones dominate "
+                "means in steps; ranks, wins, profiles and AUC weigh all maps alike."
             )
 
 
-def _yardsticks(results: Results) -> Iterator[str]:
+def _privileged(results: Results) -> Iterator[str]:
     if results.privileged_policies:
-        yield f"Yardsticks that are given the true map, and do not compete: {', '.join(results.privileged_policies)}."
+        names = ", ".join(results.privileged_policies)
+        yield f"Privileged policies, which are given the true map and are not ranked: {names}."
     if results.generator_policies:
         names = ", ".join(results.generator_policies)
         yield f"Policies that read the settings of the random generator that draws the maps, never the map: {names}."
@@ -211,4 +212,4 @@ def _censored(results: Results) -> Iterator[str]:
         listed = ", ".join(f"{name} {percent(share)}" for name, share in sorted(shares.items(), key=lambda s: -s[1]))
         level = shared(results.levels)
         what = level.percent if level else "the level of their scenario"
-        yield f"Episodes that never reached {what} count as their whole budget, a lower bound: {listed}."
+        yield f"Episodes that never reached {what} count with the whole budget, which is a lower bound: {listed}."

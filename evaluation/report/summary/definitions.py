@@ -52,7 +52,7 @@ TERMS = {
         "p (Holm)",
         "",
         "two-sided p-value of the sign-flip test of the paired differences, adjusted by Holm's method for all "
-        f"comparisons of the table; a difference counts as shown up to {1 - CONFIDENCE:.2f}",
+        f"comparisons of the table; a difference is significant up to {1 - CONFIDENCE:.2f}",
     ),
     "effect": Definition(
         "effect size",
@@ -60,10 +60,10 @@ TERMS = {
         "mean difference in standard deviations of the paired differences (Cohen's d of pairs, Hedges' correction)",
     ),
     "detectable": Definition(
-        "could have seen",
+        "detectable",
         "steps",
-        "smallest true difference that this many episodes of this spread would show four times in five; "
-        "no difference shown is not the same as none being there",
+        "smallest true difference that this many episodes with this spread would detect with 80 % power; "
+        "a difference that is not significant may still exist",
     ),
 }
 

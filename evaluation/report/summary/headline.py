@@ -19,13 +19,13 @@ def headline(comparison: Comparison) -> Markup:
         return Markup("No episode of this scenario has been flown yet.")
     first = comparison.ranked_policies[0]
     if not any(comparison.reached(name) for name in comparison.ranked_policies):
-        parts = [_nobody(comparison)]
+        parts = [_no_policy(comparison)]
     elif len(comparison.ranked_policies) == 1:
         parts = [_alone(comparison, first)]
     else:
         parts = [_winner(comparison, first), _lead(comparison, first)]
-    yardsticks = [name for name in comparison.ranking if comparison.privileged(name) and name != first]
-    return Markup(" ").join(part for part in (*parts, *(_yardstick(comparison, name) for name in yardsticks)) if part)
+    privileged = [name for name in comparison.ranking if comparison.privileged(name) and name != first]
+    return Markup(" ").join(part for part in (*parts, *(_privileged(comparison, name) for name in privileged)) if part)
 
 
 def _steps(comparison: Comparison, policy: str) -> str:
@@ -42,7 +42,7 @@ def _over(comparison: Comparison, policy: str) -> str:
     if len(records) < FEWEST:
         text += ", too few for an interval"
     if missed:
-        text += f" ({missed} of them never got there and {'count' if missed > 1 else 'counts'} as the whole budget)"
+        text += f" ({missed} of them never reached it and {'count' if missed > 1 else 'counts'} as the whole budget)"
     return text
 
 
@@ -62,24 +62,24 @@ def _winner(comparison: Comparison, first: str) -> Markup:
 def _lead(comparison: Comparison, first: str) -> Markup:
     second = comparison.ranked_policies[1]
     if second not in comparison.contrasts:
-        text = "Its lead over {} cannot be paired: the two did not fly the same tasks."
+        text = "Its lead over {} cannot be tested: the two did not fly the same tasks."
         return Markup(text).format(NAME.format(second))
     contrast = comparison.contrasts[second]
-    behind = f"{with_interval(contrast.difference)} steps later on the same {counted(contrast.pairs, 'task')}"
-    return Markup("{} got there {}; {}.").format(NAME.format(second), behind, verdict(contrast))
+    behind = f"{with_interval(contrast.difference)} more steps on the same {counted(contrast.pairs, 'task')}"
+    return Markup("{} needed {}; {}.").format(NAME.format(second), behind, verdict(contrast))
 
 
 def verdict(contrast: Contrast) -> str:
     """Say what one contrast claims: the adjusted p-value decides."""
     if contrast.difference.low is None:
-        return "too few episodes to claim a difference"
+        return "too few episodes for a test"
     p = p_value(contrast.adjusted_p)
     if contrast.shown:
-        return f"a difference was shown (Holm-adjusted p {p})"
-    could = f"one of {fixed(contrast.detectable, 1)} steps or more would probably have been seen"
+        return f"the difference is significant (Holm-adjusted p {p})"
+    could = f"detectable: {fixed(contrast.detectable, 1)} steps"
     if math.isinf(contrast.detectable):
-        could = "there are too few maps or episodes to show any"
-    return f"no difference was shown (Holm-adjusted p {p}; {could})"
+        could = "too few maps or episodes to detect any"
+    return f"the difference is not significant (Holm-adjusted p {p}; {could})"
 
 
 def _alone(comparison: Comparison, first: str) -> Markup:
@@ -88,7 +88,7 @@ def _alone(comparison: Comparison, first: str) -> Markup:
     return Markup(text).format(NAME.format(first), level, steps, _over(comparison, first))
 
 
-def _nobody(comparison: Comparison) -> Markup:
+def _no_policy(comparison: Comparison) -> Markup:
     final = {
         name: sum(float(record.curve[-1]) for record in comparison.groups[name]) / len(comparison.groups[name])
         for name in comparison.ranked_policies
@@ -99,8 +99,6 @@ def _nobody(comparison: Comparison) -> Markup:
     return Markup(text).format(comparison.level.percent, NAME.format(best), percent(final[best], 1), episodes)
 
 
-def _yardstick(comparison: Comparison, policy: str) -> Markup:
+def _privileged(comparison: Comparison, policy: str) -> Markup:
     mean = comparison.time(policy).mean
-    return Markup("The yardstick {}, which is given the true map, took {} steps.").format(
-        NAME.format(policy), fixed(mean, 1)
-    )
+    return Markup("{}, which is given the true map, took {} steps.").format(NAME.format(policy), fixed(mean, 1))

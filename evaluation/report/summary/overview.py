@@ -35,7 +35,7 @@ class OverviewRow:
     lead: str
     """The runner-up's steps minus its own."""
     shown: bool
-    """Whether that difference was shown."""
+    """Whether that difference is significant."""
 
 
 @dataclass(frozen=True)
@@ -94,13 +94,21 @@ def lead(comparisons: Sequence[Comparison]) -> Markup:
         Markup("{} in {}").format(NAME.format(name), f"{number} of {len(flown)} scenarios" if not place else number)
         for place, (name, number) in enumerate(tally.most_common())
     ]
-    shown = sum(_beats_runner_up(each) for each in flown)
     level = shared(each.level for each in flown)
-    return Markup("Lowest mean {}: {}. The lead over the runner-up was shown in {} of them.").format(
-        level.title if level else "time to the level asked for",
+    return Markup("Lowest mean {}: {}. {}").format(
+        level.title if level else "time to the scenario's threshold",
         Markup(", ").join(wins),
-        "all" if shown == len(flown) else shown or "none",
+        _significance(sum(_beats_runner_up(each) for each in flown), len(flown)),
     )
+
+
+def _significance(significant: int, scenarios: int) -> str:
+    """Say in how many scenarios the lead over the runner-up is significant."""
+    if significant == scenarios:
+        return "Every lead over the runner-up is statistically significant."
+    if significant:
+        return f"The lead over the runner-up is statistically significant in {significant} of {scenarios}."
+    return f"{'Neither' if scenarios == 2 else 'No'} lead over the runner-up is statistically significant."
 
 
 def _beats_runner_up(comparison: Comparison) -> bool:

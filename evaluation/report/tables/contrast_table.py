@@ -77,5 +77,5 @@ def reading(contrast: Contrast) -> str:
         return "slower" if contrast.difference.mean > 0 else "faster"
     if math.isinf(contrast.detectable):
         units = "maps" if contrast.over_maps and contrast.maps < contrast.pairs else "episodes"
-        return f"no difference shown (too few {units} to show any)"
-    return f"no difference shown (could have seen {fixed(contrast.detectable, 1)} steps)"
+        return f"not significant (too few {units} to detect any)"
+    return f"not significant (detectable: {fixed(contrast.detectable, 1)} steps)"

@@ -53,7 +53,7 @@ class RatioTable:
 
 
 def ratio_tables(ratios: Ratios) -> list[RatioTable]:
-    """Return a table for each baseline and level, highest first; without any, nobody had anybody to compare with."""
+    """Return a table for each baseline and level, highest first; empty when no two policies can be compared."""
     tables = [_table(ratios, to, metric) for to in ratios.to for metric in reversed(ratios.metrics)]
     return [table for table in tables if table.rows]
 

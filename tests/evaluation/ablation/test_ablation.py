@@ -15,8 +15,8 @@ from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.ablation import running
 from indoor_explorers.evaluation.ablation.drawing import on_one_grid
 from indoor_explorers.evaluation.ablation.running import Failure, train_all
-from indoor_explorers.evaluation.ablation.runs import NOTE, Order, orders_of
-from indoor_explorers.evaluation.ablation.scoring import Judged
+from indoor_explorers.evaluation.ablation.runs import NOTE, TrainingRun, runs_of
+from indoor_explorers.evaluation.ablation.scoring import VariantScore
 from indoor_explorers.evaluation.ablation.table import COLUMNS, write_table
 from indoor_explorers.evaluation.ablation.worker import train_one
 from indoor_explorers.evaluation.cli.parser import main
@@ -35,15 +35,15 @@ class Inline:
 
     over = True
 
-    def __init__(self, order):
-        self.order, self.reason = order, None
+    def __init__(self, run):
+        self.run, self.reason = run, None
         try:
-            train_one(order)
+            train_one(run)
         except InputError as error:
             self.reason = str(error)
 
     def failure(self):
-        return None if self.reason is None else Failure(self.order, self.reason)
+        return None if self.reason is None else Failure(self.run, self.reason)
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,7 @@ def trained(tmp_path_factory, room):
 
 
 def inline(patch):
-    patch.setattr(running, "Child", Inline)
+    patch.setattr(running, "TrainingProcess", Inline)
     patch.setattr(running, "PAUSE", 0.0)
 
 
@@ -92,8 +92,8 @@ def test_every_variant_is_a_training_of_its_own():
 def test_only_what_is_asked_for_is_trained_and_teams_have_more(tmp_path):
     def names(team, *patterns):
         task = PRESETS["thesis-open"].with_settings({"team": team})
-        found = orders_of("dddqn", "x", task, patterns=patterns, settings={}, seeds=2, out=tmp_path)
-        return [(order.variant, order.seed) for order in found]
+        found = runs_of("dddqn", "x", task, patterns=patterns, settings={}, seeds=2, out=tmp_path)
+        return [(run.variant, run.seed) for run in found]
 
     wanted = ("full", "1-step", "no-tour-start", "no-tours")
     assert names(1, "no-t*", "1-step") == [(name, seed) for seed in (1, 2) for name in wanted]
@@ -138,7 +138,7 @@ def test_a_variant_that_fails_leaves_the_others_alone(trained):
 def test_what_is_finished_is_not_trained_again_and_seeds_may_be_added(trained, room, monkeypatch):
     inline(monkeypatch)
     begun = []
-    monkeypatch.setattr(running, "Child", lambda order: begun.append(order.title) or Inline(order))
+    monkeypatch.setattr(running, "TrainingProcess", lambda run: begun.append(run.title) or Inline(run))
     before = (trained / "ablation.csv").read_bytes()
     assert run(trained, room, "no-visits") == 0
     assert begun == []
@@ -174,9 +174,9 @@ def test_bad_words_are_told_in_one_line(words, said, tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
-def order_of(folder: Path, room: Path, **settings) -> Order:
+def order_of(folder: Path, room: Path, **settings) -> TrainingRun:
     tiny = {"environments": 4, "warmup_steps": 40, "batch": 8, "replay_steps": 400, "evaluation_episodes": 2}
-    return Order("dddqn", str(room), "full", 1, {**tiny, "device": "cpu", **settings}, str(folder))
+    return TrainingRun("dddqn", str(room), "full", 1, {**tiny, "device": "cpu", **settings}, str(folder))
 
 
 @pytest.mark.slow
@@ -208,9 +208,9 @@ def test_a_process_tells_why_it_failed_and_goes_on_where_it_was_interrupted(tmp_
 
 
 def test_differences_are_paired_by_map_and_counted_over_seeds(tmp_path):
-    def judged(variant, times):
+    def variant(variant, times):
         values = np.array(times, np.float64)
-        return Judged(
+        return VariantScore(
             variant=variant,
             settings={"batch": 8},
             seeds=[1, 2],
@@ -220,8 +220,8 @@ def test_differences_are_paired_by_map_and_counted_over_seeds(tmp_path):
             curves=[],
         )
 
-    full = judged("full", [[1, 2, 3, 2, 2], [1, 2, 3, 2, 2]])
-    other = judged("other", [[4, 6, 8, 6, 6], [6, 8, 10, 8, 8]])
+    full = variant("full", [[1, 2, 3, 2, 2], [1, 2, 3, 2, 2]])
+    other = variant("other", [[4, 6, 8, 6, 6], [6, 8, 10, 8, 8]])
     write_table([full, other], tmp_path / "ablation.csv")
     row = rows(tmp_path)["other"]
     assert (row["t90"], row["t99"], row["t90_to_full"], row["t99_to_full"]) == ("3.500", "7.000", "2.500", "5.000")

@@ -12,7 +12,7 @@ from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation import bench
 from indoor_explorers.evaluation.bench import deciding, exploring, faces, growth, worlds
 from indoor_explorers.evaluation.bench.ancestor import ancestor_speed, of_world
-from indoor_explorers.evaluation.bench.figure import Figure, Measure
+from indoor_explorers.evaluation.bench.figure import Benchmark, Figure
 from indoor_explorers.evaluation.bench.table import human, line_of
 from indoor_explorers.evaluation.cli.parser import main
 
@@ -47,10 +47,10 @@ UNITS = {
 def instant(monkeypatch):
     """Measures that take no time."""
     found = [
-        Measure(group, name, "x", lambda: 1.5) for group, name in (("Tall", "a-1"), ("Tall", "a-2"), ("Wide", "b"))
+        Benchmark(group, name, "x", lambda: 1.5) for group, name in (("Tall", "a-1"), ("Tall", "a-2"), ("Wide", "b"))
     ]
-    grown = [Measure("Growth", name, "agent-steps/s", lambda: 2.5e6) for name in growth.growth()]
-    grown += [Measure("Growth", name, "us", lambda: 40.0) for name in deciding.growth()]
+    grown = [Benchmark("Growth", name, "agent-steps/s", lambda: 2.5e6) for name in growth.growth()]
+    grown += [Benchmark("Growth", name, "us", lambda: 40.0) for name in deciding.growth()]
     monkeypatch.setattr(bench, "measures", lambda everything, growing: found + grown * (everything or growing))
     return found
 
@@ -233,7 +233,7 @@ def test_the_restated_ancestor_agrees_with_the_world(obstacles, team, radio):
 
 
 def test_a_pattern_is_matched_with_case():
-    some = [Measure("Group", name, "s", count().__next__) for name in ("one", "Two")]
+    some = [Benchmark("Group", name, "s", count().__next__) for name in ("one", "Two")]
     assert [measure.name for measure in bench.chosen(some, ["T*"])] == ["Two"]
     with pytest.raises(InputError, match="one-"):
         bench.chosen(some, ["t*"])

@@ -63,9 +63,9 @@ def test_a_planted_change_is_found_and_noise_is_not(old):
     assert first.difference.mean == pytest.approx(-8)
     assert first.adjusted_p == pytest.approx(2 * 2 / 2**EPISODES)  # exact, times the two comparisons
     assert first.difference.low <= -8 <= first.difference.high < 0
-    assert (first.verdict, second.verdict) == ("better", "no change shown")
+    assert (first.verdict, second.verdict) == ("better", "not significant")
     assert second.detectable > abs(second.difference.mean)
-    assert "1 of 2 comparisons shown to have changed" in printed(found)
+    assert "1 of 2 comparisons changed significantly" in printed(found)
 
 
 def test_worse_goes_by_the_metric_and_latencies_get_a_caveat(old):
@@ -140,7 +140,7 @@ def test_the_page_shows_names_as_text_and_only_when_asked(old):
     section = page[page.index('<section id="against">') :].partition("</section>")[0]
     assert "<script" not in section
     assert not re.search(r"<(?!/?(h2|p|q|div|table|thead|tbody|tr|t[hd]|ul|li|strong|section)\b)", section)
-    assert "1 of 1 comparison shown to have changed" in section
+    assert "1 of 1 comparison changed significantly" in section
     assert "12 of 12 episodes identical, step for step" in section
     assert "Against the old results" not in render(old)
     assert all(name in printed(found) for name in NAMES)

@@ -96,7 +96,7 @@ def test_sweeps_are_absent_where_there_are_none() -> None:
 
 def test_a_single_policy_gets_no_comparison() -> None:
     text = re.sub(r"<(script|style).*?</\1>", "", render(flown({"a": [10, 20]})), flags=re.S)
-    for heading in ("Who beats whom", "T99 by seed", "How often one is better", "Performance profile"):
+    for heading in ("Who beats whom", "T99 by seed", "Probability of improvement", "Performance profile"):
         assert heading not in text
 
 

@@ -147,7 +147,7 @@ def test_performance_profiles_by_hand() -> None:
     assert lines["b"][1] == [0.5, 0.75, 0.75]
 
 
-def test_yardsticks_do_not_take_part() -> None:
+def test_privileged_policies_do_not_take_part() -> None:
     _, task_times = compared(flown({"a": [10], "oracle": [1], "b": [12]}, privileged=["oracle"]))
     assert task_times.policies == ["a", "b"]
 

@@ -92,7 +92,7 @@ def test_speed_up_is_a_ratio_of_means_over_common_tasks() -> None:
     assert two.speedup.high is not None
     assert two.speedup.low < two.speedup.mean < two.speedup.high
     assert two.censored
-    assert two.a_uav().speedup.mean == pytest.approx(two.speedup.mean / 2)
+    assert two.per_uav().speedup.mean == pytest.approx(two.speedup.mean / 2)
     plots = scaling_plots(results, scaling, policy_styles(("a",)))
     assert [plot.title for plot in plots] == ["Speed-up to 90 %", "Speed-up to 99 %", "Efficiency to 99 %"]
     assert plots[1].guides[0].y == [1.0, 2.0]

@@ -81,7 +81,7 @@ def test_unlike_runs_are_named(sound: Results, facts: dict[str, str], words: str
 
 
 def test_failures_few_episodes_and_spent_budgets_are_told(results: Results, hostile: Results) -> None:
-    assert any(text.startswith("Policies that broke: broken in 12 episodes") for text in judged(results).warnings)
+    assert any(text.startswith("Failed policies: broken in 12 episodes") for text in judged(results).warnings)
     assert any("Fewer than 5 episodes" in text for text in judged(hostile).warnings)
     never = [replace(r, metrics=r.metrics | {"t99": None}) for r in hostile.records]
     assert sum(text.count("100\u202f%") for text in judged(replace(hostile, records=never)).notes) == 3

@@ -46,8 +46,8 @@ def _with_t99(results: Results, policy: str, shift: Sequence[int]) -> Results:
 @pytest.mark.parametrize(
     ("shift", "words"),
     [
-        ([9, 10, 11, 9, 10, 11], "a difference was shown"),
-        ([-9, 10, -11, 9, -8, 12], "no difference was shown (Holm-adjusted p"),
+        ([9, 10, 11, 9, 10, 11], "the difference is significant"),
+        ([-9, 10, -11, 9, -8, 12], "the difference is not significant (Holm-adjusted p"),
         ([0] * 6, "share the lowest mean T99"),
     ],
 )
@@ -98,7 +98,7 @@ def test_a_table_of_contrasts_says_what_it_could_have_shown(results: Results) ->
     (row,) = (row for row in contrast_table(noisy, policy_styles(results.policies)) if row.policy == "broken")
     seen = noisy.contrasts["broken"].detectable
     assert math.isfinite(seen)
-    assert row.verdict == f"no difference shown (could have seen {seen:.1f} steps)"
+    assert row.verdict == f"not significant (detectable: {seen:.1f} steps)"
     clear = Comparison(_with_t99(results, "broken", [9, 10, 11, 9, 10, 11]), "rooms")
     assert {row.policy: row.verdict for row in contrast_table(clear, policy_styles(results.policies))}[
         "broken"
@@ -133,7 +133,7 @@ def test_few_maps_cannot_show_a_difference_and_the_table_says_so(results: Result
     assert comparison.over_maps
     assert comparison.contrasts["broken"].maps == 5
     rows = {row.policy: row for row in contrast_table(comparison, policy_styles(results.policies))}
-    assert rows["broken"].verdict == "no difference shown (too few maps to show any)"
+    assert rows["broken"].verdict == "not significant (too few maps to detect any)"
 
 
 def test_who_freezes_stands_out_and_older_results_that_did_not_measure_it_load() -> None:
