@@ -1,4 +1,4 @@
-"""A training in a process of its own: ``python -m indoor_explorers.evaluation.ablation.worker``, the run as JSON on stdin."""
+"""A training in a process of its own, which reads its run as JSON from stdin."""
 
 from __future__ import annotations
 

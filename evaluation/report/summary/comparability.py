@@ -122,8 +122,8 @@ def _unlike(results: Results) -> Iterator[str]:
     for scenario, number in unlike.items():
         if number:
             yield (
-                f"In {scenario}, {counted(number, 'episode')} started differently from another policy's episode with the "
-                "same seed: the map, the starts, the team, the budget or the denominator differ."
+                f"In {scenario}, {counted(number, 'episode')} started differently from another policy's episode with "
+                "the same seed: the map, the starts, the team, the budget or the denominator differ."
             )
 
 
@@ -187,8 +187,8 @@ def _unlike_sizes(results: Results) -> Iterator[str]:
         sizes = [record.reachable for record in results.records if record.task.scenario == name]
         if sizes and max(sizes) > UNLIKE * min(sizes):
             yield (
-                f"The maps of {name} have from {min(sizes)} to {max(sizes)} cells to cover: the large ones dominate "
-                "means in steps; ranks, wins, profiles and AUC weigh all maps alike."
+                f"The maps of {name} have {min(sizes)} to {max(sizes)} cells to cover: the large ones dominate means "
+                "in steps; ranks, wins, profiles and AUC weigh all maps alike."
             )
 
 

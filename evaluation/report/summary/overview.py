@@ -96,7 +96,7 @@ def lead(comparisons: Sequence[Comparison]) -> Markup:
     ]
     level = shared(each.level for each in flown)
     return Markup("Lowest mean {}: {}. {}").format(
-        level.title if level else "time to the scenario's threshold",
+        level.title if level else "time to the coverage threshold",
         Markup(", ").join(wins),
         _significance(sum(_beats_runner_up(each) for each in flown), len(flown)),
     )

@@ -179,7 +179,7 @@ def test_scenarios_of_several_levels_are_told_apart(mixed: Results) -> None:
     lines = [overview_row(Comparison(mixed, name), name) for name in mixed.scenarios]
     assert [(each.level.title, each.first) for each in lines] == [("T90", "quick"), ("T99", "quick")]
     assert lines[0].time == lines[1].time
-    assert "Lowest mean time to the level asked for: <b>quick</b> in 2" in lead(
+    assert "Lowest mean time to the coverage threshold: <b>quick</b> in 2" in lead(
         [Comparison(mixed, name) for name in mixed.scenarios]
     )
     text = render(mixed)
