@@ -88,7 +88,7 @@ def test_it_completes_the_office(name: str) -> None:
 
 @every_explorer
 @pytest.mark.skipif(not REAL_MAP.exists(), reason="the development maps (../shared/maps) are not here")
-@pytest.mark.parametrize("team", [1, 3])
+@pytest.mark.parametrize("team", [pytest.param(1, marks=pytest.mark.slow), 3])
 def test_it_completes_a_real_map(name: str, team: int) -> None:
     scenario = Scenario(
         name="flat",
@@ -130,7 +130,7 @@ def test_with_nothing_left_to_explore_it_stays(name: str) -> None:
 def test_two_that_meet_in_a_corridor_pass_each_other(name: str) -> None:
     free = np.zeros((7, 30), np.bool_)
     free[1:6, :5] = free[1:6, 25:] = free[3] = True
-    for seed in range(5):
+    for seed in range(3):
         spawns = [(3, 12), (3, 17)]
         flight = flights.fly(make_policy(name), free, team=2, seed=seed, spawns=spawns, goal_of="agent", lidar=1.0)
         assert (flight.world.state.end == 1).all()
