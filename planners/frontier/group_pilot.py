@@ -69,11 +69,11 @@ class GroupPilot(GoalPilot):
     def assigned(self, view: View, choices: Choices) -> int:
         """Return which of the K clusters, at least one of them within this UAV's reach, this UAV is to fly to."""
 
-    def learned(self, view: View) -> None:
+    def on_map_growth(self, view: View) -> None:
         """Ask for a choice, as clusters may have gone."""
         self._due = True
 
-    def reconsider(self, view: View) -> bool:
+    def wants_replan(self, view: View) -> bool:
         """Tell whether the map has grown since the last choice."""
         return self._due
 
@@ -99,10 +99,10 @@ class GroupPilot(GoalPilot):
     def choices(self, view: View, members: list[Member]) -> Choices:
         """Return what the group can choose from."""
         clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
-        near = [nearest_cells(self.paths.field(view.belief, member.cell), clusters) for member in members]
+        near = [nearest_cells(self.steps_from(view, member.cell), clusters) for member in members]
         cells, steps = np.stack([cells for cells, _ in near]), np.stack([steps for _, steps in near])
         me = next(i for i, member in enumerate(members) if member.agent == self.briefing.agent)
-        steps[me, self.shunned(view, cells[me])] = UNREACHABLE
+        steps[me, self.near_banned(view, cells[me])] = UNREACHABLE
         nearest = steps.min(axis=0)
         numbers = np.argsort(nearest, kind="stable")[:CLUSTERS]
         numbers = numbers[nearest[numbers] < UNREACHABLE]

@@ -16,7 +16,7 @@ from indoor_explorers.planners.coordination.out_of_contact import Unlinked
 from indoor_explorers.planners.coordination.teammates import linked, message_of
 from indoor_explorers.planners.frontier.group_pilot import Member, member_of
 from indoor_explorers.planners.information.candidates import Interest, frontiers, hops, surroundings, views
-from indoor_explorers.planners.navigation.lookout_pilot import LookoutPilot
+from indoor_explorers.planners.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.routing.sequences import Task, Worth, best_sequences, cost_of_rest
 
@@ -88,7 +88,7 @@ class FrontierJoint(Policy):
         return JointPilot(briefing, self)
 
 
-class JointPilot(LookoutPilot):
+class JointPilot(CandidatePilot):
     """Choose in turn with whoever is linked, a few steps after the map has grown."""
 
     straight = True
@@ -102,11 +102,11 @@ class JointPilot(LookoutPilot):
         self._is_due = True
         self._next_choice = 0
 
-    def learned(self, view: View) -> None:
+    def on_map_growth(self, view: View) -> None:
         """Ask for a choice, as the map has grown."""
         self._is_due = True
 
-    def reconsider(self, view: View) -> bool:
+    def wants_replan(self, view: View) -> bool:
         """Tell whether the map has grown since the last choice and that was some steps ago."""
         return self._is_due and view.step >= self._next_choice
 
@@ -153,14 +153,14 @@ class JointPilot(LookoutPilot):
     def task(self, view: View, members: list[Member]) -> Task:
         """Return what a group can choose from."""
         policy, reach = self._policy, self._range
-        fields = np.stack([self.paths.field(view.belief, member.cell) for member in members])
+        fields = np.stack([self.steps_from(view, member.cell) for member in members])
         cells, ahead = self.places(view, fields)
-        fine = ~self.shunned(view, cells)
+        fine = ~self.near_banned(view, cells)
         cells, ahead = cells[fine], ahead[fine]
         steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64)
         gains, shared = views(view.belief, cells, Interest(policy.isolation, policy.fade * reach), optics(reach))
         between = hops(view.belief, cells, steps, int(HOP_RANGES * reach) + 1)
-        favour = np.stack([self.favour(member.goal, cells, policy.hold) for member in members])
+        favour = np.stack([self.hysteresis_bonus(member.goal, cells, policy.hold) for member in members])
         away = np.where(steps < UNREACHABLE, steps / reach, UNREACHABLE)
         return Task(cells, ahead, away, between / reach, gains, shared, favour)
 
@@ -181,10 +181,8 @@ class JointPilot(LookoutPilot):
         if self.briefing.team == 1:
             return np.ones(len(task.cells))
         points = np.stack(np.divmod(task.cells, self.paths.width), axis=1).astype(np.float64)
-        steps = self.paths.field(view.belief, view.cell).ravel()[task.cells]
-        return self._unlinked.factors(
-            view, points, steps, lambda cell: self.paths.field(view.belief, cell).ravel()[task.cells]
-        )
+        steps = self.steps_from(view, view.cell).ravel()[task.cells]
+        return self._unlinked.factors(view, points, steps, lambda cell: self.steps_from(view, cell).ravel()[task.cells])
 
     def _own(self, task: Task, uav: int, gains: NDArray[np.float64], factors: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the numbers of the clusters that no teammate is nearer to, those worth most now."""

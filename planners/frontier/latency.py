@@ -94,11 +94,11 @@ class LatencyPilot(GoalPilot):
         self._is_due = True
         self._next_order = 0
 
-    def learned(self, view: View) -> None:
+    def on_map_growth(self, view: View) -> None:
         """Order the clusters again, as the map has grown."""
         self._is_due = True
 
-    def reconsider(self, view: View) -> bool:
+    def wants_replan(self, view: View) -> bool:
         """Tell whether the map has grown since the last order and that was some steps ago."""
         return self._is_due and view.step >= self._next_order
 
@@ -117,17 +117,17 @@ class LatencyPilot(GoalPilot):
         Every teammate that is nearer halves a gain (after the ranks of Bautin et al. 2012).
         """
         mates = remembered(view, self.briefing)
-        others = [self.paths.field(view.belief, mate.cell).ravel()[cells] for mate in mates]
+        others = [self.steps_from(view, mate.cell).ravel()[cells] for mate in mates]
         return np.asarray(0.5 ** ranks(steps, others, [mate.agent < self.briefing.agent for mate in mates]))
 
     def _places(self, view: View) -> Places:
         """Return the best places of the best clusters that can be reached."""
         clusters = frontier_clusters(view.belief, self._range)
-        field = self.paths.field(view.belief, view.cell)
+        field = self.steps_from(view, view.cell)
         nearest, _ = nearest_cells(field, clusters)
         cells, owner = lookouts(clusters, nearest, STRIDE * self._range)
         steps = field.ravel()[cells]
-        fine = (steps < UNREACHABLE) & ~self.shunned(view, cells)
+        fine = (steps < UNREACHABLE) & ~self.near_banned(view, cells)
         cells, owner, steps = cells[fine], owner[fine], steps[fine]
         factors = self.factors(view, cells, steps)
         fine = factors > LEFT_TO_OTHERS * factors.max(initial=0.0)

@@ -38,13 +38,13 @@ class MinPosPilot(GoalPilot):
     def choose(self, view: View) -> Cell | None:
         """Return the nearest cell of the cluster with the lowest (rank, distance)."""
         clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
-        field = self.paths.field(view.belief, view.cell)
+        field = self.steps_from(view, view.cell)
         cells, own = nearest_cells(field, clusters)
-        own[self.shunned(view, cells)] = UNREACHABLE
+        own[self.near_banned(view, cells)] = UNREACHABLE
         if not (own < UNREACHABLE).any():
             return None
         mates = remembered(view, self.briefing)
-        others = [nearest_cells(self.paths.field(view.belief, mate.cell), clusters)[1] for mate in mates]
+        others = [nearest_cells(self.steps_from(view, mate.cell), clusters)[1] for mate in mates]
         order = np.lexsort((own, ranks(own, others, [mate.agent < self.briefing.agent for mate in mates])))
         best = next(k for k in order.tolist() if own[k] < UNREACHABLE)
         return divmod(int(cells[best]), self.paths.width)

@@ -20,8 +20,8 @@ from indoor_explorers.planners.horizon.learned_prior import LearnedPrior, OpenPr
 from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
 from indoor_explorers.planners.horizon.room_prior import RoomPrior
 from indoor_explorers.planners.horizon.tour_planner import TourPlanner
-from indoor_explorers.planners.navigation.deadlock import Yielding
-from indoor_explorers.planners.navigation.goal_pilot import action_between
+from indoor_explorers.planners.navigation.deadlock import DeadlockResolver
+from indoor_explorers.planners.navigation.navigator import action_between
 from indoor_explorers.planners.navigation.paths import Paths, count_known
 from indoor_explorers.planners.parameters import at_least
 
@@ -133,7 +133,7 @@ class HorizonPilot(Pilot):
         self._tours = policy.tours(briefing)
         self._beyond = beyond
         self._paths = Paths(briefing.shape)
-        self._yielding = Yielding(self._paths, briefing.rng)
+        self._deadlock = DeadlockResolver(self._paths, briefing.rng)
         self._known, self._deadline = -1, 0
         self._handed_over = 0
 
@@ -144,15 +144,15 @@ class HorizonPilot(Pilot):
         """
         cell = view.cell[0] * self._paths.width + view.cell[1]
         following = self._next(view, cell)
-        if self._yielding.should_make_way(view):
+        if self._deadlock.should_make_way(view):
             self._deadline = view.step - 1
             following = None
         if following is None:
             self._handed_over += 1
-            self._yielding.expect(view.cell, Action.STAY)
+            self._deadlock.expect(view.cell, Action.STAY)
             return self._beyond.act(view)
         action = action_between(view.cell, divmod(following, self._paths.width))
-        self._yielding.expect(view.cell, action)
+        self._deadlock.expect(view.cell, action)
         return action
 
     def tally(self) -> dict[str, float]:

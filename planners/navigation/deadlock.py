@@ -1,14 +1,14 @@
-"""What to do when a teammate is in the way.
+"""Deadlock resolution: what a UAV does when a teammate is in its way.
 
-Teammates are not in the map and without radio they are not known at all: the only sign is a commanded
-move that did not happen. Whoever flies in a convoy meets that sign too, so the first one is ignored.
-From the second on the UAV tosses a coin: push once more, or make way, which is to go round if that is not
-much longer, else to retreat to a place where the other can get past, and to wait there about as long as the
-way took; from a crossing any way out will do. Whoever has no such place within reach, because it is on the
-blind side of the jam, mostly pushes on: the others can make way. The longest reach of retreats doubles with
-every one that follows soon after another,
-so that of two UAVs head-on in a corridor one sooner or later leaves it, whatever the corridor's length; the
-reach itself is drawn, so that small jams in between stay small. Every UAV tosses its own coins.
+Teammates are not in the map, and without radio a UAV does not know of them at all: the only sign is a move that did not
+happen. In a convoy that happens, too, so the first failed move is ignored. From the second on the UAV draws at random:
+it repeats the move, or it makes way. It makes way by a detour if that is not much longer, else by a retreat to a
+passing place, where it waits about as long as the path there was; from a crossing it takes any way out. A UAV with no
+passing place in reach usually retries its move; the others can yield. The longest reach of a retreat doubles each time that one
+soon follows another, so of two UAVs head-on in a corridor one leaves it in the end, however long the corridor is. The
+reach itself is drawn, so that small jams are resolved nearby. Each UAV draws from its own generator.
+
+:mod:`indoor_explorers.learners.guard` resolves deadlocks of learned policies, which have neither goals nor paths.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ import numpy as np
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, Action
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.planners.navigation.passing_places import path_to_refuge, refuge_mask
+from indoor_explorers.planners.navigation.passing_places import passing_places, path_to_passing_place
 from indoor_explorers.planners.navigation.paths import Paths
 
-#: Moves in a row that must fail before anything is done about it.
+#: Moves in a row that must fail before a UAV may make way.
 PATIENCE = 2
-#: A cell where a teammate stood is not entered on a way round or back for so many steps.
+#: Detours and retreats avoid a cell where a teammate stood for this many steps.
 BLOCKED_STEPS = 8
 #: A retreat is forgotten, and the next one short again, after this many times its reach in steps.
 MEMORY = 4
-#: A UAV waits less than so many times the steps of a retreat at its end, and less than so many steps.
+#: At the end of a retreat a UAV waits less than this many times its length, and less than this many steps.
 WAIT_FACTOR, LONGEST_WAIT = 2, 6
-#: How likely a UAV without a place to step aside backs off anyway, at most so many steps being waited then.
+#: Chance that a UAV without a passing place retreats anyway, and the most steps it then waits.
 BACK_OFF, SHORT_WAIT = 0.1, 4
 
 
@@ -38,8 +38,8 @@ def target_of(cell: Cell, action: int) -> Cell:
     return cell[0] + int(MOVES[action, 0]), cell[1] + int(MOVES[action, 1])
 
 
-class Yielding:
-    """Notice the blocked moves of one UAV and make way."""
+class DeadlockResolver:
+    """Notice the failed moves of one UAV, and make way."""
 
     def __init__(self, paths: Paths, rng: np.random.Generator) -> None:
         self._paths = paths
@@ -62,7 +62,7 @@ class Yielding:
         self._expected = None if action == Action.STAY else target_of(cell, action)
 
     def should_make_way(self, view: View) -> bool:
-        """Tell whether a teammate keeps standing in the way and the coin says not to push on."""
+        """Tell whether moves keep failing and the draw says to make way."""
         if self._expected is None or view.cell == self._expected:
             self._failures = 0
             return False
@@ -85,10 +85,10 @@ class Yielding:
         self._forget_at = view.step + MEMORY * self._reach
         reach = 2 ** int(self._rng.integers(1, self._reach.bit_length()))
         barred, longest_wait = self.barred(view), 0
-        path = path_to_refuge(self._paths, view.belief, view.cell, reach, self._rng, barred)
+        path = path_to_passing_place(self._paths, view.belief, view.cell, reach, self._rng, barred)
         if path:
             longest_wait = min(WAIT_FACTOR * len(path), LONGEST_WAIT) - 1
-        elif refuge_mask(view.belief)[view.cell] or self._rng.random() < BACK_OFF:
+        elif passing_places(view.belief)[view.cell] or self._rng.random() < BACK_OFF:
             path = self._paths.to_anywhere(view.belief, view.cell, reach, self._rng, barred)
             longest_wait = min(self._reach, SHORT_WAIT) if path else 0
         self._retreat = path or []

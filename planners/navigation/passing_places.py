@@ -1,4 +1,4 @@
-"""Places to step aside: cells with at least three free neighbours, where another UAV can get past."""
+"""Passing places: cells with at least three free neighbours, where another UAV can get past."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.planners.navigation.paths import Paths, without
 
-#: A refuge is drawn from so many of the nearest ones, for the nearest may be the mouth of the corridor itself.
+#: A passing place is drawn from this many of the nearest, as the very nearest may be the mouth of the corridor itself.
 CHOICE = 12
 
 
-def refuge_mask(belief: Belief) -> Mask:
+def passing_places(belief: Belief) -> Mask:
     """Return which cells of a (H, W) belief are free and have three free 4-neighbours or more, (H, W) bool."""
     free = np.pad(belief == FREE, 1).astype(np.int8)
     around = free[:-2, 1:-1] + free[2:, 1:-1] + free[1:-1, :-2] + free[1:-1, 2:]
     return np.asarray((around >= 3) & (free[1:-1, 1:-1] > 0))
 
 
-def path_to_refuge(
+def path_to_passing_place(
     paths: Paths, belief: Belief, cell: Cell, reach: int, rng: np.random.Generator, barred: Iterable[Cell] = ()
 ) -> list[Cell] | None:
-    """Return a path to one of the refuges nearest to ``cell``, at most ``reach`` steps away; None when there is none.
+    """Return a path to one of the passing places nearest to ``cell``, at most ``reach`` steps away; None for none.
 
     The path keeps off the cells of ``barred``.
     """
     barred = list(barred)
     steps = paths.field(without(belief, barred), cell)
-    found = np.flatnonzero(refuge_mask(belief) & (steps > 0) & (steps <= reach))
+    found = np.flatnonzero(passing_places(belief) & (steps > 0) & (steps <= reach))
     if len(found) == 0:
         return None
     nearest = found[np.argsort(steps.ravel()[found], kind="stable")[:CHOICE]]

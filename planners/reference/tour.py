@@ -10,7 +10,7 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.nearest import NearestPilot
-from indoor_explorers.planners.navigation.goal_pilot import DETOUR_CELLS, DETOUR_FACTOR, action_between
+from indoor_explorers.planners.navigation.navigator import DETOUR_CELLS, DETOUR_FACTOR
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
 
@@ -69,16 +69,14 @@ class ReferencePilot(NearestPilot):
         """Fly on along the route."""
         if self._track is None:
             self._track = self._planned()
-            self._plans += 1
+            self.plans += 1
         self._advance(self._track, view)
         if self._place + 1 >= len(self._track) or view.step > self._moved_on + STALLED:
             self._track = ()
             return super().act(view)
-        if self._yielding.should_make_way(view) and not self._yielding.retreating:
+        if self.navigator.deadlock.should_make_way(view) and not self.navigator.deadlock.retreating:
             self._sidestep(self._track, view)
-        action = action_between(view.cell, self._following(self._track, view))
-        self._yielding.expect(view.cell, action)
-        return action
+        return self.navigator.command(view, self._following(self._track, view))
 
     def _planned(self) -> Track:
         told, scenario = self.briefing, self.briefing.scenario
@@ -94,27 +92,27 @@ class ReferencePilot(NearestPilot):
             self._moved_on = view.step
 
     def _following(self, track: Track, view: View) -> Cell:
-        if self._yielding.retreating:
-            return self._yielding.next_cell(view)
+        if self.navigator.deadlock.retreating:
+            return self.navigator.deadlock.next_cell(view)
         if view.cell == track[self._place]:
             return track[self._place + 1]
-        if self._off_path(view):
-            self._path, self._at = self._way(track[self._place], view) or [], 0
-        return self._next_cell(view)
+        if self.navigator.is_off_path(view):
+            self.navigator.follow(self._way(track[self._place], view) or [])
+        return self.navigator.next_cell(view)
 
     def _way(self, goal: Cell, view: View) -> list[Cell] | None:
         """Return the shortest way on the true map, round teammates where there is one."""
         truth = self._truth
-        return self.paths.to(truth, view.cell, goal, self._yielding.barred(view)) or self.paths.to(
+        return self.paths.to(truth, view.cell, goal, self.navigator.deadlock.barred(view)) or self.paths.to(
             truth, view.cell, goal
         )
 
     def _sidestep(self, track: Track, view: View) -> None:
         """Go round a teammate to a cell of the route further on, or retreat where that takes too long."""
         for place in range(self._place + 1, min(self._place + LOOK_AHEAD, len(track))):
-            around = self.paths.to(self._truth, view.cell, track[place], self._yielding.barred(view))
+            around = self.paths.to(self._truth, view.cell, track[place], self.navigator.deadlock.barred(view))
             if around and len(around) - 1 <= DETOUR_FACTOR * (place - self._place) + DETOUR_CELLS:
                 self._place, self._moved_on = place, view.step
-                self._path, self._at = around, 0
+                self.navigator.follow(around)
                 return
-        self._yielding.retreat(view)
+        self.navigator.deadlock.retreat(view)

@@ -76,7 +76,7 @@ class PrmTourPilot(ViewpointPilot):
         self._least = max(1, int(policy.least * disc))
         self._rate = 0.0 if policy.as_published else policy.discount / briefing.lidar_range
 
-    def reconsider(self, view: View) -> bool:
+    def wants_replan(self, view: View) -> bool:
         """Keep to the first stop until it is spent."""
         return False
 

@@ -124,7 +124,7 @@ class RrtAepPilot(JointPilot):
     def _grow_trees(self, view: View) -> None:
         """Grow the trees that are due: all of them when the goal is spent."""
         memory, policy = self._memory, self._aep
-        spent = self.goal is None or self.spent(view, self.goal)
+        spent = self.goal is None or self.is_spent(view, self.goal)
         if spent or view.step >= self._next_local:
             near, half = (NEAR_HALF, policy.near_samples), policy.local_ranges * self._range
             memory.grow(view, near, (half, policy.samples))

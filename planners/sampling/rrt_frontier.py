@@ -89,23 +89,23 @@ class RrtFrontierPilot(ViewpointPilot):
         self._policy = policy
         self._candidates = np.empty(0, np.int32)
 
-    def learned(self, view: View) -> None:
+    def on_map_growth(self, view: View) -> None:
         """Grow a local tree and add what it finds to the candidates."""
-        super().learned(view)
+        super().on_map_growth(view)
         half = self._policy.local_ranges * self.briefing.lidar_range
         self._grow(view, half, self._policy.local_samples)
 
-    def reconsider(self, view: View) -> bool:
+    def wants_replan(self, view: View) -> bool:
         """Weigh the candidates again whenever the map has grown; the paper keeps to its goal."""
-        return super().reconsider(view) and not self._policy.as_published
+        return super().wants_replan(view) and not self._policy.as_published
 
-    def spent(self, view: View, goal: Cell) -> bool:
+    def is_spent(self, view: View, goal: Cell) -> bool:
         """Tell whether a goal is no frontier cell any more."""
-        return GoalPilot.spent(self, view, goal)
+        return GoalPilot.is_spent(self, view, goal)
 
     def viewpoint(self, view: View) -> Cell | None:
         """Return the candidate with the highest revenue; None when trees find none."""
-        field = self.paths.field(view.belief, view.cell)
+        field = self.steps_from(view, view.cell)
         cells = self._detected(view, field)
         if not self._policy.as_published:
             return self.best(view, self.judged(view, cells), self._policy.latency)
@@ -120,7 +120,7 @@ class RrtFrontierPilot(ViewpointPilot):
         A global tree is grown when the goal is spent, and larger ones while nothing is found.
         """
         found = self._reachable(view, field)
-        is_due = self.goal is None or self.spent(view, self.goal)
+        is_due = self.goal is None or self.is_spent(view, self.goal)
         for doubling in range(DOUBLINGS + 1):
             if len(found) and (doubling or not is_due):
                 break
@@ -131,7 +131,7 @@ class RrtFrontierPilot(ViewpointPilot):
     def _reachable(self, view: View, field: NDArray[np.int32]) -> NDArray[np.int32]:
         """Return the candidates that can be reached and are not left alone."""
         found = self._candidates[field.ravel()[self._candidates] < UNREACHABLE]
-        return found[~self.shunned(view, found)]
+        return found[~self.near_banned(view, found)]
 
     def _grow(self, view: View, half: float, samples: int) -> None:
         """Grow a tree in a square around the UAV; bring the candidates up to date."""

@@ -113,15 +113,15 @@ class ViewpointPilot(GoalPilot):
     def viewpoint(self, view: View) -> Cell | None:
         """Return the viewpoint to fly to next, none near :meth:`avoided`; None when none promises anything."""
 
-    def learned(self, view: View) -> None:
+    def on_map_growth(self, view: View) -> None:
         """Remember that the map has grown since the last choice."""
         self._grown = True
 
-    def reconsider(self, view: View) -> bool:
+    def wants_replan(self, view: View) -> bool:
         """Weigh the viewpoints again whenever the map has grown."""
         return self._grown
 
-    def spent(self, view: View, goal: Cell) -> bool:
+    def is_spent(self, view: View, goal: Cell) -> bool:
         """Tell whether the UAV has been at its goal or nothing unknown is in view from there any more."""
         return bool(view.visited[goal] or self.promises.at(view.belief, self.paths.flat([goal]))[0] <= 0.0)
 
@@ -141,9 +141,9 @@ class ViewpointPilot(GoalPilot):
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
         """Return those of (K,) flat cells that can be reached, are not left alone for now and promise something."""
-        field = self.paths.field(view.belief, view.cell)
+        field = self.steps_from(view, view.cell)
         cells = cells[(field.ravel()[cells] < UNREACHABLE) & ~view.visited.ravel()[cells]]
-        cells = cells[~self.shunned(view, cells)]
+        cells = cells[~self.near_banned(view, cells)]
         steps, promises = field.ravel()[cells], self.promises.at(view.belief, cells)
         left = self._left(view, cells, steps)
         return Viewpoints(cells, steps, promises * left, left).those(promises * left > 0.0)
@@ -195,7 +195,7 @@ class ViewpointPilot(GoalPilot):
             return np.ones(len(cells))
 
         def steps_from(cell: Cell) -> Distances:
-            return self.paths.field(view.belief, cell).ravel()[cells]
+            return self.steps_from(view, cell).ravel()[cells]
 
         rows, cols = np.divmod(cells, self.paths.width)
         left = self._unlinked.factors(view, np.stack([rows, cols], axis=1).astype(np.float64), steps, steps_from)

@@ -148,7 +148,7 @@ class HedacPilot(GoalPilot):
         """Return the frontier cell at the end of the ascent, the nearest one where there is no way up."""
         end = self._ascent(view)
         goal = divmod(end, self.paths.width) if end >= 0 else None
-        if goal is None or self.shunned(view, self.paths.flat([goal])).any():
+        if goal is None or self.near_banned(view, self.paths.flat([goal])).any():
             goal = self.nearest_frontier(view)
             self._cold_starts += goal is not None
         self.message = message_of(goal)

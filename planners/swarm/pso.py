@@ -22,7 +22,7 @@ from indoor_explorers.planners.information.candidates import (
     surroundings,
     views,
 )
-from indoor_explorers.planners.navigation.lookout_pilot import LookoutPilot
+from indoor_explorers.planners.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
@@ -103,7 +103,7 @@ class Pso(Policy):
         return PsoPilot(briefing, self)
 
 
-class PsoPilot(LookoutPilot):
+class PsoPilot(CandidatePilot):
     """Take part in the joint plans of whoever is linked."""
 
     def __init__(self, briefing: Briefing, policy: Pso) -> None:
@@ -122,24 +122,24 @@ class PsoPilot(LookoutPilot):
         self.message = told(view, self.briefing, self.goal, self._plan)
         return action
 
-    def reconsider(self, view: View) -> bool:
+    def wants_replan(self, view: View) -> bool:
         """Tell whether linked UAVs hold different plans, one of their goals is spent, or the plan is old."""
-        if self._known != self._planned_on and view.step - self._plan[0] >= self._period:
+        if self.navigator.known != self._planned_on and view.step - self._plan[0] >= self._period:
             return True
         if not any(mate.age == 0 for mate in view.mates):
             return False
         members = [member for member in group(view, self.briefing, self.message) if member.goal]
         return any(member.plan != self._plan for member in members) or any(
-            self.spent(view, member.goal) for member in members if member.goal
+            self.is_spent(view, member.goal) for member in members if member.goal
         )
 
     def choose(self, view: View) -> Cell | None:
         """Return this UAV's part of the joint plan, its nearest frontier cell when there is none for it."""
         members = group(view, self.briefing, self.message)
         self._plan = (float(view.step), float(members[0].agent))
-        self._planned_on = self._known
+        self._planned_on = self.navigator.known
         goal = self.plan(view, members).get(self.briefing.agent)
-        if goal is None or goal in self.visited or self.shunned(view, self.paths.flat([goal])).any():
+        if goal is None or goal in self.visited or self.near_banned(view, self.paths.flat([goal])).any():
             goal = self.nearest_frontier(view)
         return goal
 
@@ -164,7 +164,7 @@ class PsoPilot(LookoutPilot):
         The task is None when nobody can.
         """
         policy, reach = self._policy, self._range
-        fields = np.stack([self.paths.field(view.belief, member.cell) for member in members])
+        fields = np.stack([self.steps_from(view, member.cell) for member in members])
         cells = self._candidates(view, fields)
         steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64)
         can = np.asarray((steps < UNREACHABLE).any(axis=1))
@@ -177,7 +177,7 @@ class PsoPilot(LookoutPilot):
             hops=hops(view.belief, cells, steps, int(HOP_RANGES * reach) + 1),
             gains=gains * self._left_by_others(view, members, cells, steps),
             shared=shared,
-            favour=np.stack([self.favour(member.goal, cells, policy.hold) for member in able]),
+            favour=np.stack([self.hysteresis_bonus(member.goal, cells, policy.hold) for member in able]),
             power=policy.power,
             rate=policy.rate / reach,
             trust=policy.trust,
@@ -200,6 +200,6 @@ class PsoPilot(LookoutPilot):
         if len(members) > 1:
             left = np.ones(len(cells))
         for mate in absentees(members, self.briefing):
-            away = self.paths.field(view.belief, mate.cell).ravel()[cells]
+            away = self.steps_from(view, mate.cell).ravel()[cells]
             left = np.where(away < steps.min(axis=0), (1.0 - self._policy.absence) * left, left)
         return left

@@ -80,13 +80,15 @@ class ParticlePilot(GoalPilot):
 
     def act(self, view: View) -> int:
         """Fly on with the swarm, or alone after having been split off."""
-        self.look(view)
+        self.navigator.observe(view)
         if self.map_grew:
             self._news_at = view.step
-        if self._alone and (self.goal is None or self.spent(view, self.goal)):
+        if self._alone and (self.goal is None or self.is_spent(view, self.goal)):
             self._alone = not self.map_grew
         stagnant = view.step - self._news_at >= self._policy.stagnation
-        if not self._alone and (stagnant or self._turned_back() or self.stands):  # a particle does not make way
+        if not self._alone and (
+            stagnant or self._turned_back() or self.navigator.stands
+        ):  # a particle does not make way
             self._split_off(view)
         if self._alone:
             self._alone_steps += 1
@@ -105,18 +107,18 @@ class ParticlePilot(GoalPilot):
 
     def _turned_back(self) -> bool:
         """Tell whether the UAV is back where it was two steps ago."""
-        lately = self._lately[-3:]
+        lately = self.navigator.recent[-3:]
         return len(lately) == 3 and lately[0] == lately[2] != lately[1]
 
     def _split_off(self, view: View) -> None:
         self._alone, self._velocity, self.message = True, np.zeros(2), None
         self._splits += 1
-        self._take(view, self.choose_again(view))
+        self.choose_goal(view)
 
     def _survey(self, view: View) -> None:
         """Find the nearest and the best frontier, and tell the best."""
         reach = self.briefing.lidar_range
-        cells, steps = nearest_cells(self.paths.field(view.belief, view.cell), frontier_clusters(view.belief, reach))
+        cells, steps = nearest_cells(self.steps_from(view, view.cell), frontier_clusters(view.belief, reach))
         order = np.argsort(steps, kind="stable")[: self._policy.candidates]
         near = [divmod(int(cells[k]), self.paths.width) for k in order if steps[k] < UNREACHABLE]
         worth = [
@@ -146,7 +148,7 @@ class ParticlePilot(GoalPilot):
     def _best_told(self, view: View) -> Cell | None:
         told = [message for message in (self.message, *(mate.message for mate in linked(view))) if message]
         worth = {(int(row), int(col)): value for row, col, value in told}
-        return max((cell for cell in worth if not self.spent(view, cell)), key=worth.__getitem__, default=None)
+        return max((cell for cell in worth if not self.is_spent(view, cell)), key=worth.__getitem__, default=None)
 
     def _towards(self, view: View, goal: Cell | None) -> Vector:
         """Return the first move of a shortest known path; a path is kept while the UAV stays on it."""

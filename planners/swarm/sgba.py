@@ -76,9 +76,9 @@ class SgbaPilot(GoalPilot):
 
     def act(self, view: View) -> int:
         """Take one step of the state machine: outwards, along a wall, or to a frontier."""
-        self.look(view)
+        self.navigator.observe(view)
         if not self._finishes and self._has_had_enough(view):
-            self._take(view, self.choose_again(view))
+            self.choose_goal(view)
             self._finishes = True
         if self._finishes:
             self._finishing += 1
@@ -103,12 +103,12 @@ class SgbaPilot(GoalPilot):
 
     def _is_held_up(self, view: View) -> bool:
         """Tell whether somebody is in the way, from the first sign until the frontier flown to instead is explored."""
-        if self._detours and (self.goal is None or self.spent(view, self.goal)):
+        if self._detours and (self.goal is None or self.is_spent(view, self.goal)):
             self._detours = False
             self._set_bearing(atan2(self._east, self._north) + pi / 2 * int(self.rng.integers(1, 4)))
-        elif not self._detours and (self.swings or self.stands):
+        elif not self._detours and (self.navigator.swings or self.navigator.stands):
             self._detours = True
-            self._take(view, self.choose_again(view))
+            self.choose_goal(view)
         return self._detours
 
     def _has_had_enough(self, view: View) -> bool:

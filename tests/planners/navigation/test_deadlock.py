@@ -7,7 +7,7 @@ from indoor_explorers.env import make_policy
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.planners.navigation.passing_places import CHOICE, path_to_refuge, refuge_mask
+from indoor_explorers.planners.navigation.passing_places import CHOICE, passing_places, path_to_passing_place
 from indoor_explorers.planners.navigation.paths import Paths
 from tests.planners.flights import fly
 
@@ -49,26 +49,26 @@ def test_refuges_have_three_free_neighbours(belief: Belief) -> None:
         for col in range(width):
             around = [(row + 1, col), (row - 1, col), (row, col + 1), (row, col - 1)]
             free = sum(0 <= r < height and 0 <= c < width and belief[r, c] == FREE for r, c in around)
-            assert refuge_mask(belief)[row, col] == (belief[row, col] == FREE and free >= 3)
+            assert passing_places(belief)[row, col] == (belief[row, col] == FREE and free >= 3)
 
 
 def test_paths_lead_to_one_of_the_nearest_refuges(belief: Belief, start: Cell) -> None:
     steps = distance_field(belief, start)
-    within = np.sort(steps[refuge_mask(belief) & (steps > 0) & (steps <= 9)])
-    path = path_to_refuge(Paths(belief.shape), belief, start, 9, np.random.default_rng(0))
+    within = np.sort(steps[passing_places(belief) & (steps > 0) & (steps <= 9)])
+    path = path_to_passing_place(Paths(belief.shape), belief, start, 9, np.random.default_rng(0))
     if len(within) == 0:
         assert path is None
     else:
         assert path is not None
         assert path[0] == start
-        assert refuge_mask(belief)[path[-1]]
+        assert passing_places(belief)[path[-1]]
         assert len(path) - 1 == steps[path[-1]] <= within[:CHOICE][-1]
 
 
 def test_no_refuge_behind_a_teammate() -> None:
     belief = np.where(corridor(8, True), 1, 2).astype(np.uint8)
     paths, rng = Paths(belief.shape), np.random.default_rng(0)
-    assert path_to_refuge(paths, belief, (3, 12), 30, rng, [(3, 9)]) is None
-    path = path_to_refuge(paths, belief, (3, 12), 30, rng, [(3, 14)])
+    assert path_to_passing_place(paths, belief, (3, 12), 30, rng, [(3, 9)]) is None
+    path = path_to_passing_place(paths, belief, (3, 12), 30, rng, [(3, 14)])
     assert path is not None
     assert path[-1][1] <= 6

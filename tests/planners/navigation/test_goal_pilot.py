@@ -14,12 +14,12 @@ from tests.planners.flights import fly
 class Fickle(GoalPilot):
     """Prefer the frontier on the other side at every step."""
 
-    def reconsider(self, view: View) -> bool:
+    def wants_replan(self, view: View) -> bool:
         return True
 
     def choose(self, view: View) -> Cell | None:
         known = np.flatnonzero(view.belief[1] == 1)
-        ends = [end for end in ((1, int(known[0])), (1, int(known[-1]))) if not self.spent(view, end)]
+        ends = [end for end in ((1, int(known[0])), (1, int(known[-1]))) if not self.is_spent(view, end)]
         return ends[view.step % len(ends)] if ends else None
 
 

@@ -1,4 +1,4 @@
-"""A pilot that flies to lookouts: places with something unknown in view, be they on the frontier or not."""
+"""A pilot that flies to candidates: cells with something unknown in view, on the frontier or not."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
-#: Places this near to a goal are taken for the same, in cells or in lidar ranges, whichever is more.
+#: Candidates this near to a goal count as that goal, in cells or in lidar ranges, whichever is more.
 SAME_CELLS, SAME_RANGES = 1.5, 0.2
 
 
-class LookoutPilot(GoalPilot):
-    """Fly to lookouts that a subclass chooses, each at most once.
+class CandidatePilot(GoalPilot):
+    """Fly to candidates that a subclass chooses, each at most once.
 
-    ``visited`` holds the cells in which this UAV has ended a flight: it has seen what can be seen from there.
+    ``visited`` holds the candidates that this UAV has reached: it has seen what can be seen from there.
     """
 
     def __init__(self, briefing: Briefing) -> None:
         super().__init__(briefing)
         self.visited: set[Cell] = set()
 
-    def spent(self, view: View, goal: Cell) -> bool:
+    def is_spent(self, view: View, goal: Cell) -> bool:
         """Tell whether nothing unknown is in view of a goal, or this UAV has been there and seen what it could."""
-        if not super().spent(view, goal):
+        if not super().is_spent(view, goal):
             return False
         if view.cell == goal:
             self.visited.add(goal)
         return goal in self.visited or view_gain(view.belief, goal, float(self.briefing.lidar_range)) == 0
 
-    def favour(self, goal: Cell | None, cells: NDArray[np.int32], hold: float) -> NDArray[np.float64]:
-        """Return what (K,) flat cells count for a UAV on its way to a goal, (K,): ``1 + hold`` near it, 1 elsewhere."""
+    def hysteresis_bonus(self, goal: Cell | None, cells: NDArray[np.int32], hold: float) -> NDArray[np.float64]:
+        """Return the factor on what (K,) flat cells are worth to a UAV: ``1 + hold`` near its goal, else 1, (K,)."""
         if goal is None:
             return np.ones(len(cells))
         rows, cols = np.divmod(cells, self.paths.width)
