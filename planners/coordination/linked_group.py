@@ -20,7 +20,7 @@ NOWHERE = (-1.0, -1.0)
 _HEAD = 4
 
 
-class Member(NamedTuple):
+class LinkedMember(NamedTuple):
     """One UAV of the linked group."""
 
     agent: int
@@ -32,7 +32,7 @@ class Member(NamedTuple):
     """Teammates out of contact that it told of; their age counts from when it was told."""
 
 
-def told(view: View, briefing: Briefing, goal: Cell | None, plan: tuple[float, ...]) -> Message:
+def plan_message(view: View, briefing: Briefing, goal: Cell | None, plan: tuple[float, ...]) -> Message:
     """Return the message of a UAV after a decision."""
     away = sorted(
         (mate for mate in remembered(view, briefing) if mate.age > 0), key=lambda mate: (mate.age, mate.agent)
@@ -44,26 +44,26 @@ def told(view: View, briefing: Briefing, goal: Cell | None, plan: tuple[float, .
     return (*head, *plan, *numbers)
 
 
-def _member(agent: int, cell: Cell, message: Message, view: View, width: int) -> Member:
+def _member(agent: int, cell: Cell, message: Message, view: View, width: int) -> LinkedMember:
     if message is None or len(message) < _HEAD:
-        return Member(agent, cell, None, NOWHERE, ())
+        return LinkedMember(agent, cell, None, NOWHERE, ())
     numbers = [int(number) for number in message]
     goal = (numbers[0], numbers[1]) if numbers[0] >= 0 else None
     absent = [
         Mate(numbers[at], divmod(numbers[at + 2], width), view.step - numbers[at + 1], None)
         for at in range(_HEAD, len(numbers), 3)
     ]
-    return Member(agent, cell, goal, message[2:_HEAD], tuple(absent))
+    return LinkedMember(agent, cell, goal, message[2:_HEAD], tuple(absent))
 
 
-def group(view: View, briefing: Briefing, message: Message) -> list[Member]:
+def linked_members(view: View, briefing: Briefing, message: Message) -> list[LinkedMember]:
     """Return the linked group by number, this UAV and its own last ``message`` included."""
     known = [(mate.agent, mate.cell, mate.message) for mate in linked(view)]
     own = (briefing.agent, view.cell, message)
     return sorted(_member(*facts, view, briefing.shape[1]) for facts in [own, *known])
 
 
-def absentees(members: Sequence[Member], briefing: Briefing) -> list[Mate]:
+def absentees(members: Sequence[LinkedMember], briefing: Briefing) -> list[Mate]:
     """Return the teammates that the group has out of contact, by its latest news, those forgotten or ended left out."""
     radio, present = briefing.scenario.radio, {member.agent for member in members}
     latest: dict[int, Mate] = {}

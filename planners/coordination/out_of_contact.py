@@ -22,7 +22,7 @@ LEAST = 1e-3
 StepsFrom = Callable[[Cell], Distances]
 
 
-class Unlinked:
+class OutOfContact:
     """One UAV's reckoning with the teammates that it is out of contact with, for one episode.
 
     A silent teammate is taken to work around where it was, or where it said that it goes; one that was never heard, to

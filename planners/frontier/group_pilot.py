@@ -26,7 +26,7 @@ CLUSTERS = 64
 INHERITANCE = 0.5
 
 
-class Member(NamedTuple):
+class GroupMember(NamedTuple):
     """One UAV of the group."""
 
     agent: int
@@ -91,12 +91,12 @@ class GroupPilot(GoalPilot):
         self.message = message_of(goal)
         return goal
 
-    def members(self, view: View) -> list[Member]:
+    def members(self, view: View) -> list[GroupMember]:
         """Return this UAV and the teammates to reckon with, by number."""
-        own = Member(self.briefing.agent, view.cell, self.goal)
+        own = GroupMember(self.briefing.agent, view.cell, self.goal)
         return sorted([own, *map(member_of, remembered(view, self.briefing))], key=lambda member: member.agent)
 
-    def choices(self, view: View, members: list[Member]) -> Choices:
+    def choices(self, view: View, members: list[GroupMember]) -> Choices:
         """Return what the group can choose from."""
         clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
         near = [nearest_cells(self.steps_from(view, member.cell), clusters) for member in members]
@@ -121,6 +121,6 @@ class GroupPilot(GoalPilot):
         return held
 
 
-def member_of(mate: Mate) -> Member:
+def member_of(mate: Mate) -> GroupMember:
     """Return a teammate as a member; its goal counts only for a while."""
-    return Member(mate.agent, mate.cell, told_goal(mate))
+    return GroupMember(mate.agent, mate.cell, told_goal(mate))

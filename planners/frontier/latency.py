@@ -125,7 +125,7 @@ class LatencyPilot(GoalPilot):
         clusters = frontier_clusters(view.belief, self._range)
         field = self.steps_from(view, view.cell)
         nearest, _ = nearest_cells(field, clusters)
-        cells, owner = lookouts(clusters, nearest, STRIDE * self._range)
+        cells, owner = cluster_viewpoints(clusters, nearest, STRIDE * self._range)
         steps = field.ravel()[cells]
         fine = (steps < UNREACHABLE) & ~self.near_banned(view, cells)
         cells, owner, steps = cells[fine], owner[fine], steps[fine]
@@ -158,7 +158,9 @@ class LatencyPilot(GoalPilot):
 
 
 @kernel()
-def _lookouts(cells: np.ndarray, ends: np.ndarray, nearest: np.ndarray, stride: float) -> tuple[np.ndarray, np.ndarray]:
+def _cluster_viewpoints(
+    cells: np.ndarray, ends: np.ndarray, nearest: np.ndarray, stride: float
+) -> tuple[np.ndarray, np.ndarray]:
     count = ends.shape[0] - 1
     out = np.empty(cells.shape[0] + count, np.int32)
     owner = np.empty(cells.shape[0] + count, np.int64)
@@ -176,14 +178,14 @@ def _lookouts(cells: np.ndarray, ends: np.ndarray, nearest: np.ndarray, stride: 
     return out[:found], owner[:found]
 
 
-def lookouts(
+def cluster_viewpoints(
     clusters: Clusters, nearest: NDArray[np.int32], stride: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
     """Return (cells, owner): each cluster's nearest cell and one of every ``stride`` others, and their clusters.
 
     Both are (L,), the cells flat, in the order of the clusters.
     """
-    return _lookouts(clusters.cells, clusters.ends, nearest, stride)
+    return _cluster_viewpoints(clusters.cells, clusters.ends, nearest, stride)
 
 
 def first_of_each(owner: NDArray[np.int64], scores: NDArray[np.float64]) -> NDArray[np.int64]:

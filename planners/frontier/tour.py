@@ -50,7 +50,7 @@ class TourPilot(GroupPilot):
     def __init__(self, briefing: Briefing, policy: FrontierTour) -> None:
         super().__init__(briefing)
         self._policy = policy
-        self._between = Between(self.paths)
+        self._between = DistanceCache(self.paths)
 
     def assigned(self, view: View, choices: Choices) -> int:
         """Return the first cluster of this UAV's tour."""
@@ -67,7 +67,7 @@ class TourPilot(GroupPilot):
         return int(own[open_tour(costs[np.ix_(nodes, nodes)])[1] - 1])
 
 
-class Between:
+class DistanceCache:
     """Steps between places, kept from one tour to the next.
 
     A kept distance may be longer than the shortest path on a map that has grown since, never shorter.

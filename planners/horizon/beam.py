@@ -78,7 +78,7 @@ class States(NamedTuple):
     """Where the state, or a candidate's parent, is in the tree of all states kept."""
 
 
-class Tree(NamedTuple):
+class StateTree(NamedTuple):
     """The states kept at all steps."""
 
     cell: np.ndarray
@@ -212,7 +212,7 @@ def _select(rank: np.ndarray, order: np.ndarray, keep: int) -> None:
 
 
 @kernel()
-def _keep(children: States, found: int, config: BeamConfig, states: States, tree: Tree, nodes: int) -> int:
+def _keep(children: States, found: int, config: BeamConfig, states: States, tree: StateTree, nodes: int) -> int:
     """Move the best children to ``states`` and into the tree; return how many they are."""
     order = np.arange(found)
     kept = min(found, config.width)
@@ -226,7 +226,7 @@ def _keep(children: States, found: int, config: BeamConfig, states: States, tree
 
 
 @kernel()
-def _traced(tree: Tree, node: int, last: int) -> np.ndarray:
+def _traced(tree: StateTree, node: int, last: int) -> np.ndarray:
     """Return the cells after the root up to ``node``, then ``last`` if that is a cell."""
     cells = [np.int32(last)]
     while node > 0:
@@ -247,7 +247,7 @@ def shortest_tour(
     """
     words = graph.views.shape[1]
     states, children = _new_states(config.width, words), _new_states(4 * config.width, words)
-    tree = Tree(
+    tree = StateTree(
         np.empty(config.width * config.depth + 1, np.int32), np.empty(config.width * config.depth + 1, np.int32)
     )
     size = 64

@@ -19,7 +19,7 @@ Cells = NDArray[np.int32]
 Table = NDArray[np.float64]
 
 
-class Interest(NamedTuple):
+class UnknownWeight(NamedTuple):
     """How much an unknown cell counts: (1 + isolation k / 24) e^(-depth / fade)."""
 
     isolation: float
@@ -49,7 +49,7 @@ def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
 
 
 @leaf()
-def worth(belief: np.ndarray, depth: np.ndarray, cell: int, interest: Interest) -> float:
+def worth(belief: np.ndarray, depth: np.ndarray, cell: int, interest: UnknownWeight) -> float:
     """Return how much a flat unknown cell counts."""
     row, col = divmod(cell, belief.shape[1])
     isolated = 1.0 + interest.isolation * known_around(belief, row, col) / AROUND
@@ -57,8 +57,8 @@ def worth(belief: np.ndarray, depth: np.ndarray, cell: int, interest: Interest) 
 
 
 @kernel()
-def _sights(
-    belief: np.ndarray, cells: np.ndarray, depth: np.ndarray, interest: Interest, lens: Optics, scan: Scan
+def _visible_unknown(
+    belief: np.ndarray, cells: np.ndarray, depth: np.ndarray, interest: UnknownWeight, lens: Optics, scan: Scan
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the unknown cells in view of each candidate, (K, disc + 1), how many, (K,), and each cell's worth."""
     width = belief.shape[1]
@@ -76,14 +76,16 @@ def _sights(
 
 
 @kernel()
-def views(belief: np.ndarray, cells: np.ndarray, interest: Interest, lens: Optics) -> tuple[np.ndarray, np.ndarray]:
+def candidate_views(
+    belief: np.ndarray, cells: np.ndarray, interest: UnknownWeight, lens: Optics
+) -> tuple[np.ndarray, np.ndarray]:
     """Return how much is in view of each of (K,) flat cells, (K,), and what share another one also sees, (K, K).
 
     Counted are the unknown cells, by their worth; unknown cells are transparent.
     """
     depth, mark = np.empty(belief.shape, np.int32), np.empty(belief.size, np.int32)
     depths(belief, mark, depth)
-    lists, sizes, value = _sights(belief, cells, depth, interest, lens, new_scan(lens))
+    lists, sizes, value = _visible_unknown(belief, cells, depth, interest, lens, new_scan(lens))
     count = cells.shape[0]
     shared = np.zeros((count, count))
     mark[:] = -1
@@ -102,7 +104,7 @@ def views(belief: np.ndarray, cells: np.ndarray, interest: Interest, lens: Optic
 
 
 @kernel()
-def hops(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, limit: int) -> np.ndarray:
+def distances_between(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, limit: int) -> np.ndarray:
     """Return the steps between (K,) flat cells, (K, K).
 
     Beyond ``limit`` these are the steps of the way past a UAV, from its (N, K) distances ``steps``.
@@ -130,7 +132,7 @@ def _gains(belief: np.ndarray, cells: np.ndarray, lens: Optics) -> np.ndarray:
     return gains
 
 
-def frontiers(belief: Belief, fields: Distances, lidar_range: float, most: int) -> Cells:
+def frontier_candidates(belief: Belief, fields: Distances, lidar_range: float, most: int) -> Cells:
     """Return the flat cell nearest to the group of each frontier cluster, of the ``most`` clusters nearest to it.
 
     ``fields`` is (N, H, W), each UAV's steps.
@@ -140,7 +142,9 @@ def frontiers(belief: Belief, fields: Distances, lidar_range: float, most: int) 
     return cells[order[steps[order] < UNREACHABLE]]
 
 
-def surroundings(belief: Belief, fields: Distances, lidar_range: float, reach: int, rate: float, most: int) -> Cells:
+def local_candidates(
+    belief: Belief, fields: Distances, lidar_range: float, reach: int, rate: float, most: int
+) -> Cells:
     """Return flat known cells at most ``reach`` steps from a UAV with something unknown in view.
 
     Of each UAV's, those ``most`` with the largest sqrt(view gain) e^(-rate steps); it need not fly up to a frontier

@@ -40,7 +40,7 @@ def unclaimed_gains(
 
 
 @kernel()
-def _sights(belief: np.ndarray, cells: np.ndarray, lens: Optics) -> tuple[np.ndarray, int]:
+def _visible_sets(belief: np.ndarray, cells: np.ndarray, lens: Optics) -> tuple[np.ndarray, int]:
     width = belief.shape[1]
     scan = new_scan(lens)
     number = np.full(belief.size, -1, np.int64)
@@ -63,12 +63,12 @@ def _sights(belief: np.ndarray, cells: np.ndarray, lens: Optics) -> tuple[np.nda
     return bits, total
 
 
-def sights(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDArray[np.uint64]:
+def visible_sets(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDArray[np.uint64]:
     """Return the sets of unknown cells visible from each of (K,) flat cells as bits, (K, words) uint64.
 
     Unknown cells are numbered in the order they are met; a set of bits ored together is a joint view.
     """
-    return np.asarray(_sights(belief, cells, optics(float(lidar_range)))[0])
+    return np.asarray(_visible_sets(belief, cells, optics(float(lidar_range)))[0])
 
 
 #: Half the side of the square around an unknown cell in which known cells make it isolated.

@@ -4,9 +4,9 @@ Teammates are not in the map, and without radio a UAV does not know of them at a
 happen. In a convoy that happens, too, so the first failed move is ignored. From the second on the UAV draws at random:
 it repeats the move, or it makes way. It makes way by a detour if that is not much longer, else by a retreat to a
 passing place, where it waits about as long as the path there was; from a crossing it takes any way out. A UAV with no
-passing place in reach usually retries its move; the others can yield. The longest reach of a retreat doubles each time that one
-soon follows another, so of two UAVs head-on in a corridor one leaves it in the end, however long the corridor is. The
-reach itself is drawn, so that small jams are resolved nearby. Each UAV draws from its own generator.
+passing place in reach usually retries its move; the others can yield. The longest reach of a retreat doubles each time
+that one soon follows another, so of two UAVs head-on in a corridor one leaves it in the end, however long the corridor
+is. The reach itself is drawn, so that small jams are resolved nearby. Each UAV draws from its own generator.
 
 :mod:`indoor_explorers.learners.guard` resolves deadlocks of learned policies, which have neither goals nor paths.
 """

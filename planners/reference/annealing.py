@@ -16,9 +16,9 @@ from indoor_explorers.env.grid.randomness import draw
 from indoor_explorers.env.search.visibility import VisibilityTable, count_unseen
 from indoor_explorers.planners.reference.routes import (
     Aims,
-    Crew,
-    Legs,
+    DistanceTable,
     Routes,
+    TeamState,
     cheapest_place,
     copy,
     cost,
@@ -43,16 +43,18 @@ PIECE = 8
 
 
 @leaf()
-def roll(dice: np.ndarray, sides: int) -> int:
-    """Draw an integer from 0 to ``sides`` - 1; ``dice`` (2,) uint64 holds a key and a counter."""
-    dice[1] += np.uint64(1)
-    return int(np.int64(draw(dice[0], dice[1]) % np.uint64(sides)))  # signed: unsigned ones make floats of others
+def draw_below(rng_state: np.ndarray, sides: int) -> int:
+    """Draw an integer from 0 to ``sides`` - 1; ``rng_state`` (2,) uint64 holds a key and a counter."""
+    rng_state[1] += np.uint64(1)
+    return int(
+        np.int64(draw(rng_state[0], rng_state[1]) % np.uint64(sides))
+    )  # signed: unsigned ones make floats of others
 
 
 @leaf()
-def _pick(routes: Routes, dice: np.ndarray) -> tuple[int, int]:
+def _pick(routes: Routes, rng_state: np.ndarray) -> tuple[int, int]:
     """Draw one of all stops: its route and place; there must be one."""
-    p = roll(dice, count_stops(routes))
+    p = draw_below(rng_state, count_stops(routes))
     n = 0
     while p >= routes.sizes[n]:
         p -= routes.sizes[n]
@@ -61,44 +63,50 @@ def _pick(routes: Routes, dice: np.ndarray) -> tuple[int, int]:
 
 
 @leaf()
-def _insert(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, point: int) -> bool:
-    find_steps(table, legs, point)
-    _, n, p = cheapest_place(legs, routes, crew.starts, point)
+def _insert(table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, point: int) -> bool:
+    find_steps(table, distances, point)
+    _, n, p = cheapest_place(distances, routes, state.starts, point)
     return put(routes, n, p, point)
 
 
 @leaf()
-def _shift(table: VisibilityTable, legs: Legs, routes: Routes, dice: np.ndarray) -> bool:
+def _shift(table: VisibilityTable, distances: DistanceTable, routes: Routes, rng_state: np.ndarray) -> bool:
     """Put a viewpoint a few random steps away in the place of a stop."""
-    n, p = _pick(routes, dice)
-    cell = legs.points[routes.stops[n, p]]
-    for _ in range(1 + roll(dice, 4)):
-        other = table.neighbours[cell, roll(dice, 4)]
+    n, p = _pick(routes, rng_state)
+    cell = distances.points[routes.stops[n, p]]
+    for _ in range(1 + draw_below(rng_state, 4)):
+        other = table.neighbours[cell, draw_below(rng_state, 4)]
         cell = other if other >= 0 else cell
-    point = legs.nearest[cell]
+    point = distances.nearest[cell]
     if point == routes.stops[n, p]:
         return False
-    find_steps(table, legs, point)
+    find_steps(table, distances, point)
     routes.stops[n, p] = point
     return True
 
 
 @leaf()
-def _relocate(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, dice: np.ndarray) -> bool:
+def _relocate(
+    table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, rng_state: np.ndarray
+) -> bool:
     """Move a stop to where it costs least, or anywhere."""
-    n, p = _pick(routes, dice)
+    n, p = _pick(routes, rng_state)
     point = take(routes, n, p)
-    if roll(dice, 2) == 0:
-        return _insert(table, legs, routes, crew, point)
-    m = roll(dice, routes.sizes.shape[0])
-    return put(routes, m, roll(dice, routes.sizes[m] + 1), point)
+    if draw_below(rng_state, 2) == 0:
+        return _insert(table, distances, routes, state, point)
+    m = draw_below(rng_state, routes.sizes.shape[0])
+    return put(routes, m, draw_below(rng_state, routes.sizes[m] + 1), point)
 
 
 @leaf()
-def _move_piece(routes: Routes, dice: np.ndarray) -> bool:
+def _move_piece(routes: Routes, rng_state: np.ndarray) -> bool:
     """Move a few stops that follow one another to anywhere, the last one first in every other case."""
-    n, p = _pick(routes, dice)
-    m, size, turned = roll(dice, routes.sizes.shape[0]), 1 + roll(dice, PIECE), roll(dice, 2) == 0
+    n, p = _pick(routes, rng_state)
+    m, size, turned = (
+        draw_below(rng_state, routes.sizes.shape[0]),
+        1 + draw_below(rng_state, PIECE),
+        draw_below(rng_state, 2) == 0,
+    )
     size = min(size, routes.sizes[n] - p)
     if turned:
         reverse(routes, n, p, p + size - 1)
@@ -106,38 +114,40 @@ def _move_piece(routes: Routes, dice: np.ndarray) -> bool:
         left = routes.sizes[n] - p - size
         if left == 0:
             return turned and size > 1
-        other = 1 + roll(dice, left)
+        other = 1 + draw_below(rng_state, left)
         reverse(routes, n, p, p + size - 1)
         reverse(routes, n, p + size, p + size + other - 1)
         reverse(routes, n, p, p + size + other - 1)
         return True
-    q = roll(dice, routes.sizes[m] + 1)
+    q = draw_below(rng_state, routes.sizes[m] + 1)
     if not cross(routes, n, p, m, q):
         return False
     return cross(routes, n, p, m, q + size)
 
 
 @leaf()
-def _change(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, dice: np.ndarray) -> bool:
+def _change(
+    table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, rng_state: np.ndarray
+) -> bool:
     """Change routes in one random way; return False when nothing came of it."""
-    kind = roll(dice, 100)
+    kind = draw_below(rng_state, 100)
     if kind < 7 or count_stops(routes) == 0:
-        return _insert(table, legs, routes, crew, roll(dice, legs.points.shape[0]))
+        return _insert(table, distances, routes, state, draw_below(rng_state, distances.points.shape[0]))
     if kind < 42:
-        return _shift(table, legs, routes, dice)
+        return _shift(table, distances, routes, rng_state)
     if kind < 57:
-        return _relocate(table, legs, routes, crew, dice)
+        return _relocate(table, distances, routes, state, rng_state)
     if kind < 65:
-        return _move_piece(routes, dice)
-    n, p = _pick(routes, dice)
+        return _move_piece(routes, rng_state)
+    n, p = _pick(routes, rng_state)
     if kind < 80:
         take(routes, n, p)
         return True
     if kind < 90:
-        q = roll(dice, routes.sizes[n])
+        q = draw_below(rng_state, routes.sizes[n])
         reverse(routes, n, min(p, q), max(p, q))
         return p != q
-    m, q = _pick(routes, dice)
+    m, q = _pick(routes, rng_state)
     if kind < 97 or m == n:
         routes.stops[n, p], routes.stops[m, q] = routes.stops[m, q], routes.stops[n, p]
         return n != m or p != q
@@ -145,57 +155,70 @@ def _change(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, dice
 
 
 @leaf()
-def _construct(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, aims: Aims, dice: np.ndarray) -> None:
+def _construct(
+    table: VisibilityTable,
+    distances: DistanceTable,
+    routes: Routes,
+    state: TeamState,
+    aims: Aims,
+    rng_state: np.ndarray,
+) -> None:
     """Insert the best of some random viewpoints by new cells a step, until routes see enough or have no more room."""
     samples = SAMPLES
-    left = cost(table, legs, routes, crew, aims, math.inf)[1]
+    left = cost(table, distances, routes, state, aims, math.inf)[1]
     while left > 0:
         best, most = -1, 0.0
         for _ in range(samples):
-            point = roll(dice, legs.points.shape[0])
-            gain = min(count_unseen(table, legs.points[point], crew.seen), left)
+            point = draw_below(rng_state, distances.points.shape[0])
+            gain = min(count_unseen(table, distances.points[point], state.seen), left)
             if gain > 0:
-                find_steps(table, legs, point)
-                score = gain / (cheapest_place(legs, routes, crew.starts, point)[0] + 2.0)
+                find_steps(table, distances, point)
+                score = gain / (cheapest_place(distances, routes, state.starts, point)[0] + 2.0)
                 if score > most:
                     best, most = point, score
-        if best < 0 and samples > MOST_SAMPLES * legs.points.shape[0]:
+        if best < 0 and samples > MOST_SAMPLES * distances.points.shape[0]:
             return
         if best < 0:
             samples *= 2
-        elif _insert(table, legs, routes, crew, best):
-            left = cost(table, legs, routes, crew, aims, math.inf)[1]
+        elif _insert(table, distances, routes, state, best):
+            left = cost(table, distances, routes, state, aims, math.inf)[1]
         else:
             return
 
 
 @kernel()
 def anneal(
-    table: VisibilityTable, legs: Legs, crew: Crew, aims: Aims, key: np.uint64, changes: int, work: int
+    table: VisibilityTable,
+    distances: DistanceTable,
+    state: TeamState,
+    aims: Aims,
+    key: np.uint64,
+    changes: int,
+    work: int,
 ) -> tuple[Routes, float]:
     """Return the best routes found that reach the last aim, and their cost.
 
     Tries so many ``changes``, fewer when they cost more than ``work`` joined words.
     """
-    team, room = crew.starts.shape[0], 64 + table.neighbours.shape[0] // 8
-    dice = np.array([key, np.uint64(0)], np.uint64)
+    team, room = state.starts.shape[0], 64 + table.neighbours.shape[0] // 8
+    rng_state = np.array([key, np.uint64(0)], np.uint64)
     now = Routes(np.zeros((team, room), np.int32), np.zeros(team, np.int64))
-    _construct(table, legs, now, crew, aims, dice)
+    _construct(table, distances, now, state, aims, rng_state)
     best = Routes(now.stops.copy(), now.sizes.copy())
     tried = Routes(now.stops.copy(), now.sizes.copy())
-    least, left = cost(table, legs, now, crew, aims, math.inf)
+    least, left = cost(table, distances, now, state, aims, math.inf)
     value = least + PENALTY * left
-    hot, begun = max(HOT * value, COLD), crew.work[0]
+    hot, begun = max(HOT * value, COLD), state.work[0]
     for change in range(changes):
-        spent = max(change / changes, (crew.work[0] - begun) / work)
+        spent = max(change / changes, (state.work[0] - begun) / work)
         if spent >= 1.0:
             break
         copy(now, tried)
-        if not _change(table, legs, tried, crew, dice):
+        if not _change(table, distances, tried, state, rng_state):
             continue
-        heat = hot * (COLD / hot) ** spent
-        bar = value - heat * math.log((roll(dice, 2**53) + 1) / 2**53)
-        steps, left = cost(table, legs, tried, crew, aims, bar)
+        temperature = hot * (COLD / hot) ** spent
+        bar = value - temperature * math.log((draw_below(rng_state, 2**53) + 1) / 2**53)
+        steps, left = cost(table, distances, tried, state, aims, bar)
         if steps + PENALTY * left <= bar:
             value = steps + PENALTY * left
             copy(tried, now)

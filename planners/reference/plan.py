@@ -26,7 +26,7 @@ from indoor_explorers.env.search.visibility import (
 )
 from indoor_explorers.env.sensing.lidar import optics
 from indoor_explorers.planners.reference.annealing import anneal
-from indoor_explorers.planners.reference.routes import Aims, Crew, Legs, tracks
+from indoor_explorers.planners.reference.routes import Aims, DistanceTable, TeamState, tracks
 
 #: Coverage that the first part of a plan aims at.
 FIRST_AIM = 0.99
@@ -126,14 +126,14 @@ def _nearest(table: VisibilityTable, points: np.ndarray) -> np.ndarray:
     return nearest
 
 
-def _legs(table: VisibilityTable, width: int) -> Legs:
+def _distance_table(table: VisibilityTable, width: int) -> DistanceTable:
     count = len(table.cells)
     stride = math.ceil(count / math.sqrt(TABLE))
     points = np.flatnonzero(_viewpoints(table, width, stride)).astype(np.int32)
     if len(points) * count > LARGEST_TABLE:
         points = np.flatnonzero(_best_viewpoints(table, LARGEST_TABLE // count)).astype(np.int32)
     steps, known = np.empty((len(points), count), np.int32), np.zeros(len(points), np.bool_)
-    return Legs(points, _nearest(table, points), steps, known, np.empty(count, np.int32))
+    return DistanceTable(points, _nearest(table, points), steps, known, np.empty(count, np.int32))
 
 
 @lru_cache(maxsize=32)
@@ -145,27 +145,27 @@ def plan(request: PlanRequest, budget: SearchBudget) -> tuple[Track, ...]:
     height, width = request.shape
     truth = np.frombuffer(request.truth, np.uint8).reshape(request.shape)
     table = visibility_table(truth, request.starts, optics(*request.lidar), count_all_cells=request.count_all_cells)
-    legs = _legs(table, width)
+    distances = _distance_table(table, width)
     number = {int(cell): k for k, cell in enumerate(table.cells)}
     starts = np.array([number[row * width + col] for row, col in request.starts])
-    crew = Crew(starts, starts.copy(), np.zeros_like(starts), np.zeros_like(table.union), np.zeros(1, np.int64))
+    state = TeamState(starts, starts.copy(), np.zeros_like(starts), np.zeros_like(table.union), np.zeros(1, np.int64))
     total = height * width if request.count_all_cells else len(table.cells)
-    shown = _shown(table, np.concatenate([starts, legs.points]))
+    shown = _shown(table, np.concatenate([starts, distances.points]))
     first, last = (
         min(math.ceil(level * total - 1e-9), shown) for level in (min(FIRST_AIM, request.goal), request.goal)
     )
     aims = Aims(first, last, SHARE)
     found = [
-        anneal(table, legs, crew, aims, np.uint64(restart), budget.changes, budget.work)
+        anneal(table, distances, state, aims, np.uint64(restart), budget.changes, budget.work)
         for restart in range(budget.restarts)
     ]
     routes, _ = min(found, key=lambda one: one[1])
-    numbers = tracks(table, legs, routes, crew, aims)
+    numbers = tracks(table, distances, routes, state, aims)
     flown = [table.cells[numbers[:, n]].tolist() for n in range(len(request.starts))]
-    return tuple(tuple(divmod(cell, width) for cell in track) for track in untangled(flown))
+    return tuple(tuple(divmod(cell, width) for cell in track) for track in swap_resolved(flown))
 
 
-def untangled(flown: Sequence[Sequence[int]]) -> list[list[int]]:
+def swap_resolved(flown: Sequence[Sequence[int]]) -> list[list[int]]:
     """Let UAVs that would pass through each other exchange the rests of their ways instead.
 
     ``flown`` holds each UAV's cell at every step. The team is in the same cells as before, one step later.

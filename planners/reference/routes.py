@@ -19,7 +19,7 @@ from indoor_explorers.env.search.visibility import VisibilityTable, add_visible
 FAR = np.int32(2**20)
 
 
-class Legs(NamedTuple):
+class DistanceTable(NamedTuple):
     """K viewpoints and the steps to them, worked out as they are needed."""
 
     points: NDArray[np.int32]
@@ -54,7 +54,7 @@ class Aims(NamedTuple):
     """What a step between the first aim and the last costs; before the first it costs 1."""
 
 
-class Crew(NamedTuple):
+class TeamState(NamedTuple):
     """Where N UAVs are while routes are flown, and what they see."""
 
     starts: NDArray[np.int64]
@@ -70,61 +70,63 @@ class Crew(NamedTuple):
 
 
 @leaf()
-def find_steps(table: VisibilityTable, legs: Legs, point: int) -> None:
+def find_steps(table: VisibilityTable, distances: DistanceTable, point: int) -> None:
     """Work out the steps to a viewpoint unless they are known."""
-    if legs.known[point]:
+    if distances.known[point]:
         return
-    legs.known[point] = True
-    steps = legs.steps[point]
+    distances.known[point] = True
+    steps = distances.steps[point]
     steps[:] = FAR
-    steps[legs.points[point]] = 0
-    legs.queue[0] = legs.points[point]
-    flood_table(table.neighbours, 1, legs.queue, steps)
+    steps[distances.points[point]] = 0
+    distances.queue[0] = distances.points[point]
+    flood_table(table.neighbours, 1, distances.queue, steps)
 
 
 @leaf()
-def start(table: VisibilityTable, crew: Crew) -> int:
+def start(table: VisibilityTable, state: TeamState) -> int:
     """Put the UAVs at their starts; return how many cells their first scans show."""
-    crew.seen[:] = 0
+    state.seen[:] = 0
     new = 0
-    for n in range(crew.starts.shape[0]):
-        crew.cell[n], crew.stop[n] = crew.starts[n], 0
-        new += add_visible(table, crew.starts[n], crew.seen)
+    for n in range(state.starts.shape[0]):
+        state.cell[n], state.stop[n] = state.starts[n], 0
+        new += add_visible(table, state.starts[n], state.seen)
     return new
 
 
 @leaf()
-def fly_on(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew) -> int:
+def fly_on(table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState) -> int:
     """Move every UAV one step along its route; return how many cells that shows, -1 when all routes are flown."""
     new = -1
-    for n in range(crew.cell.shape[0]):
-        cell = crew.cell[n]
-        while crew.stop[n] < routes.sizes[n]:
-            steps = legs.steps[routes.stops[n, crew.stop[n]]]
+    for n in range(state.cell.shape[0]):
+        cell = state.cell[n]
+        while state.stop[n] < routes.sizes[n]:
+            steps = distances.steps[routes.stops[n, state.stop[n]]]
             if 0 < steps[cell] < FAR:
                 break
-            crew.stop[n] += 1
-        if crew.stop[n] == routes.sizes[n]:
+            state.stop[n] += 1
+        if state.stop[n] == routes.sizes[n]:
             continue
         for k in range(4):
             other = table.neighbours[cell, k]
             if other >= 0 and steps[other] < steps[cell]:
-                crew.cell[n] = other
+                state.cell[n] = other
                 break
-        crew.work[0] += table.offsets[other + 1] - table.offsets[other]
-        new = max(new, 0) + add_visible(table, crew.cell[n], crew.seen)
+        state.work[0] += table.offsets[other + 1] - table.offsets[other]
+        new = max(new, 0) + add_visible(table, state.cell[n], state.seen)
     return new
 
 
 @leaf()
-def cost(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, aims: Aims, limit: float) -> tuple[float, int]:
+def cost(
+    table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, aims: Aims, limit: float
+) -> tuple[float, int]:
     """Fly routes to their ends, the last aim, or a cost above ``limit``; return the cost and how many cells miss.
 
     A step costs 1 before the first aim is reached and ``aims.share`` after it.
     """
-    seen, spent = start(table, crew), 0.0
+    seen, spent = start(table, state), 0.0
     while seen < aims.last and spent <= limit:
-        new = fly_on(table, legs, routes, crew)
+        new = fly_on(table, distances, routes, state)
         if new < 0:
             break
         spent += 1.0 if seen < aims.first else aims.share
@@ -133,19 +135,21 @@ def cost(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, aims: A
 
 
 @kernel()
-def tracks(table: VisibilityTable, legs: Legs, routes: Routes, crew: Crew, aims: Aims) -> np.ndarray:
+def tracks(
+    table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, aims: Aims
+) -> np.ndarray:
     """Return the numbers of the cells that the UAVs are in up to the last aim, (steps + 1, N)."""
-    seen, steps = start(table, crew), 0
-    out = np.empty((1024, crew.cell.shape[0]), np.int64)
-    out[0] = crew.cell
+    seen, steps = start(table, state), 0
+    out = np.empty((1024, state.cell.shape[0]), np.int64)
+    out[0] = state.cell
     while seen < aims.last:
-        new = fly_on(table, legs, routes, crew)
+        new = fly_on(table, distances, routes, state)
         if new < 0:
             break
         seen, steps = seen + new, steps + 1
         if steps == out.shape[0]:
             out = np.concatenate((out, np.empty_like(out)))
-        out[steps] = crew.cell
+        out[steps] = state.cell
     return out[: steps + 1]
 
 
@@ -219,17 +223,17 @@ def cross(routes: Routes, n: int, p: int, m: int, q: int) -> bool:
 
 
 @leaf()
-def cheapest_place(legs: Legs, routes: Routes, starts: np.ndarray, point: int) -> tuple[int, int, int]:
+def cheapest_place(distances: DistanceTable, routes: Routes, starts: np.ndarray, point: int) -> tuple[int, int, int]:
     """Return where a viewpoint, its steps known, lengthens a route least: the steps more, the route, the stop."""
     least, best, at = np.int64(FAR) * 4, 0, 0
     for n in range(routes.sizes.shape[0]):
         cell = starts[n]
         for p in range(routes.sizes[n] + 1):
-            more = np.int64(legs.steps[point, cell])
+            more = np.int64(distances.steps[point, cell])
             if p < routes.sizes[n]:
-                after = legs.steps[routes.stops[n, p]]
-                more += np.int64(after[legs.points[point]]) - np.int64(after[cell])
-                cell = legs.points[routes.stops[n, p]]
+                after = distances.steps[routes.stops[n, p]]
+                more += np.int64(after[distances.points[point]]) - np.int64(after[cell])
+                cell = distances.points[routes.stops[n, p]]
             if more < least:
                 least, best, at = more, n, p
     return int(least), best, at

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.planners.routing.local_search import Effort, Objective, cost_of, improve
+from indoor_explorers.planners.routing.local_search import Objective, SearchSettings, cost_of, improve
 
 #: Rounds of improvement: until nothing is found any more.
 ROUNDS = 2**31
@@ -24,8 +24,8 @@ def _value(costs: np.ndarray, gains: np.ndarray, order: np.ndarray, rate: float)
 
 @kernel()
 def _improve(costs: np.ndarray, gains: np.ndarray, order: np.ndarray, rate: float) -> float:
-    effort = Effort(ROUNDS, False, 0.0, LEAST_SHARE)
-    return float(-improve(order, costs[order[0]], costs, gains, Objective(0.0, rate), effort))
+    settings = SearchSettings(ROUNDS, False, 0.0, LEAST_SHARE)
+    return float(-improve(order, costs[order[0]], costs, gains, Objective(0.0, rate), settings))
 
 
 def value_of_tour(

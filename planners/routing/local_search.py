@@ -24,7 +24,7 @@ class Objective(NamedTuple):
     """With a rate above 0, the cost is -sum(w e^(-rate t)), whatever the latency."""
 
 
-class Effort(NamedTuple):
+class SearchSettings(NamedTuple):
     """How far an order is improved."""
 
     rounds: int
@@ -95,24 +95,24 @@ def improve(
     between: np.ndarray,
     weights: np.ndarray,
     objective: Objective,
-    effort: Effort,
+    settings: SearchSettings,
 ) -> float:
     """Improve an order in place, but for its first place; return its cost. The arrays are those of :func:`cost_of`."""
     count = order.shape[0]
     cost = cost_of(order, start, between, weights, objective)
-    for _ in range(effort.rounds):
+    for _ in range(settings.rounds):
         before = cost
         for i in range(1, count):
             for j in range(1, count):
                 for reverses in (True, False):
-                    if i == j or (reverses and (j < i or not effort.reversals)):
+                    if i == j or (reverses and (j < i or not settings.reversals)):
                         continue
                     if reverses:
                         _reverse(order, i, j)
                     else:
                         _move(order, i, j)
                     new = cost_of(order, start, between, weights, objective)
-                    if new < cost - effort.least_saving - effort.least_share * abs(cost):
+                    if new < cost - settings.least_saving - settings.least_share * abs(cost):
                         cost = new
                     elif reverses:
                         _reverse(order, i, j)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.planners.routing.local_search import Effort, Objective, by_nearest, improve
+from indoor_explorers.planners.routing.local_search import Objective, SearchSettings, by_nearest, improve
 
 #: Rounds of improvement after which an order is good enough.
 ROUNDS = 8
@@ -24,7 +24,7 @@ def improved_cost(
 ) -> float:
     """Improve an order in place, but for its first place; return its cost."""
     return float(
-        improve(order, start, between, shares, Objective(latency, 0.0), Effort(ROUNDS, True, LEAST_SAVING, 0.0))
+        improve(order, start, between, shares, Objective(latency, 0.0), SearchSettings(ROUNDS, True, LEAST_SAVING, 0.0))
     )
 
 

@@ -1,7 +1,7 @@
-"""What a flight to a place promises: the best short sequence that begins there, and the way through all the rest.
+"""What a place is worth as the next goal: the best short sequence that begins there, and the path through the rest.
 
-Both read a :class:`Task`, the places that a group of UAVs can choose from. A sequence earns what each of its places
-shows, discounted by the time of arrival and counted once; it is found by trying all of them, with bounds. The rest is
+Both read a :class:`DecisionProblem`, the places that a group of UAVs can choose from. A sequence earns what each of its
+places shows, discounted by the time of arrival and counted once; all sequences are tried, with bounds. The rest is
 ordered as in :mod:`indoor_explorers.planners.routing.min_latency`.
 """
 
@@ -22,7 +22,7 @@ from indoor_explorers.planners.routing.min_latency import improved_cost
 LENGTH = 3
 
 
-class Task(NamedTuple):
+class DecisionProblem(NamedTuple):
     """Where N UAVs could fly: K places, distances in lidar ranges; ``UNREACHABLE`` where there is no path."""
 
     cells: NDArray[np.int32]
@@ -37,11 +37,11 @@ class Task(NamedTuple):
     """(K,) what is in view of each place."""
     shared: NDArray[np.float64]
     """(K, K) the share of the first one's view that is in view of the second one, too."""
-    favour: NDArray[np.float64]
+    hysteresis: NDArray[np.float64]
     """(N, K) factor of what a place counts for a UAV as its first."""
 
 
-class Worth(NamedTuple):
+class Utility(NamedTuple):
     """What a view counts when it is had: (gain left)^power e^(-rate t) trust^k."""
 
     power: float
@@ -54,17 +54,22 @@ class Worth(NamedTuple):
 
 @kernel()
 def _best(
-    away: np.ndarray, between: np.ndarray, gains: np.ndarray, shared: np.ndarray, favour: np.ndarray, worth: Worth
+    away: np.ndarray,
+    between: np.ndarray,
+    gains: np.ndarray,
+    shared: np.ndarray,
+    hysteresis: np.ndarray,
+    utility: Utility,
 ) -> tuple[np.ndarray, np.ndarray]:
     count = away.shape[0]
-    power, rate, trust = worth
+    power, rate, trust = utility
     values, sequences = np.zeros(count), np.full((count, LENGTH), -1, np.int64)
     most = gains.max() ** power
     for a in range(count):
         sequences[a, 0] = a
         if away[a] >= UNREACHABLE:
             continue
-        one = gains[a] ** power * np.exp(-rate * away[a]) * favour[a]
+        one = gains[a] ** power * np.exp(-rate * away[a]) * hysteresis[a]
         best = one
         for b in range(count):
             if b == a:
@@ -88,14 +93,14 @@ def _best(
 
 
 def best_sequences(
-    task: Task, uav: int, gains: NDArray[np.float64], worth: Worth
+    problem: DecisionProblem, uav: int, gains: NDArray[np.float64], utility: Utility
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return for each of K places the value of a UAV's best sequence of up to three that begins there, and it.
 
-    ``gains`` (K,) is what teammates have left of the task's. Values are (K,), 0 for what cannot be reached;
+    ``gains`` (K,) is what teammates have left of the problem's. Values are (K,), 0 for what cannot be reached;
     sequences (K, 3) hold numbers of places, -1 after their end.
     """
-    return _best(task.away[uav], task.between, gains, task.shared, task.favour[uav], worth)
+    return _best(problem.away[uav], problem.between, gains, problem.shared, problem.hysteresis[uav], utility)
 
 
 @kernel()
@@ -112,11 +117,16 @@ def _rest(
 
 
 def cost_of_rest(
-    task: Task, uav: int, first: int, rest: NDArray[np.int64], weights: NDArray[np.float64], latency: float
+    problem: DecisionProblem,
+    uav: int,
+    first: int,
+    rest: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    latency: float,
 ) -> float:
     """Return what a good order of some places costs that begins with ``first``, in lidar ranges.
 
     ``rest`` are the numbers of the others; the cost is when the last place is reached plus ``latency`` times the mean
     waiting time, in which places count by their ``weights`` (K,).
     """
-    return float(_rest(first, rest, task.away[uav], task.between, weights, latency))
+    return float(_rest(first, rest, problem.away[uav], problem.between, weights, latency))

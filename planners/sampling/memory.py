@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.information.view_gain import WeightedGains
-from indoor_explorers.planners.sampling.rrt_nbv import RrtNbv
+from indoor_explorers.planners.sampling.rrt_nbv import TreePolicy
 from indoor_explorers.planners.sampling.samples import box_around, known_cells, tree_samples
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import grow_tree
@@ -36,10 +36,10 @@ def tree_cells(
     return np.concatenate([cells[cells >= 0], entries(view.belief, *tree)])
 
 
-class Memory:
+class ViewpointMemory:
     """The viewpoints that one UAV's trees have found."""
 
-    def __init__(self, briefing: Briefing, policy: RrtNbv) -> None:
+    def __init__(self, briefing: Briefing, policy: TreePolicy) -> None:
         self._policy = policy
         self._rng = briefing.rng
         self._promises = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)

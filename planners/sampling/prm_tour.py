@@ -12,7 +12,7 @@ from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_mask
-from indoor_explorers.planners.information.view_gain import sights
+from indoor_explorers.planners.information.view_gain import visible_sets
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.routing.discounted_tours import improved_tour, value_of_tour
 from indoor_explorers.planners.routing.open_tours import nearest_neighbour
@@ -107,7 +107,7 @@ class PrmTourPilot(ViewpointPilot):
         self, view: View, roadmap: Roadmap, cells: NDArray[np.int32], viewpoints: Viewpoints
     ) -> NDArray[np.int32]:
         """Return the stops of the best tour, (K,) flat cells."""
-        bits = sights(view.belief, viewpoints.cells, self.briefing.lidar_range)
+        bits = visible_sets(view.belief, viewpoints.cells, self.briefing.lidar_range)
         weights = np.exp(-self._rate * viewpoints.steps)
         covers = self._covers(bits, weights, np.flatnonzero(np.isin(viewpoints.cells, self._stops)))
         place = {cell: k for k, cell in enumerate(cells.tolist())}

@@ -13,10 +13,10 @@ from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.coordination.teammates import message_of
-from indoor_explorers.planners.frontier.joint import FrontierJoint, JointPilot
+from indoor_explorers.planners.frontier.joint import JointParameters, JointPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.sampling.memory import Memory, tree_cells
-from indoor_explorers.planners.sampling.rrt_nbv import RrtNbv, RrtNbvPilot
+from indoor_explorers.planners.sampling.memory import ViewpointMemory, tree_cells
+from indoor_explorers.planners.sampling.rrt_nbv import RrtNbvPilot, TreePolicy
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints, few
@@ -26,7 +26,7 @@ NEAR_HALF = 6.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class RrtAep(RrtNbv):
+class RrtAep(TreePolicy):
     """Remember the viewpoints that trees have found, and fly to the best of all of them.
 
     The paper takes turns: receding-horizon next-best-view planning while the local tree promises enough, else an
@@ -84,7 +84,7 @@ class RrtAepPilot(JointPilot):
     def __init__(self, briefing: Briefing, policy: RrtAep) -> None:
         super().__init__(
             briefing,
-            FrontierJoint(
+            JointParameters(
                 isolation=policy.isolation,
                 fade=policy.depth,
                 hold=policy.hold,
@@ -93,7 +93,7 @@ class RrtAepPilot(JointPilot):
             ),
         )
         self._aep = policy
-        self._memory = Memory(briefing, policy)
+        self._memory = ViewpointMemory(briefing, policy)
         self._next_local = self._next_global = self._fallbacks = 0
 
     def choose(self, view: View) -> Cell | None:
@@ -109,15 +109,15 @@ class RrtAepPilot(JointPilot):
         """Return how often no viewpoint promised anything, beside the common figures."""
         return super().tally() | {"fallbacks": float(self._fallbacks)}
 
-    def places(self, view: View, fields: Distances) -> tuple[NDArray[np.int32], Mask]:
+    def candidates(self, view: View, fields: Distances) -> tuple[NDArray[np.int32], Mask]:
         """Return viewpoints with different views and some more near a UAV, (K,), and which the former are, (K,)."""
         self._grow_trees(view)
         steps = fields.min(axis=0).ravel()
         cells, promises = self._memory.recalled(view, steps)
         scores = np.log(promises) - self._aep.discount * steps[cells] / self._range
         different = few(view.belief, cells, scores, self._range, 2 * self._aep.places, self._aep.places)
-        values = np.sqrt(promises) * np.exp(-self._policy.rate * steps[cells] / self._range)
-        near = np.setdiff1d(np.flatnonzero(steps[cells] <= self._policy.near), different)
+        values = np.sqrt(promises) * np.exp(-self._parameters.rate * steps[cells] / self._range)
+        near = np.setdiff1d(np.flatnonzero(steps[cells] <= self._parameters.near), different)
         near = near[np.argsort(-values[near], kind="stable")[: self._aep.lookouts]]
         return cells[np.concatenate([different, near])], np.arange(len(different) + len(near)) < len(different)
 

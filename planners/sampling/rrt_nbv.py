@@ -18,16 +18,8 @@ from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, Viewpo
 
 
 @dataclass(frozen=True, kw_only=True)
-class RrtNbv(ViewpointPolicy):
-    """Grow an RRT from the UAV, fly along the first edge of its best branch, and grow the next one from there.
-
-    A branch is worth the sum over its vertices of their promise, discounted by e^(-discount c / R): c the length
-    of the way along the tree and R the lidar range. The rest of the best branch is the seed of the next tree. Where
-    the tree sees nothing unknown the paper's planner is stuck; this one flies to the nearest frontier cell.
-
-    A. Bircher, M. Kamel, K. Alexis, H. Oleynikova, R. Siegwart, "Receding horizon 'next-best-view' planner for 3D
-    exploration", ICRA 2016, doi:10.1109/ICRA.2016.7487281.
-    """
+class TreePolicy(ViewpointPolicy):
+    """Hold what all planners that find viewpoints by random trees have in common."""
 
     samples: int = 200
     """Samples for a tree, which has at most one vertex more."""
@@ -44,6 +36,19 @@ class RrtNbv(ViewpointPolicy):
         at_least(self, 0.5, "edge", "local_ranges")
         at_least(self, 0.0, "bias")
 
+
+@dataclass(frozen=True, kw_only=True)
+class RrtNbv(TreePolicy):
+    """Grow an RRT from the UAV, fly along the first edge of its best branch, and grow the next one from there.
+
+    A branch is worth the sum over its vertices of their promise, discounted by e^(-discount c / R): c the length
+    of the way along the tree and R the lidar range. The rest of the best branch is the seed of the next tree. Where
+    the tree sees nothing unknown the paper's planner is stuck; this one flies to the nearest frontier cell.
+
+    A. Bircher, M. Kamel, K. Alexis, H. Oleynikova, R. Siegwart, "Receding horizon 'next-best-view' planner for 3D
+    exploration", ICRA 2016, doi:10.1109/ICRA.2016.7487281.
+    """
+
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the mind of one UAV."""
         return RrtNbvPilot(briefing, self)
@@ -52,7 +57,7 @@ class RrtNbv(ViewpointPolicy):
 class RrtNbvPilot(ViewpointPilot):
     """Keep the rest of the best branch from tree to tree."""
 
-    def __init__(self, briefing: Briefing, policy: RrtNbv) -> None:
+    def __init__(self, briefing: Briefing, policy: TreePolicy) -> None:
         super().__init__(briefing, policy)
         self._policy = policy
         self._branch: Points = np.empty((0, 2))

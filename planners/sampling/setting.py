@@ -28,7 +28,7 @@ from indoor_explorers.planners.sampling.segments import ALL_KNOWN, BLOCKED, fly
 Points = NDArray[np.float64]
 
 
-class Flights(base.MotionValidator):  # type: ignore[misc]  # ompl carries no types
+class MotionChecker(base.MotionValidator):  # type: ignore[misc]  # ompl carries no types
     """Let OMPL ask for whole edges: exact, and one call from C++ instead of one for every state on the way."""
 
     def __init__(self, information: Any, belief: Belief, into_unknown: bool) -> None:
@@ -63,7 +63,7 @@ def plane_of(belief: Belief, *, into_unknown: bool) -> Any:
     space.setBounds(bounds)
     information = base.SpaceInformation(space)
     information.setStateValidityChecker(_anywhere)
-    information.setMotionValidator(Flights(information, belief, into_unknown))
+    information.setMotionValidator(MotionChecker(information, belief, into_unknown))
     return information
 
 

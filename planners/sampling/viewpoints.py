@@ -13,10 +13,10 @@ from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.coordination.out_of_contact import Unlinked
+from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.coordination.teammates import linked, message_of, told_goal
-from indoor_explorers.planners.information.candidates import hops
-from indoor_explorers.planners.information.view_gain import WeightedGains, sights
+from indoor_explorers.planners.information.candidates import distances_between
+from indoor_explorers.planners.information.view_gain import WeightedGains, visible_sets
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.routing.min_latency import costs_of_first
@@ -68,7 +68,7 @@ def few(
     order = np.argsort(-scores, kind="stable")
     apart = max(APART_CELLS, APART_RANGES * lidar_range)
     order = order[merged(cells[order], apart, belief.shape[1], tried)]
-    return np.asarray(order[distinct(sights(belief, cells[order], lidar_range), OVERLAP, most)])
+    return np.asarray(order[distinct(visible_sets(belief, cells[order], lidar_range), OVERLAP, most)])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +105,7 @@ class ViewpointPilot(GoalPilot):
         super().__init__(briefing)
         self.weights = policy
         self.promises = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
-        self._unlinked = Unlinked(briefing)
+        self._out_of_contact = OutOfContact(briefing)
         self._grown = False
         self._fallbacks = 0
 
@@ -173,7 +173,7 @@ class ViewpointPilot(GoalPilot):
         if len(viewpoints.cells) == 1:
             return np.zeros(1)
         reach, steps = self.briefing.lidar_range, viewpoints.steps.astype(np.float64)
-        between = hops(view.belief, viewpoints.cells, steps[None], int(HOP_RANGES * reach) + 1)
+        between = distances_between(view.belief, viewpoints.cells, steps[None], int(HOP_RANGES * reach) + 1)
         worth = np.sqrt(viewpoints.promises)
         return np.asarray(costs_of_first(steps / reach, between / reach, worth / worth.sum(), latency))
 
@@ -198,7 +198,7 @@ class ViewpointPilot(GoalPilot):
             return self.steps_from(view, cell).ravel()[cells]
 
         rows, cols = np.divmod(cells, self.paths.width)
-        left = self._unlinked.factors(view, np.stack([rows, cols], axis=1).astype(np.float64), steps, steps_from)
+        left = self._out_of_contact.factors(view, np.stack([rows, cols], axis=1).astype(np.float64), steps, steps_from)
         for mate in linked(view):
             theirs = steps_from(mate.cell)
             nearer = (theirs <= steps) if mate.agent < self.briefing.agent else (theirs < steps)

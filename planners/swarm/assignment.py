@@ -19,7 +19,7 @@ Assignment = NDArray[np.int64]
 Plan = NDArray[np.int64]
 
 
-class Task(NamedTuple):
+class AssignmentProblem(NamedTuple):
     """One joint decision: N UAVs, each of which can reach at least one of K candidate goals."""
 
     steps: NDArray[np.float64]
@@ -30,7 +30,7 @@ class Task(NamedTuple):
     """(K,) what is in view of each candidate."""
     shared: NDArray[np.float64]
     """(K, K) the share of the first one's view that is in view of the second one, too."""
-    favour: NDArray[np.float64]
+    hysteresis: NDArray[np.float64]
     """(N, K) factor of what UAV i counts candidate k for as its first goal."""
     power: float
     """Exponent of what is left of a view: below 1, small views count more of what large ones do."""
@@ -43,7 +43,7 @@ class Task(NamedTuple):
 
 
 @leaf()
-def _by_arrival(task: Task, plan: np.ndarray, order: np.ndarray, times: np.ndarray) -> int:
+def _by_arrival(problem: AssignmentProblem, plan: np.ndarray, order: np.ndarray, times: np.ndarray) -> int:
     """Sort the visits i L + turn of a plan by their times of arrival, in steps; return how many they are."""
     length, count = plan.shape[1], 0
     for i in range(plan.shape[0]):
@@ -51,7 +51,7 @@ def _by_arrival(task: Task, plan: np.ndarray, order: np.ndarray, times: np.ndarr
         for turn in range(length):
             if plan[i, turn] < 0:
                 break
-            time += task.hops[plan[i, turn - 1], plan[i, turn]] if turn else task.steps[i, plan[i, turn]]
+            time += problem.hops[plan[i, turn - 1], plan[i, turn]] if turn else problem.steps[i, plan[i, turn]]
             place = count
             while place > 0 and times[place - 1] > time:
                 times[place], order[place] = times[place - 1], order[place - 1]
@@ -62,64 +62,66 @@ def _by_arrival(task: Task, plan: np.ndarray, order: np.ndarray, times: np.ndarr
 
 
 @leaf()
-def value(task: Task, plan: np.ndarray, order: np.ndarray, times: np.ndarray) -> float:
+def value(problem: AssignmentProblem, plan: np.ndarray, order: np.ndarray, times: np.ndarray) -> float:
     """Return the fitness; ``order`` int and ``times`` float are scratch, (N L,) each."""
     length, total = plan.shape[1], 0.0
-    count = _by_arrival(task, plan, order, times)
+    count = _by_arrival(problem, plan, order, times)
     for place in range(count):
         i, turn = divmod(order[place], length)
         goal = plan[i, turn]
-        gain = task.gains[goal]
+        gain = problem.gains[goal]
         for before in range(place):
-            gain *= 1.0 - task.shared[goal, plan[order[before] // length, order[before] % length]]
-        gain = gain**task.power * np.exp(-task.rate * times[place]) * task.trust**turn
+            gain *= 1.0 - problem.shared[goal, plan[order[before] // length, order[before] % length]]
+        gain = gain**problem.power * np.exp(-problem.rate * times[place]) * problem.trust**turn
         if turn == 0:
-            gain *= task.favour[i, goal]
+            gain *= problem.hysteresis[i, goal]
         total += gain
     return total
 
 
 @kernel()
-def fitness(task: Task, plan: np.ndarray) -> float:
+def fitness(problem: AssignmentProblem, plan: np.ndarray) -> float:
     """Return how good a (N, L) joint plan is: the union of all views, discounted by when they are seen.
 
     The sum over all visits of (gain x left)^power e^(-rate t) trust^k, t the time of arrival and k how many goals its
     UAV visits before. What earlier visits have left of a view is the product of 1 - shared over them: the shares of
     several are taken as independent.
     """
-    return value(task, plan, np.empty(plan.size, np.int64), np.empty(plan.size))
+    return value(problem, plan, np.empty(plan.size, np.int64), np.empty(plan.size))
 
 
-def discounted(task: Task) -> NDArray[np.float64]:
+def discounted(problem: AssignmentProblem) -> NDArray[np.float64]:
     """Return (N, K), what each candidate is worth to each UAV as its only goal; 0 where it cannot be reached."""
-    worth = task.favour * task.gains**task.power * np.exp(-task.rate * np.minimum(task.steps, 1e6))
-    return np.where(task.steps < UNREACHABLE, worth, 0.0)
+    worth = problem.hysteresis * problem.gains**problem.power * np.exp(-problem.rate * np.minimum(problem.steps, 1e6))
+    return np.where(problem.steps < UNREACHABLE, worth, 0.0)
 
 
-def choices(task: Task) -> tuple[Assignment, Assignment]:
+def choices(problem: AssignmentProblem) -> tuple[Assignment, Assignment]:
     """Return each UAV's reachable candidates, best first, (N, K), and how many those are, (N,)."""
-    reachable = task.steps < UNREACHABLE
-    ranks = np.argsort(np.where(reachable, -discounted(task), np.inf), axis=1, kind="stable")
+    reachable = problem.steps < UNREACHABLE
+    ranks = np.argsort(np.where(reachable, -discounted(problem), np.inf), axis=1, kind="stable")
     return ranks, reachable.sum(axis=1)
 
 
-def followers(task: Task, most: int) -> Assignment:
+def followers(problem: AssignmentProblem, most: int) -> Assignment:
     """Return for each candidate the ``most`` best ones to fly to after it, best first, (K, most)."""
-    worth = (task.gains * (1.0 - task.shared.T)) ** task.power * np.exp(-task.rate * np.minimum(task.hops, 1e6))
+    worth = (problem.gains * (1.0 - problem.shared.T)) ** problem.power * np.exp(
+        -problem.rate * np.minimum(problem.hops, 1e6)
+    )
     return np.argsort(-worth, axis=1, kind="stable")[:, :most]
 
 
-def by_hungarian(task: Task) -> Assignment:
+def by_hungarian(problem: AssignmentProblem) -> Assignment:
     """Return the assignment of least total distance, an extra lidar range for not being the first at a candidate.
 
     A UAV that is left only what it cannot reach goes to its nearest candidate.
     """
-    return reachable_or_nearest(task, matched(task.steps, task.lidar_range))
+    return reachable_or_nearest(problem, matched(problem.steps, problem.lidar_range))
 
 
-def by_minpos(task: Task) -> Assignment:
+def by_minpos(problem: AssignmentProblem) -> Assignment:
     """Return for every UAV the candidate that the fewest others are nearer to, the nearest of those (Bautin 2012)."""
-    steps = task.steps
+    steps = problem.steps
     nearer = steps[:, None, :] > steps[None, :, :]
     first = np.tri(len(steps), k=-1, dtype=bool)[:, :, None] & (steps[:, None, :] == steps[None, :, :])
     rank = (nearer | first).sum(axis=1)
@@ -127,19 +129,19 @@ def by_minpos(task: Task) -> Assignment:
     return np.array([np.lexsort((steps[i], rank[i]))[0] for i in range(len(steps))], np.int64)
 
 
-def by_greed(task: Task) -> Assignment:
+def by_greed(problem: AssignmentProblem) -> Assignment:
     """Return the assignment made pair by pair, always the UAV and candidate with the most discounted gain left."""
-    worth = discounted(task)
+    worth = discounted(problem)
     goals = np.full(len(worth), -1, np.int64)
     for _ in range(len(worth)):
         i, goal = divmod(int(np.where(goals[:, None] < 0, worth, -1.0).argmax()), worth.shape[1])
         goals[i] = goal
-        worth = worth * (1.0 - task.shared[:, goal]) ** task.power
-    return reachable_or_nearest(task, goals)
+        worth = worth * (1.0 - problem.shared[:, goal]) ** problem.power
+    return reachable_or_nearest(problem, goals)
 
 
-def reachable_or_nearest(task: Task, goals: Assignment) -> Assignment:
+def reachable_or_nearest(problem: AssignmentProblem, goals: Assignment) -> Assignment:
     """Replace goals that a UAV cannot reach, and missing ones (-1), by its nearest candidate."""
     rows = np.arange(len(goals))
-    bad = (goals < 0) | (task.steps[rows, goals] >= UNREACHABLE)
-    return np.where(bad, task.steps.argmin(axis=1), goals)
+    bad = (goals < 0) | (problem.steps[rows, goals] >= UNREACHABLE)
+    return np.where(bad, problem.steps.argmin(axis=1), goals)

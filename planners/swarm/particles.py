@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.swarm.assignment import Assignment, Plan, Task, choices, followers, value
+from indoor_explorers.planners.swarm.assignment import Assignment, AssignmentProblem, Plan, choices, followers, value
 
 #: How many of the best goals after another one a key chooses from.
 FOLLOWERS = 8
@@ -102,7 +102,13 @@ def _advance(
 
 @kernel()
 def _evolve(
-    task: Task, code: Code, keys: np.ndarray, length: int, chances: np.ndarray, pulls: np.ndarray, stagnation: int
+    problem: AssignmentProblem,
+    code: Code,
+    keys: np.ndarray,
+    length: int,
+    chances: np.ndarray,
+    pulls: np.ndarray,
+    stagnation: int,
 ) -> np.ndarray:
     """Run the swarm from (S, N L) ``keys``; ``chances`` is (T, S, 2, N L), ``pulls`` (T, 4). Return the best (N, L)."""
     particles, size = keys.shape
@@ -113,7 +119,7 @@ def _evolve(
         idle += 1
         for s in range(particles):
             decode(keys[s].reshape(plan.shape), code, plan)
-            found = value(task, plan, order, times)
+            found = value(problem, plan, order, times)
             if found > own_value[s]:
                 own_value[s], own[s] = found, keys[s]
             if found > leading:
@@ -126,9 +132,9 @@ def _evolve(
     return plan
 
 
-def code_of(task: Task, length: int) -> Code:
+def code_of(problem: AssignmentProblem, length: int) -> Code:
     """Return how keys of plans with ``length`` goals a UAV are read."""
-    return Code(*choices(task), followers(task, FOLLOWERS + length))
+    return Code(*choices(problem), followers(problem, FOLLOWERS + length))
 
 
 def keys_of(goals: Assignment, code: Code, length: int) -> NDArray[np.float64]:
@@ -139,23 +145,25 @@ def keys_of(goals: Assignment, code: Code, length: int) -> NDArray[np.float64]:
     return keys
 
 
-def seeded(task: Task, length: int, seeds: Sequence[Assignment]) -> list[Plan]:
+def seeded(problem: AssignmentProblem, length: int, seeds: Sequence[Assignment]) -> list[Plan]:
     """Return the plans of ``length`` goals a UAV that the swarm starts at."""
-    code = code_of(task, length)
-    plans = [np.empty((len(task.steps), length), np.int64) for _ in seeds]
+    code = code_of(problem, length)
+    plans = [np.empty((len(problem.steps), length), np.int64) for _ in seeds]
     for plan, goals in zip(plans, seeds, strict=True):
         decode(keys_of(goals, code, length), code, plan)
     return plans
 
 
-def optimise(task: Task, length: int, swarm: Swarm, seeds: Sequence[Assignment], rng: np.random.Generator) -> Plan:
+def optimise(
+    problem: AssignmentProblem, length: int, swarm: Swarm, seeds: Sequence[Assignment], rng: np.random.Generator
+) -> Plan:
     """Return the best plan of ``length`` goals a UAV that a swarm finds, (N, L).
 
     A UAV's first key picks among its reachable candidates, best first, each other key among the best ones to go on
     to. One particle starts at each of the ``seeds``, assignments that must be reachable, continued by best followers;
     so the plan is never of less fitness than those. The others start anywhere, more of them near the best.
     """
-    code = code_of(task, length)
+    code = code_of(problem, length)
     uavs = len(code.counts)
     keys = rng.random((max(swarm.particles, len(seeds)), uavs * length)) ** 2
     for place, goals in enumerate(seeds):
@@ -164,4 +172,4 @@ def optimise(task: Task, length: int, swarm: Swarm, seeds: Sequence[Assignment],
     pulls = np.empty((swarm.rounds, 4))
     pulls[:, 0] = np.linspace(*swarm.inertia, swarm.rounds)
     pulls[:, 1:] = swarm.cognitive, swarm.social, swarm.largest_step
-    return np.asarray(_evolve(task, code, keys, length, chances, pulls, swarm.stagnation))
+    return np.asarray(_evolve(problem, code, keys, length, chances, pulls, swarm.stagnation))

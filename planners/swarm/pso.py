@@ -11,22 +11,28 @@ from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import optics
-from indoor_explorers.planners.coordination.linked_group import NOWHERE, Member, absentees, group, told
-from indoor_explorers.planners.coordination.out_of_contact import Unlinked
+from indoor_explorers.planners.coordination.linked_group import (
+    NOWHERE,
+    LinkedMember,
+    absentees,
+    linked_members,
+    plan_message,
+)
+from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.information.candidates import (
     Cells,
-    Interest,
     Table,
-    frontiers,
-    hops,
-    surroundings,
-    views,
+    UnknownWeight,
+    candidate_views,
+    distances_between,
+    frontier_candidates,
+    local_candidates,
 )
 from indoor_explorers.planners.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
-    Task,
+    AssignmentProblem,
     by_greed,
     by_hungarian,
     by_minpos,
@@ -79,7 +85,7 @@ class Pso(Policy):
     absence: float = 0.5
     """Share of its value that a goal loses when a teammate out of contact was last known nearer to it, 0 to 1."""
     sector: float = 3.0
-    """How strongly a UAV on its own keeps to its sector while teammates were never heard; see :class:`Unlinked`."""
+    """How strongly a UAV on its own keeps to its sector while teammates were never heard; see :class:`OutOfContact`."""
     period: float = 0.2
     """Steps after which a plan is made again if the map has grown, in lidar ranges."""
     candidates: int = 32
@@ -111,7 +117,7 @@ class PsoPilot(CandidatePilot):
         self._policy = policy
         self._swarm = Swarm(particles=policy.particles, rounds=policy.rounds)
         self._range = float(briefing.lidar_range)
-        self._unlinked = Unlinked(briefing, sector=policy.sector)
+        self._out_of_contact = OutOfContact(briefing, sector=policy.sector)
         self._period = max(1, round(policy.period * self._range))
         self._plan: tuple[float, ...] = NOWHERE
         self._planned_on = -1
@@ -119,7 +125,7 @@ class PsoPilot(CandidatePilot):
     def act(self, view: View) -> int:
         """Follow the joint plan and tell the others of it."""
         action = super().act(view)
-        self.message = told(view, self.briefing, self.goal, self._plan)
+        self.message = plan_message(view, self.briefing, self.goal, self._plan)
         return action
 
     def wants_replan(self, view: View) -> bool:
@@ -128,14 +134,14 @@ class PsoPilot(CandidatePilot):
             return True
         if not any(mate.age == 0 for mate in view.mates):
             return False
-        members = [member for member in group(view, self.briefing, self.message) if member.goal]
+        members = [member for member in linked_members(view, self.briefing, self.message) if member.goal]
         return any(member.plan != self._plan for member in members) or any(
             self.is_spent(view, member.goal) for member in members if member.goal
         )
 
     def choose(self, view: View) -> Cell | None:
         """Return this UAV's part of the joint plan, its nearest frontier cell when there is none for it."""
-        members = group(view, self.briefing, self.message)
+        members = linked_members(view, self.briefing, self.message)
         self._plan = (float(view.step), float(members[0].agent))
         self._planned_on = self.navigator.known
         goal = self.plan(view, members).get(self.briefing.agent)
@@ -143,25 +149,27 @@ class PsoPilot(CandidatePilot):
             goal = self.nearest_frontier(view)
         return goal
 
-    def plan(self, view: View, members: list[Member]) -> dict[int, Cell]:
+    def plan(self, view: View, members: list[LinkedMember]) -> dict[int, Cell]:
         """Return the next goal of every UAV of the group that can reach a candidate, by number.
 
         Every member works out the same from what all of them know.
         """
-        task, cells, able = self.task(view, members)
-        if task is None:
+        problem, cells, able = self.decision_problem(view, members)
+        if problem is None:
             return {}
-        held = np.where(task.favour.max(axis=1) > 1, task.favour.argmax(axis=1), -1)
-        seeds = [by_greed(task), by_hungarian(task), by_minpos(task), reachable_or_nearest(task, held)]
+        held = np.where(problem.hysteresis.max(axis=1) > 1, problem.hysteresis.argmax(axis=1), -1)
+        seeds = [by_greed(problem), by_hungarian(problem), by_minpos(problem), reachable_or_nearest(problem, held)]
         shared = np.random.default_rng([view.step, *self.paths.flat(member.cell for member in able).tolist()])
-        best = optimise(task, self._policy.length, self._swarm, seeds, shared)
+        best = optimise(problem, self._policy.length, self._swarm, seeds, shared)
         first: Assignment = cells[best[:, 0]]
         return {member.agent: divmod(int(cell), self.paths.width) for member, cell in zip(able, first, strict=True)}
 
-    def task(self, view: View, members: list[Member]) -> tuple[Task | None, Assignment, list[Member]]:
+    def decision_problem(
+        self, view: View, members: list[LinkedMember]
+    ) -> tuple[AssignmentProblem | None, Assignment, list[LinkedMember]]:
         """Return the group's joint decision, the flat cells of its candidates, and the members that can reach one.
 
-        The task is None when nobody can.
+        The problem is None when nobody can.
         """
         policy, reach = self._policy, self._range
         fields = np.stack([self.steps_from(view, member.cell) for member in members])
@@ -171,32 +179,36 @@ class PsoPilot(CandidatePilot):
         if not can.any():
             return None, cells.astype(np.int64), []
         steps, able = steps[can], [member for member, some in zip(members, can.tolist(), strict=True) if some]
-        gains, shared = views(view.belief, cells, Interest(policy.isolation, policy.fade * reach), optics(reach))
-        task = Task(
+        gains, shared = candidate_views(
+            view.belief, cells, UnknownWeight(policy.isolation, policy.fade * reach), optics(reach)
+        )
+        problem = AssignmentProblem(
             steps=steps,
-            hops=hops(view.belief, cells, steps, int(HOP_RANGES * reach) + 1),
+            hops=distances_between(view.belief, cells, steps, int(HOP_RANGES * reach) + 1),
             gains=gains * self._left_by_others(view, members, cells, steps),
             shared=shared,
-            favour=np.stack([self.hysteresis_bonus(member.goal, cells, policy.hold) for member in able]),
+            hysteresis=np.stack([self.hysteresis_bonus(member.goal, cells, policy.hold) for member in able]),
             power=policy.power,
             rate=policy.rate / reach,
             trust=policy.trust,
             lidar_range=reach,
         )
-        return task, cells.astype(np.int64), able
+        return problem, cells.astype(np.int64), able
 
     def _candidates(self, view: View, fields: Distances) -> Cells:
         policy, reach = self._policy, self._range
-        around = surroundings(view.belief, fields, reach, policy.near, policy.rate / reach, policy.lookouts)
-        ahead = frontiers(view.belief, fields, reach, policy.candidates)
+        around = local_candidates(view.belief, fields, reach, policy.near, policy.rate / reach, policy.lookouts)
+        ahead = frontier_candidates(view.belief, fields, reach, policy.candidates)
         return np.union1d(ahead, around).astype(np.int32)
 
-    def _left_by_others(self, view: View, members: list[Member], cells: Cells, steps: Table) -> Table:
+    def _left_by_others(self, view: View, members: list[LinkedMember], cells: Cells, steps: Table) -> Table:
         """Return how much of the candidates, (N, K) steps away, teammates out of contact leave to the group, (K,).
 
         Members may not have heard of the same teammates, so sectors count only for a UAV on its own.
         """
-        left = self._unlinked.left_by_unheard(view, np.stack(np.divmod(cells, self.paths.width), axis=1).astype(float))
+        left = self._out_of_contact.left_by_unheard(
+            view, np.stack(np.divmod(cells, self.paths.width), axis=1).astype(float)
+        )
         if len(members) > 1:
             left = np.ones(len(cells))
         for mate in absentees(members, self.briefing):

@@ -6,24 +6,24 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import Mate, View, World, scenario
 from indoor_explorers.env.grid.arrays import Cell, Distances
-from indoor_explorers.planners.coordination.out_of_contact import LEAST, Unlinked
+from indoor_explorers.planners.coordination.out_of_contact import LEAST, OutOfContact
 from indoor_explorers.planners.coordination.teammates import MEMORY
 
 #: The corners of an open room.
 POINTS = np.array([[0.0, 0.0], [0.0, 15.0], [15.0, 0.0], [15.0, 15.0]])
 
 
-def unlinked(team: int, agent: int = 0, radio: str = "disc") -> Unlinked:
+def unlinked(team: int, agent: int = 0, radio: str = "disc") -> OutOfContact:
     world = World(scenario("thesis-open").with_settings({"team": team, "radio.model": radio, "radio.range": 2.0}))
     world.reset([0])
-    return Unlinked(world.briefing(0, agent), silence=1.0, sector=2.0)
+    return OutOfContact(world.briefing(0, agent), silence=1.0, sector=2.0)
 
 
 def steps_from(cell: Cell) -> Distances:
     return np.asarray(np.abs(POINTS - cell).sum(axis=1), np.int32)
 
 
-def factors(of: Unlinked, cell: Cell, *mates: Mate) -> NDArray[np.float64]:
+def factors(of: OutOfContact, cell: Cell, *mates: Mate) -> NDArray[np.float64]:
     view = View(np.ones((16, 16), np.uint8), cell, np.ones(5, np.bool_), 100, 400, mates, np.zeros((16, 16), np.bool_))
     found = of.factors(view, POINTS, steps_from(cell), steps_from)
     assert (found > 0.0).all()

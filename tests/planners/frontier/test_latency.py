@@ -6,7 +6,7 @@ import pytest
 from indoor_explorers.env import InputError, Mate, World, make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot, first_of_each, lookouts
+from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot, cluster_viewpoints, first_of_each
 from indoor_explorers.planners.information.clusters import Clusters
 from tests.planners.flights import fly, rooms
 
@@ -23,7 +23,7 @@ def test_it_needs_fewer_steps_than_the_nearest_frontier() -> None:
 
 def test_lookouts_are_the_nearest_cell_and_some_others() -> None:
     clusters = Clusters(np.array([4, 5, 6, 7, 8, 9, 20], np.int32), np.array([0, 6, 7]))
-    cells, owner = lookouts(clusters, np.array([4, 20], np.int32), 3.0)
+    cells, owner = cluster_viewpoints(clusters, np.array([4, 20], np.int32), 3.0)
     assert cells.tolist() == [4, 5, 8, 20]
     assert owner.tolist() == [0, 0, 0, 1]
 

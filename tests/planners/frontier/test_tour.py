@@ -4,7 +4,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE
-from indoor_explorers.planners.frontier.tour import Between, FrontierTour
+from indoor_explorers.planners.frontier.tour import DistanceCache, FrontierTour
 from indoor_explorers.planners.navigation.paths import Paths
 
 from .test_group_pilot import corridor, pilot_of, view_of
@@ -26,7 +26,7 @@ def test_it_takes_the_lone_frontier_first_when_that_saves_the_way_back() -> None
 def test_kept_distances_are_those_searched_for(belief: Belief) -> None:
     rng = np.random.default_rng(1)
     free = np.flatnonzero(belief == FREE).astype(np.int32)
-    between = Between(Paths((belief.shape[0], belief.shape[1])))
+    between = DistanceCache(Paths((belief.shape[0], belief.shape[1])))
     for count in (3, 10, 7, 0, 5, 12):
         places = rng.choice(free, min(count, len(free)), replace=False)
         expected = Paths((belief.shape[0], belief.shape[1])).matrix(belief, places)
@@ -34,7 +34,7 @@ def test_kept_distances_are_those_searched_for(belief: Belief) -> None:
 
 
 def test_distances_that_were_kept_are_never_too_short() -> None:
-    between, paths = Between(Paths((1, 20))), Paths((1, 20))
+    between, paths = DistanceCache(Paths((1, 20))), Paths((1, 20))
     places = np.array([5, 14], np.int32)
     walled = corridor()
     walled[0, 9] = 2

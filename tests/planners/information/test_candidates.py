@@ -9,16 +9,16 @@ from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.sensing.lidar import optics, view_gain
 from indoor_explorers.planners.information.candidates import (
-    Interest,
+    UnknownWeight,
+    candidate_views,
     depths,
-    frontiers,
-    hops,
-    surroundings,
-    views,
+    distances_between,
+    frontier_candidates,
+    local_candidates,
     worth,
 )
 
-PLAIN = Interest(0.0, 1e9)
+PLAIN = UnknownWeight(0.0, 1e9)
 
 
 def graph(belief: Belief, *values: np.uint8) -> nx.Graph:
@@ -41,7 +41,7 @@ def test_depths_are_steps_through_the_unknown(belief: Belief) -> None:
 
 def test_plain_views_are_view_gains_and_their_overlaps(belief: Belief) -> None:
     cells = np.flatnonzero(belief == FREE).astype(np.int32)[:20]
-    gains, shared = views(belief, cells, PLAIN, optics(4.0))
+    gains, shared = candidate_views(belief, cells, PLAIN, optics(4.0))
     assert gains == pytest.approx([view_gain(belief, divmod(cell, belief.shape[1]), 4.0) for cell in cells.tolist()])
     both = shared * gains[:, None]
     assert both == pytest.approx(both.T)
@@ -51,7 +51,7 @@ def test_plain_views_are_view_gains_and_their_overlaps(belief: Belief) -> None:
 
 def test_overlap_of_two_views_on_a_line() -> None:
     belief = np.array([[1, 0, 0, 0, 0, 0, 1]], np.uint8)
-    gains, shared = views(belief, np.array([0, 6], np.int32), PLAIN, optics(4.0))
+    gains, shared = candidate_views(belief, np.array([0, 6], np.int32), PLAIN, optics(4.0))
     assert gains.tolist() == pytest.approx([4, 4])
     assert shared[0, 1] == shared[1, 0] == pytest.approx(3 / 4)
 
@@ -61,8 +61,8 @@ def test_worth_is_more_in_pockets_and_less_in_the_deep() -> None:
     belief[0] = FREE
     depth = np.empty(belief.shape, np.int32)
     depths(belief, np.empty(belief.size, np.int32), depth)
-    assert worth(belief, depth, 4 * 9 + 4, Interest(8.0, 2.0)) == pytest.approx(np.exp(-2.0))
-    assert worth(belief, depth, 1 * 9 + 4, Interest(8.0, 2.0)) == pytest.approx((1 + 8 * 10 / 24) * np.exp(-0.5))
+    assert worth(belief, depth, 4 * 9 + 4, UnknownWeight(8.0, 2.0)) == pytest.approx(np.exp(-2.0))
+    assert worth(belief, depth, 1 * 9 + 4, UnknownWeight(8.0, 2.0)) == pytest.approx((1 + 8 * 10 / 24) * np.exp(-0.5))
 
 
 def test_hops_are_shortest_up_to_the_limit(belief: Belief) -> None:
@@ -71,7 +71,7 @@ def test_hops_are_shortest_up_to_the_limit(belief: Belief) -> None:
     cells = np.flatnonzero((belief == FREE) & (field < UNREACHABLE)).astype(np.int32)[::3]
     steps = field.ravel()[cells].astype(np.float64)[None]
     lengths = dict(nx.all_pairs_shortest_path_length(graph(belief, FREE)))
-    between = hops(belief, cells, steps, 5)
+    between = distances_between(belief, cells, steps, 5)
     for a, one in enumerate(cells.tolist()):
         for b, other in enumerate(cells.tolist()):
             exact = lengths[divmod(one, belief.shape[1])][divmod(other, belief.shape[1])]
@@ -81,8 +81,8 @@ def test_hops_are_shortest_up_to_the_limit(belief: Belief) -> None:
 def test_candidates_can_be_reached_and_show_something(belief: Belief) -> None:
     start = tuple(np.argwhere(belief == FREE)[0].tolist())
     field = distance_field(belief, start)
-    ahead = frontiers(belief, field[None], 3.0, 5)
-    around = surroundings(belief, field[None], 3.0, 4, 0.3, 6)
+    ahead = frontier_candidates(belief, field[None], 3.0, 5)
+    around = local_candidates(belief, field[None], 3.0, 4, 0.3, 6)
     assert len(ahead) <= 5
     assert len(around) <= 6
     for cell in [*ahead.tolist(), *around.tolist()]:

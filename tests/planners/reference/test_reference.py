@@ -9,7 +9,7 @@ from indoor_explorers.env import InputError, World, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.planners.reference import plan as planning
-from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, plan, untangled
+from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, plan, swap_resolved
 from tests.planners.flights import fly, maze, rooms
 
 EFFORT = SearchBudget(1, 3000, 10**8)
@@ -83,15 +83,15 @@ def test_where_not_all_viewpoints_fit_in_memory_the_rest_is_left_to_frontiers(mo
 
 
 def test_uavs_that_would_pass_through_each_other_exchange_their_ways() -> None:
-    assert untangled([[1, 2, 3, 4], [4, 3, 2, 1]]) == [[1, 2, 1], [4, 3, 4]]
-    assert untangled([[1, 2, 3], [5, 6, 7]]) == [[1, 2, 3], [5, 6, 7]]
+    assert swap_resolved([[1, 2, 3, 4], [4, 3, 2, 1]]) == [[1, 2, 1], [4, 3, 4]]
+    assert swap_resolved([[1, 2, 3], [5, 6, 7]]) == [[1, 2, 3], [5, 6, 7]]
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_exchanged_ways_visit_the_same_cells(seed: int) -> None:
     rng = np.random.default_rng(seed)
     flown = [np.cumsum([start, *rng.choice([-1, 1], 30)]).tolist() for start in (0, 5, 9, 14)]
-    found = untangled(flown)
+    found = swap_resolved(flown)
     assert {cell for way in found for cell in way} == {cell for way in flown for cell in way}
     assert all(abs(a - b) == 1 for way in found for a, b in pairwise(way))
     assert [way[0] for way in found] == [0, 5, 9, 14]

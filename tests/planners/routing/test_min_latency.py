@@ -26,10 +26,10 @@ def test_orders_are_nearly_the_cheapest(latency: float) -> None:
         points = rng.random((count + 1, 2))
         away = np.hypot(*(points[:, None] - points).transpose(2, 0, 1))
         shares = rng.random(count)
-        task = (away[0, 1:].copy(), away[1:, 1:].copy(), shares / shares.sum(), latency)
-        found = costs_of_first(*task)
+        problem = (away[0, 1:].copy(), away[1:, 1:].copy(), shares / shares.sum(), latency)
+        found = costs_of_first(*problem)
         for first in range(count):
-            best = min(plain_cost(order, *task) for order in permutations(range(count)) if order[0] == first)
+            best = min(plain_cost(order, *problem) for order in permutations(range(count)) if order[0] == first)
             assert found[first] >= best - 1e-9
             excess.append(found[first] / best - 1)
     assert np.mean(excess) < 0.01

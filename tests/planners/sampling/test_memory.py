@@ -10,11 +10,11 @@ from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.search.bfs import distances_from
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.sampling import memory
-from indoor_explorers.planners.sampling.memory import Memory
+from indoor_explorers.planners.sampling.memory import ViewpointMemory
 from indoor_explorers.planners.sampling.rrt_aep import RrtAep
 
 
-def half_known() -> tuple[Memory, View, np.ndarray]:
+def half_known() -> tuple[ViewpointMemory, View, np.ndarray]:
     world = World(scenario("thesis-open"))
     world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((12, 30), np.bool_), "open"), spawns=[(6, 4)])
     belief = np.zeros((12, 30), np.uint8)
@@ -26,7 +26,7 @@ def half_known() -> tuple[Memory, View, np.ndarray]:
     distances_from(belief, 6, 4, np.empty(belief.size, np.int32), steps)
     policy = make_policy("rrt-aep")
     assert isinstance(policy, RrtAep)
-    return Memory(world.briefing(0, 0), policy), view, steps.ravel()
+    return ViewpointMemory(world.briefing(0, 0), policy), view, steps.ravel()
 
 
 def test_what_is_recalled_shows_something_and_the_nearest_comes_first() -> None:

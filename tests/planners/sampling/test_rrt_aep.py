@@ -7,7 +7,7 @@ import pytest
 
 from indoor_explorers.env import InputError, make_policy
 from indoor_explorers.planners.coordination.teammates import message_of
-from indoor_explorers.planners.sampling.memory import Memory
+from indoor_explorers.planners.sampling.memory import ViewpointMemory
 from tests.planners.flights import fly, rooms
 
 
@@ -22,13 +22,13 @@ def test_it_needs_fewer_steps_than_the_nearest_frontier() -> None:
 
 def test_trees_are_grown_now_and_then(monkeypatch: pytest.MonkeyPatch) -> None:
     grown: list[int] = []
-    grow = Memory.grow
+    grow = ViewpointMemory.grow
 
-    def noted(self: Memory, view: Any, *squares: tuple[float, int]) -> None:
+    def noted(self: ViewpointMemory, view: Any, *squares: tuple[float, int]) -> None:
         grown.append(len(squares))
         grow(self, view, *squares)
 
-    monkeypatch.setattr(Memory, "grow", noted)
+    monkeypatch.setattr(ViewpointMemory, "grow", noted)
     counts = []
     for period in (0.0, 4.0):
         grown.clear()

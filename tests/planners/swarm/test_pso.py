@@ -8,7 +8,7 @@ import pytest
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import Mate
-from indoor_explorers.planners.coordination.linked_group import NOWHERE, Member, absentees, group
+from indoor_explorers.planners.coordination.linked_group import NOWHERE, LinkedMember, absentees, linked_members
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
 from tests.planners.flights import fly, rooms
 
@@ -23,7 +23,9 @@ def test_linked_uavs_compute_the_same_joint_plan(model: str, reach: float) -> No
         pilots = [PsoPilot(world.briefing(0, k), policy) for k in range(4)]
         while world.flying[0].any():
             views = [world.view(0, k) for k in range(4)]
-            groups = [group(view, pilot.briefing, pilot.message) for pilot, view in zip(pilots, views, strict=True)]
+            groups = [
+                linked_members(view, pilot.briefing, pilot.message) for pilot, view in zip(pilots, views, strict=True)
+            ]
             plans = [pilots[k].plan(views[k], groups[k]) for k in range(4)]
             for k, members in enumerate(groups):
                 for member in members:
@@ -52,8 +54,8 @@ def test_the_latest_news_of_who_is_away_counts() -> None:
     world.begin(0, 0)
     old, new, gone = Mate(2, (1, 1), 9, None), Mate(2, (3, 3), 4, None), Mate(3, (5, 5), 61, None)
     members = [
-        Member(0, (15, 15), None, NOWHERE, (old, gone)),
-        Member(1, (15, 14), None, NOWHERE, (new, Mate(0, (0, 0), 1, None))),
+        LinkedMember(0, (15, 15), None, NOWHERE, (old, gone)),
+        LinkedMember(1, (15, 14), None, NOWHERE, (new, Mate(0, (0, 0), 1, None))),
     ]
     assert absentees(members, world.briefing(0, 0)) == [new]
     near = [member._replace(cell=(3, 4)) for member in members]
