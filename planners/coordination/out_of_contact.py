@@ -1,4 +1,4 @@
-"""What to leave to the teammates out of contact: the ground near silent ones, the sectors of those never heard.
+"""What a UAV leaves to teammates out of contact: places near silent ones, the sectors of those never heard.
 
 Any planner can multiply its gains by these factors. None is 0: a teammate out of contact may have ended, and what was
 left to it is explored when nothing else remains.
@@ -23,7 +23,7 @@ StepsFrom = Callable[[Cell], Distances]
 
 
 class OutOfContact:
-    """One UAV's reckoning with the teammates that it is out of contact with, for one episode.
+    """What one UAV leaves to the teammates that it is out of contact with, for one episode.
 
     A silent teammate is taken to work around where it was, or where it said that it goes; one that was never heard, to
     keep to its sector of the map. A forgotten one keeps nothing.

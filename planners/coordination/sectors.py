@@ -1,8 +1,8 @@
 """Sectors of the map, one for each UAV, for teammates that have never been heard.
 
-Without radio a UAV knows only its own number and how many there are. That is enough to part ways: each prefers the
+Without radio a UAV knows only its own number and the size of the team. That is enough to separate: each UAV prefers the
 clusters in its own sector of the map. The sectors meet where the team started, or in the middle of the map when
-everybody started elsewhere, and each holds the same number of the map's cells, so that nobody is sent off the map
+the UAVs started in different places. All sectors hold the same number of cells, so that no UAV is sent off the map
 near its edge.
 """
 

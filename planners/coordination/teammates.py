@@ -1,4 +1,4 @@
-"""Which teammates to reckon with, from what was last heard of them."""
+"""Which teammates a decision takes into account, from what was last heard of them."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def should_be_linked(radio: Radio, cell: Cell, mate: Mate) -> bool:
 
 
 def remembered(view: View, briefing: Briefing) -> list[Mate]:
-    """Return the teammates to reckon with: linked, or silent for a while but possibly still there.
+    """Return the teammates to take into account: linked, or silent for a while but possibly still there.
 
     One that is silent although it would have to be in range has ended (IR2's rule).
     """
@@ -69,7 +69,7 @@ def told_goal(mate: Mate) -> Cell | None:
 
 
 def claims(view: View, briefing: Briefing) -> NDArray[np.float64]:
-    """Return the goals that the teammates to reckon with have told lately, (M, 2) rows and columns."""
+    """Return the goals that remembered teammates have told lately, (M, 2) rows and columns."""
     told = [goal for mate in remembered(view, briefing) if (goal := told_goal(mate)) is not None]
     return np.array(told, np.float64).reshape(-1, 2)
 

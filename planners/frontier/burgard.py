@@ -1,4 +1,4 @@
-"""Sequential assignment: whoever takes a frontier makes those in sight of it worth less (Burgard et al. 2005)."""
+"""Sequential assignment: a taken frontier lowers the utility of those in sight of it (Burgard et al. 2005)."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ class FrontierBurgard(Policy):
 
     W. Burgard, M. Moors, C. Stachniss, F. E. Schneider, "Coordinated multi-robot exploration", IEEE T-RO 21(3),
     2005, doi:10.1109/TRO.2004.839232, section III. A pair is worth the cluster's utility less the path's length. All
-    utilities are equal at first; one falls with the nearness of a cluster that somebody has taken, if no known wall
-    is between the two.
+    utilities are equal at first; a cluster's falls with its nearness to a taken cluster, if no known wall is between
+    the two.
     """
 
     hold: float = 1.0
-    """A cluster that a UAV already flies to counts as so many lidar ranges nearer."""
+    """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
     weight: float = 4.0
     """Utility of a cluster, in lidar ranges of path: what it loses when its own place is taken (beta in the paper)."""
     reach: float = 1.0

@@ -1,8 +1,8 @@
-"""Joint decisions: what every UAV of a group works out alike about who could fly where.
+"""Group decisions: each UAV of a group computes the same assignment of UAVs to clusters.
 
 Linked UAVs hold the same map and know each other's cells and goals. Each of them assigns goals to all, itself included,
-and flies to its own; as all assign alike, nobody needs to be told. A teammate that is silent takes part from where it
-was last heard, until it is forgotten (:mod:`indoor_explorers.planners.coordination.teammates`).
+and flies to its own; as all assign alike, no assignment needs to be sent. A teammate that is silent takes part from
+where it was last heard, until it is forgotten (:mod:`indoor_explorers.planners.coordination.teammates`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from indoor_explorers.planners.coordination.teammates import message_of, remembe
 from indoor_explorers.planners.information.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
-#: At most so many clusters are considered: those nearest to any UAV of the group.
+#: The most clusters considered: those nearest to any UAV of the group.
 CLUSTERS = 64
 #: A goal that is no frontier cell any more passes on to a frontier cell this near, in lidar ranges.
 INHERITANCE = 0.5
@@ -92,7 +92,7 @@ class GroupPilot(GoalPilot):
         return goal
 
     def members(self, view: View) -> list[GroupMember]:
-        """Return this UAV and the teammates to reckon with, by number."""
+        """Return this UAV and the remembered teammates, by number."""
         own = GroupMember(self.briefing.agent, view.cell, self.goal)
         return sorted([own, *map(member_of, remembered(view, self.briefing))], key=lambda member: member.agent)
 

@@ -21,7 +21,7 @@ class FrontierHungarian(Policy):
     """
 
     hold: float = 1.0
-    """A cluster that a UAV already flies to counts as so many lidar ranges nearer."""
+    """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
     extra: float = 1.0
     """Cost of not being the first UAV at a cluster, in lidar ranges."""
 

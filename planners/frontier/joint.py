@@ -26,13 +26,14 @@ from indoor_explorers.planners.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.routing.sequences import DecisionProblem, Utility, best_sequences, cost_of_rest
 
-#: Paths between places are measured up to so many lidar ranges; farther ones lead past a UAV.
+#: Paths between places are measured up to this many lidar ranges; beyond this, the path length is bounded by going
+#: through a UAV's position.
 HOP_RANGES = 4.0
-#: A cluster of which a place shows this share is no longer among what is left behind.
+#: A cluster counts as seen from a place that shows this share of it.
 SEEN = 0.5
-#: A cluster of which teammates leave less than this share of the most is theirs.
+#: A cluster belongs to teammates when its factor is less than this share of the largest factor.
 THEIRS = 0.5
-#: A place of which those who have chosen before leave less than this share is taken, the more so the less they leave.
+#: A place counts less when UAVs that chose before leave less than this share of its gain.
 TAKEN = 0.25
 
 
@@ -100,7 +101,7 @@ class FrontierJoint(JointParameters, Policy):
 
 
 class JointPilot(CandidatePilot):
-    """Choose in turn with whoever is linked, a few steps after the map has grown."""
+    """Choose in turn with the linked teammates, a few steps after the map has grown."""
 
     straight = True
 

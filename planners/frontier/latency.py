@@ -21,11 +21,11 @@ from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.routing.min_latency import costs_of_first
 
-#: Every so many lidar ranges along a cluster a cell of it is looked at.
+#: Distance between the cells of a cluster that are considered, in lidar ranges.
 STRIDE = 0.3
-#: An order is kept for so many lidar ranges of flight, unless its first place is dealt with before.
+#: An order is kept for this many lidar ranges of flight, unless its first place is spent before.
 KEEP = 0.1
-#: Cells within so many lidar ranges of the last goal count as that goal.
+#: Cells within this many lidar ranges of the last goal count as that goal.
 SAME = 0.2
 #: A cluster is left to others when its factor is this share of the best one or less.
 LEFT_TO_OTHERS = 0.5

@@ -31,7 +31,7 @@ class FrontierTour(Policy):
     """
 
     hold: float = 0.3
-    """A cluster that a UAV already flies to counts as so many lidar ranges nearer."""
+    """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
     clusters: int = 30
     """The most clusters on the tours of a group: the nearest to any UAV of it."""
 

@@ -1,4 +1,4 @@
-"""Utility: what a frontier promises against the way to it, in three forms known from the literature."""
+"""Utility: the gain expected at a frontier against the path to it, in three forms known from the literature."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class FrontierUtility(Policy):
     cost: float = 3.0
     """Weight c of the path, as its form reads it; 3 suits all of them."""
     hold: float = 0.5
-    """A cluster that a UAV already flies to counts as so many lidar ranges nearer."""
+    """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
     weight: float = 4.0
-    """A cluster at a place that somebody has taken counts as so many lidar ranges farther."""
+    """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
     reach: float = 1.0
     """How far a taken cluster makes others seem farther, in lidar ranges."""
 
@@ -64,8 +64,8 @@ class UtilityPilot(SequentialPilot):
         """Return each cluster's size, or the unknown cells in view from where it is nearest to any UAV, (K,)."""
         if self._policy.form == "size":
             return np.diff(choices.clusters.ends)[choices.numbers].astype(np.float64)
-        places, nobody = choices.places(), np.empty((0, 2))
-        return unclaimed_gains(view.belief, places, nobody, self.briefing.lidar_range).astype(np.float64)
+        places, no_claims = choices.places(), np.empty((0, 2))
+        return unclaimed_gains(view.belief, places, no_claims, self.briefing.lidar_range).astype(np.float64)
 
     def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return how good (N, K) pairs of UAV and cluster are."""

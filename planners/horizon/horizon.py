@@ -25,9 +25,9 @@ from indoor_explorers.planners.navigation.navigator import action_between
 from indoor_explorers.planners.navigation.paths import Paths, count_known
 from indoor_explorers.planners.parameters import at_least
 
-#: How fast isolation matters less when the goal leaves cells out: it halves with every so much of the coverage.
+#: Isolation matters less when the goal leaves cells out: it halves with each such share of the coverage.
 GOAL_SCALE = 0.05
-#: A tour that has shown nothing for so many steps more than it had is given up until the map grows.
+#: A tour is given up until the map grows when it has shown nothing for its length plus this many steps.
 PATIENCE = 8
 
 

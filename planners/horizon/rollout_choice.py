@@ -14,13 +14,13 @@ from indoor_explorers.planners.horizon.room_prior import RoomPrior
 
 #: The shares of the cells whose steps count, cut off at the goal.
 SHARES = (0.9, 0.99)
-#: What a step to each of them costs. The first is had anyway soon; weighed less, it suffers for the second.
+#: What a step to each of them costs.
 COSTS = (3.0, 1.0)
-#: Another tour has to be better by so much at the least, on average over the rooms.
+#: Another tour must be better by at least this much, on average over the rooms.
 MARGIN = 0.5
-#: And by so many standard errors.
+#: And by this many standard errors.
 SURE = 2.0
-#: Fewer rooms tell nothing.
+#: With fewer rooms the first tour is kept.
 FEWEST = 4
 #: Rooms after which tours without a chance drop out (racing: O. Maron and A. W. Moore, NeurIPS 1993).
 RACE_ROOMS = 8

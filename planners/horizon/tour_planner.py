@@ -19,7 +19,7 @@ from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
 CERTAINTY = 0.2
 #: Width of the beam that looks for alternatives, as a share of the usual.
 ALTERNATIVE_WIDTH = 0.4
-#: Alternatives that are longer than the tour by more steps are not rehearsed.
+#: Alternatives that are longer than the tour by more steps than this are not tried in rollouts.
 SLACK = 6
 
 
@@ -72,8 +72,8 @@ class TourPlanner:
         """Plan a tour from a flat cell, and keep the old one while it shows enough and is no worse.
 
         ``share`` (C,) is how much of each cell is this UAV's to see, 1 unless a teammate is to see it. A tour that
-        shows too little is kept while it can be flown and shows anything. With a selection, and nobody to share
-        with, a tour with another first step takes its place where that is better in sampled rooms.
+        shows too little is kept while it can be flown and shows anything. With a selection, and no teammate to
+        share with, a tour with another first step takes its place where that is better in sampled rooms.
         """
         self.optimistic.update(belief)
         self.following(cell)

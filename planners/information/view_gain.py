@@ -34,7 +34,7 @@ def unclaimed_gains(
 ) -> NDArray[np.int64]:
     """Return how many unknown cells are visible from each of (K,) flat cells and from no claim, (K,).
 
-    ``claims`` is (M, 2) rows and columns; what is within the lidar range of a claim is left to whoever made it.
+    ``claims`` is (M, 2) rows and columns; what is within the lidar range of a claim is left to the UAV that made it.
     """
     return np.asarray(_unclaimed(belief, cells, claims, lidar_range, optics(float(lidar_range))))
 
@@ -75,7 +75,7 @@ def visible_sets(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -
 NEIGHBOURHOOD = 2
 #: The other cells of that square.
 AROUND = (2 * NEIGHBOURHOOD + 1) ** 2 - 1
-#: Changes are boxed in squares of so many cells a side, for teammates change the map in several places at once.
+#: Side of the squares in which changes are boxed, in cells: teammates change the map in several places at once.
 TILE = 16
 #: A gain that has to be computed.
 STALE = -1.0

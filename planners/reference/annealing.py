@@ -30,13 +30,13 @@ from indoor_explorers.planners.reference.routes import (
     take,
 )
 
-#: Steps that a cell is worth that is missing at the end: so many that routes that miss some do not stay.
+#: Cost of each cell that is missing at the end, in steps: large enough that no final route misses any.
 PENALTY = 10.0
 #: First temperature as a share of the first routes' steps, and the last one in steps.
 HOT, COLD = 0.005, 0.25
-#: Viewpoints looked at for each stop of the first routes.
+#: Viewpoints sampled for each stop of the first routes.
 SAMPLES = 100
-#: Draws in vain for each viewpoint after which nothing is taken to be left for the first routes.
+#: Failed samples per viewpoint after which the first routes end.
 MOST_SAMPLES = 64
 #: Most stops in a piece that is moved.
 PIECE = 8
@@ -46,9 +46,8 @@ PIECE = 8
 def draw_below(rng_state: np.ndarray, sides: int) -> int:
     """Draw an integer from 0 to ``sides`` - 1; ``rng_state`` (2,) uint64 holds a key and a counter."""
     rng_state[1] += np.uint64(1)
-    return int(
-        np.int64(draw(rng_state[0], rng_state[1]) % np.uint64(sides))
-    )  # signed: unsigned ones make floats of others
+    drawn = draw(rng_state[0], rng_state[1]) % np.uint64(sides)
+    return int(np.int64(drawn))  # signed, because numba makes floats of mixed integers
 
 
 @leaf()
@@ -102,12 +101,9 @@ def _relocate(
 def _move_piece(routes: Routes, rng_state: np.ndarray) -> bool:
     """Move a few stops that follow one another to anywhere, the last one first in every other case."""
     n, p = _pick(routes, rng_state)
-    m, size, turned = (
-        draw_below(rng_state, routes.sizes.shape[0]),
-        1 + draw_below(rng_state, PIECE),
-        draw_below(rng_state, 2) == 0,
-    )
-    size = min(size, routes.sizes[n] - p)
+    m = draw_below(rng_state, routes.sizes.shape[0])
+    size = min(1 + draw_below(rng_state, PIECE), routes.sizes[n] - p)
+    turned = draw_below(rng_state, 2) == 0
     if turned:
         reverse(routes, n, p, p + size - 1)
     if m == n:  # two pieces that follow one another change places
@@ -198,7 +194,7 @@ def anneal(
 ) -> tuple[Routes, float]:
     """Return the best routes found that reach the last aim, and their cost.
 
-    Tries so many ``changes``, fewer when they cost more than ``work`` joined words.
+    Tries this many ``changes``, fewer when they cost more than ``work`` joined words.
     """
     team, room = state.starts.shape[0], 64 + table.neighbours.shape[0] // 8
     rng_state = np.array([key, np.uint64(0)], np.uint64)

@@ -20,9 +20,9 @@ Costs = NDArray[Any]
 #: (K,) places in the order in which they are visited.
 Order = NDArray[np.int64]
 
-#: Or-opt moves at most so many places at once.
+#: The most places that Or-opt moves at once.
 LONGEST_PIECE = 3
-#: What is not shorter by more than this is taken to be as long.
+#: A tour must be shorter by more than this to count as shorter.
 ROUNDING = 1e-9
 
 

@@ -15,7 +15,7 @@ from indoor_explorers.planners.sampling.samples import box_around, known_cells, 
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import grow_tree
 
-#: At most so many viewpoints are judged at a time, the nearest ones.
+#: The most viewpoints that are evaluated at a time: the nearest ones.
 JUDGED = 256
 
 

@@ -22,7 +22,7 @@ from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
 
-#: The order is improved of so many of the tours that promise most as nearest neighbours join them.
+#: How many tours are improved: those of the highest value in nearest-neighbour order.
 IMPROVED = 3
 
 

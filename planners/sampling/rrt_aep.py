@@ -42,7 +42,7 @@ class RrtAep(TreePolicy):
     """
 
     discount: float = 2.4
-    """How fast promises fade with the way to them: by a factor e for this share of a step per lidar range."""
+    """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""
     samples: int = 100
     """Samples for each tree."""
     near_samples: int = 100
@@ -65,7 +65,7 @@ class RrtAep(TreePolicy):
     """What a local tree must promise at least, and a viewpoint to be remembered, when taking turns: a share of the
     lidar's disc."""
     global_discount: float = 0.6
-    """How fast promises fade with the way along the RRT*: by a factor e for this share of a step per lidar range."""
+    """The same for the path along the RRT*: gain * exp(-global_discount * length / lidar_range)."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -79,7 +79,7 @@ class RrtAep(TreePolicy):
 
 
 class RrtAepPilot(JointPilot):
-    """Choose among remembered viewpoints, in turn with whoever is linked."""
+    """Choose among remembered viewpoints, in turn with the linked teammates."""
 
     def __init__(self, briefing: Briefing, policy: RrtAep) -> None:
         super().__init__(

@@ -46,7 +46,7 @@ class RrtFrontier(ViewpointPolicy):
     """
 
     discount: float = 2.4
-    """How fast promises fade with the way to them: by a factor e for this share of a step per lidar range."""
+    """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""
     local_samples: int = 150
     """Samples for the local tree, grown near the UAV whenever the map has."""
     global_samples: int = 150

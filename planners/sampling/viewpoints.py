@@ -23,17 +23,17 @@ from indoor_explorers.planners.routing.min_latency import costs_of_first
 from indoor_explorers.planners.sampling.covers import distinct
 from indoor_explorers.planners.sampling.samples import merged
 
-#: Viewpoints within this share of the lidar range of the goal are taken to be the same goal.
+#: Viewpoints within this share of the lidar range of the goal count as that goal.
 SAME_PLACE = 0.2
-#: An order is made of so many viewpoints, drawn from so many that are best on their own.
+#: The most viewpoints of an order, and the most with the best scores that they are taken from.
 STOPS, CANDIDATES = 12, 48
-#: They are at least so far apart, in cells or in lidar ranges, whichever is more,
+#: They are at least this far apart, in cells or in lidar ranges, whichever is more,
 APART_CELLS, APART_RANGES = 1.5, 0.15
 #: and each has at most this share of its view in common with a better one.
 OVERLAP = 0.3
-#: Ways between them are measured up to so many lidar ranges, longer ones by way of the UAV.
+#: Paths between them are measured up to this many lidar ranges; beyond this, through the UAV's position.
 HOP_RANGES = 3.0
-#: Viewpoints that teammates leave less of, against the one they leave most of, are theirs.
+#: Viewpoints of which teammates leave less than this share of the most that they leave of any are theirs.
 LEFT_TO_OTHERS = 0.3
 
 
@@ -76,7 +76,7 @@ class ViewpointPolicy(Policy):
     """Hold what all planners on viewpoints weigh them by."""
 
     discount: float = 1.5
-    """How fast promises fade with the way to them: by a factor e for this share of a step per lidar range."""
+    """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""
     isolation: float = 8.0
     """What an unknown cell counts more when all of the 24 around it are known."""
     depth: float = 0.5

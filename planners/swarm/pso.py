@@ -40,7 +40,7 @@ from indoor_explorers.planners.swarm.assignment import (
 )
 from indoor_explorers.planners.swarm.particles import Swarm, optimise
 
-#: Paths between candidates are measured up to so many lidar ranges.
+#: Paths between candidates are measured up to this many lidar ranges.
 HOP_RANGES = 1.5
 
 
@@ -110,7 +110,7 @@ class Pso(Policy):
 
 
 class PsoPilot(CandidatePilot):
-    """Take part in the joint plans of whoever is linked."""
+    """Take part in the joint plans of the linked group."""
 
     def __init__(self, briefing: Briefing, policy: Pso) -> None:
         super().__init__(briefing)
@@ -169,7 +169,7 @@ class PsoPilot(CandidatePilot):
     ) -> tuple[AssignmentProblem | None, Assignment, list[LinkedMember]]:
         """Return the group's joint decision, the flat cells of its candidates, and the members that can reach one.
 
-        The problem is None when nobody can.
+        The problem is None when no member can.
         """
         policy, reach = self._policy, self._range
         fields = np.stack([self.steps_from(view, member.cell) for member in members])

@@ -102,7 +102,7 @@ class SgbaPilot(GoalPilot):
         }
 
     def _is_held_up(self, view: View) -> bool:
-        """Tell whether somebody is in the way, from the first sign until the frontier flown to instead is explored."""
+        """Tell whether a UAV is in the way, from the first sign until the frontier flown to instead is explored."""
         if self._detours and (self.goal is None or self.is_spent(view, self.goal)):
             self._detours = False
             self._set_bearing(atan2(self._east, self._north) + pi / 2 * int(self.rng.integers(1, 4)))

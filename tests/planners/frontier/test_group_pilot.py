@@ -105,7 +105,7 @@ def test_choices_are_what_everybody_could_fly_to() -> None:
     belief[0, 11] = 2
     mate = Mate(1, (0, 13), 0, (0.0, 14.0))
     view = view_of(belief, (0, 8), (mate,))
-    pilot.goal = (0, 5)
+    pilot.navigator.goal = (0, 5)
     choices = pilot.choices(view, pilot.members(view))
     assert choices.me == 0
     assert choices.places().tolist() == [14, 5]
