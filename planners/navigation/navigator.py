@@ -56,7 +56,7 @@ class Navigator:
         self._deadline = 0
         self._bans: dict[Cell, int] = {}
         self._settled = False
-        self._own_field: Distances | None = None
+        self._own_field: tuple[int, Cell, Distances] | None = None
 
     @property
     def swings(self) -> bool:
@@ -85,9 +85,9 @@ class Navigator:
         """Return the (H, W) steps from a cell through known free cells; from the UAV's own, found once a step."""
         if cell != view.cell:
             return self.paths.field(view.belief, cell)
-        if self._own_field is None:
-            self._own_field = self.paths.field(view.belief, cell)
-        return self._own_field
+        if self._own_field is None or self._own_field[:2] != (view.step, cell):
+            self._own_field = view.step, cell, self.paths.field(view.belief, cell)
+        return self._own_field[2]
 
     def set_goal(self, view: View, goal: Cell | None) -> None:
         """Fly to a goal from now on; None to stay."""
