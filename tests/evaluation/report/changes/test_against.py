@@ -85,7 +85,7 @@ def test_verdicts_and_differences_are_whole_in_narrow_windows(width, old):
     found = compare_with(new, plain)
     shown = printed(found, width)
     assert "frontier-nearest" in shown
-    assert "no change shown" in " ".join(shown.split())
+    assert "not significant" in " ".join(shown.split())
     assert all(change.figures[2] in shown for change in found.changes)
     assert "\N{HORIZONTAL ELLIPSIS}" not in shown
 
