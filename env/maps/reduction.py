@@ -7,16 +7,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, sparse
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.floorplan import MAX_CELLS, Floorplan
 from indoor_explorers.env.search.connected_parts import largest_part
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 #: Occupied shares that make a cell solid, most careful first; 0 stands for any occupied pixel at all.
 LADDER = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
@@ -152,6 +155,8 @@ def _best(occupied: NDArray[np.float64], floor: NDArray[np.float64]) -> tuple[Ma
 
 def _connected(free: Mask, floor: NDArray[np.float64]) -> tuple[Mask, float]:
     """Return the largest connected part of the free cells, and the share of the floor in it or right beside it."""
+    from scipy import ndimage  # here, since it takes long to import
+
     part = largest_part(free)
     beside = ndimage.binary_dilation(part, np.ones((3, 3), np.bool_)) & ~free
     return part, float(floor[part | beside].sum() / floor.sum())
@@ -174,6 +179,8 @@ def area_share(mask: Mask, factor: float) -> NDArray[np.float64]:
 
 def _overlaps(pixels: int, factor: float) -> sparse.csr_array[np.float64]:
     """Return the (cells, pixels) matrix of how much of each cell's length each pixel covers."""
+    from scipy import sparse  # here, since it takes long to import
+
     cells = math.ceil(pixels / factor - _SLACK)
     borders = np.minimum(np.arange(cells + 1) * factor, pixels)
     cuts = np.unique(np.concatenate([np.arange(pixels + 1, dtype=np.float64), borders]))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, sparse
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.search.connected_parts import connected_parts
@@ -34,6 +33,8 @@ def _bridges(labels: NDArray[np.int32], count: int) -> NDArray[np.int64]:
     Every solid cell belongs to its nearest part; where the regions of two parts meet, the two cells' ways to their
     parts make a bridge.
     """
+    from scipy import ndimage, sparse  # here, since they take long to import
+
     distance, (rows, cols) = ndimage.distance_transform_edt(labels == 0, return_indices=True)
     region = labels[rows, cols]
     flat = np.arange(labels.size).reshape(labels.shape)

@@ -12,7 +12,6 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
-from scipy import sparse
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.maps.base import GeneratedMaps, check_room, check_sizes
@@ -116,6 +115,8 @@ class RoomsMaps(GeneratedMaps):
         self, rng: np.random.Generator, leaves: list[Rectangle], rooms: list[Rectangle], shape: tuple[int, int]
     ) -> NDArray[np.int64]:
         """Return (n, 2) pairs of rooms to join, the upper or left one first: a tree of short ways, and some loops."""
+        from scipy import sparse  # here, since it takes long to import
+
         pairs = neighbours(leaves, shape)
         if not len(pairs):
             return pairs

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
@@ -71,6 +70,8 @@ def _spread(channels: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _only_spot(mask: Mask) -> Mask | None:
+    from scipy import ndimage  # here, since it takes long to import
+
     if not 0 < mask.sum() <= max(1.0, LARGEST_MARK * mask.size):
         return None
     return mask if ndimage.label(mask, np.ones((3, 3), np.int8))[1] == 1 else None

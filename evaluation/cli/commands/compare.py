@@ -64,6 +64,8 @@ def _print_failures(results: Results, console: Console) -> int:
             f"{first.task.scenario}, seed {first.task.seed}, step {first.steps}: {first.reason}"
         )
         print_line(console, line, "red")
+    if broken:
+        print_line(console, "failed episodes count as finished; --retry-failed flies them again", "red")
     return 1 if broken else 0
 
 

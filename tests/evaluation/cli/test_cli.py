@@ -217,6 +217,7 @@ def test_failed_episodes_are_flown_again_on_request_alone(capsys, tmp_path, monk
     status, printed, _ = run(capsys, *words)
     assert status == 1
     assert "4 of 4 episodes are there already" in printed
+    assert "--retry-failed flies them again" in printed
     status, printed, _ = run(capsys, *words, "--retry-failed")
     assert status == 0
     assert "2 of 4 episodes are there already; flying 2" in printed

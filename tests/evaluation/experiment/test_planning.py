@@ -1,4 +1,4 @@
-"""What of an experiment file is flown."""
+"""From a request to an experiment: what of a file is flown."""
 
 from pathlib import Path
 
