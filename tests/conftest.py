@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -35,3 +38,26 @@ def start(belief: Belief) -> Cell:
     """A free cell of that map."""
     row, col = np.argwhere(belief == FREE)[0].tolist()
     return row, col
+
+
+@pytest.fixture(scope="session")
+def cluster() -> Iterator[Any]:
+    """One Ray cluster for all tests that need one: a head without CPUs and two nodes of one CPU, on this machine."""
+    from ray.cluster_utils import Cluster
+
+    memory = 100 * 2**20
+    found = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "object_store_memory": memory})
+    for _ in range(2):
+        found.add_node(num_cpus=1, object_store_memory=memory)
+    yield found
+    found.shutdown()
+
+
+@pytest.fixture(scope="module")
+def connected(cluster: Any) -> Iterator[Any]:
+    """Stay connected to the cluster from one test to the next, which spares each the start of its workers."""
+    import ray
+
+    ray.init(cluster.address, log_to_driver=False, logging_level="ERROR")
+    yield cluster
+    ray.shutdown()

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import ray
 import torch
 from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 
@@ -34,18 +33,16 @@ def team(scenario=PLAYROOM):
     return ParallelPettingZooEnv(parallel_env(scenario, observation=Flat(Egocentric(side=7, zones=4))))
 
 
-@pytest.fixture(scope="module")
-def _cluster():
+@pytest.fixture
+def _one_thread():
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
-    ray.init("local", num_cpus=2, object_store_memory=100 * 2**20, include_dashboard=False, log_to_driver=False)
     yield
-    ray.shutdown()
     torch.set_num_threads(threads)
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("_cluster")
+@pytest.mark.usefixtures("connected", "_one_thread")
 def test_a_team_trains_with_shared_parameters_as_the_readme_shows():
     (snippet,) = (text for text in re.findall(r"```python\n(.*?)```", README, re.DOTALL) if "from ray" in text)
     shown = {}

@@ -8,7 +8,6 @@ import threading
 import numpy as np
 import pytest
 import ray
-from ray.cluster_utils import Cluster
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.scenarios.presets import on_files
@@ -27,7 +26,6 @@ pytestmark = [
     pytest.mark.xdist_group("ray"),
 ]
 
-MEMORY = 80 * 2**20
 PLAN = {"scenario": "thesis-open", "policies": [f"{PLUGINS}:Wander", "frontier-nearest"], "episodes": 30}
 
 
@@ -50,29 +48,11 @@ def interrupt():
 
 
 @pytest.fixture(scope="module")
-def cluster():
-    found = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "object_store_memory": MEMORY})
-    for _ in range(2):
-        found.add_node(num_cpus=1, object_store_memory=MEMORY)
-    yield found
-    ray.shutdown()
-    found.shutdown()
-
-
-@pytest.fixture(scope="module")
 def expected(tmp_path_factory):
     """The rows of the local engine."""
     out = tmp_path_factory.mktemp("local")
     compare(out, **PLAN, workers=0)
     return rows(out)
-
-
-@pytest.fixture(scope="module")
-def connected(cluster):
-    """Stays connected from one test to the next, which spares each the start of its workers."""
-    ray.init(cluster.address, log_to_driver=False, logging_level="ERROR")
-    yield cluster
-    ray.shutdown()
 
 
 ON_RAY = {"engine": "ray"}
@@ -89,7 +69,7 @@ def test_the_same_summary_as_the_local_engine(cluster, expected, tmp_path):
 def test_a_node_that_dies_half_way_changes_nothing(connected, expected, tmp_path):
     nodes = list(connected.worker_nodes)
     compare(tmp_path, **PLAN, **ON_RAY, watcher=Watcher(lambda: connected.remove_node(nodes[0], False)))
-    connected.add_node(num_cpus=1, object_store_memory=MEMORY)
+    connected.add_node(num_cpus=1, object_store_memory=100 * 2**20)
     assert rows(tmp_path) == expected
 
 

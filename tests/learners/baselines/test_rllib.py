@@ -6,7 +6,6 @@ import json
 import os
 import shutil
 import signal
-from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -24,28 +23,21 @@ from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from tests.learners.baselines.tiny import flown, record_of, train
 from tests.learners.dddqn.rooms import small_room
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("ray")]
+pytestmark = pytest.mark.xdist_group("ray")
 PPO = ("total_steps=300", "environments=2", "rollout=80", "batch=40", "epochs=1")
 SAC = ("total_steps=300", "environments=2", "warmup_steps=40", "batch=8", "replay_steps=400", "intensity=1.0")
 PAIR = {"team": 2, "radio.model": "unlimited"}
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _one_ray() -> Iterator[None]:
-    """Start Ray once for all trainings; they use it, and leave it running."""
-    ray.init("local", num_cpus=2, object_store_memory=100 * 2**20, include_dashboard=False, log_to_driver=False)
-    yield
-    ray.shutdown()
-
-
 @pytest.fixture(scope="module")
-def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def trained(connected: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a PPO of two UAVs."""
     out = tmp_path_factory.mktemp("trained") / "ppo"
     assert train("rllib-ppo", out, *PPO, team=2) == 0
     return out
 
 
+@pytest.mark.slow
 def test_a_training_says_how_it_was_made(trained: Path) -> None:
     record = record_of(trained)
     assert (record["learner"], record["scenario"]["team"], record["shape"]) == ("rllib-ppo", 2, [8, 8])
@@ -56,6 +48,7 @@ def test_a_training_says_how_it_was_made(trained: Path) -> None:
     assert ray.is_initialized()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mask", [True, False])
 def test_the_pilots_see_what_training_saw_bit_for_bit(mask: bool, trained: Path) -> None:
     config = TrainingConfig(side=5, zones=2, hidden=(16,), mask=mask)
@@ -82,6 +75,7 @@ def test_the_pilots_see_what_training_saw_bit_for_bit(mask: bool, trained: Path)
     assert heard > 0
 
 
+@pytest.mark.slow
 def test_acting_together_equals_acting_alone(trained: Path) -> None:
     policy = make_policy(f"rllib:{trained}")
     together = flown(policy, [1, 2, 3, 4, 5], together=True)
@@ -89,10 +83,12 @@ def test_acting_together_equals_acting_alone(trained: Path) -> None:
     assert np.array_equal(together[:, 2:3], flown(policy, [3], together=True))
 
 
+@pytest.mark.slow
 def test_the_policy_passes_the_conformance_suite(trained: Path) -> None:
     check_policy(make_policy(f"rllib:{trained}"))
 
 
+@pytest.mark.slow
 def test_the_masking_network_gives_illegal_moves_no_chance(trained: Path) -> None:
     policy = Rllib(path=str(trained))
     config = policy.trained().config
@@ -107,6 +103,8 @@ def test_the_masking_network_gives_illegal_moves_no_chance(trained: Path) -> Non
     assert set(batch["obs"]) == {"observations", "action_mask"}
 
 
+@pytest.mark.slow
+@pytest.mark.usefixtures("connected")
 def test_an_interrupted_training_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupt(session: Any, trainee: Any) -> None:
         if trainee.steps >= 50 and session.checkpoint is None:
@@ -122,6 +120,8 @@ def test_an_interrupted_training_goes_on(tmp_path: Path, monkeypatch: pytest.Mon
     assert 300 <= record_of(tmp_path / "out")["steps"] < 300 + 80 + cut
 
 
+@pytest.mark.slow
+@pytest.mark.usefixtures("connected")
 def test_discrete_sac_trains_and_flies(tmp_path: Path) -> None:
     assert train("rllib-sac", tmp_path / "out", *SAC, team=2) == 0
     policy = make_policy(f"rllib:{tmp_path / 'out'}")
@@ -138,6 +138,7 @@ def test_episodes_of_a_training_are_its_own() -> None:
     assert seeds == [SEED_BLOCK + 1 + k for k in range(3)]  # RLlib's wrapper begins one by itself
 
 
+@pytest.mark.slow
 def test_what_is_no_training_is_one_line(trained: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def refusal(path: Path) -> str:
         with pytest.raises(InputError) as caught:
