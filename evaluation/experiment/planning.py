@@ -14,6 +14,8 @@ from indoor_explorers.evaluation.experiment.selection import chosen_policies, ch
 
 #: Keys of an experiment file, and the fields of a request that they fill.
 KEYS = {"policies": "policies", "scenarios": "scenario", "episodes": "episodes", "seed": "seed", "set": "settings"}
+#: The folder of the experiments that ship.
+SHIPPED = Path(__file__).parents[1] / "experiments"
 
 
 def plan(request: ComparisonRequest) -> Experiment:
@@ -25,15 +27,32 @@ def plan(request: ComparisonRequest) -> Experiment:
         InputError: something asked for does not exist or does not fit together.
 
     """
-    file = ComparisonRequest() if request.experiment is None else read_experiment(request.experiment)
+    path = None if request.experiment is None else experiment_file(request.experiment)
+    file = ComparisonRequest() if path is None else read_experiment(path)
     team = {} if request.team is None else {"team": request.team}
     return build_experiment(
         chosen_policies(request.policies, file.policies),
-        _scenarios(request, file),
+        _scenarios(request, file, Path() if path is None else path.parent),
         episodes=file.episodes if request.episodes is None else request.episodes,
         seed=file.seed if request.seed is None else request.seed,
         settings={**file.settings, **request.settings, **team},
     )
+
+
+def experiment_file(asked: Path) -> Path:
+    """Return the file of an experiment: the path asked for, or the one of that name that ships.
+
+    Raises:
+        InputError: there is no such file and none of that name.
+
+    """
+    if asked.suffix or asked.exists():
+        return asked
+    names = [file.stem for file in SHIPPED.glob("*.toml")]
+    if asked.name not in names:
+        hint = did_you_mean(str(asked), names)
+        raise InputError(f"unknown experiment {str(asked)!r} (expected a file or one that ships){hint}")
+    return SHIPPED / f"{asked.name}.toml"
 
 
 def read_experiment(path: Path) -> ComparisonRequest:
@@ -50,11 +69,10 @@ def read_experiment(path: Path) -> ComparisonRequest:
     return validated(ComparisonRequest, {KEYS[key]: value for key, value in data.items()}, str(path))
 
 
-def _scenarios(request: ComparisonRequest, file: ComparisonRequest) -> list[Scenario]:
-    """Return the scenarios asked for, on the map files asked for where there are any."""
+def _scenarios(request: ComparisonRequest, file: ComparisonRequest, folder: Path) -> list[Scenario]:
+    """Return the scenarios asked for, on the map files asked for where there are any; ``folder`` is the file's."""
     if request.resolution is not None and not request.maps:
         raise InputError("expected --maps with --resolution, got none; name the map files to resample")
-    folder = Path() if request.experiment is None else request.experiment.parent
     if not request.maps:
         return chosen_scenarios(request.scenario, file.scenario, folder)
     files = on_files(request.maps, request.resolution).for_evaluation()

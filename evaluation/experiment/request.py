@@ -59,8 +59,9 @@ class Request(BaseModel):
 class ComparisonRequest(Request):
     """What a comparison is asked for. A new option is a field here, and nothing else."""
 
-    experiment: Annotated[Path | None, Option(metavar="FILE.toml")] = None
-    """Policies, scenarios, episodes, seed and settings in a file; what is given beside it goes first."""
+    experiment: Annotated[Path | None, Option(metavar="FILE.toml|NAME")] = None
+    """Policies, scenarios, episodes, seed and settings in a file, or in an experiment that ships, such as families;
+    options beside it take precedence."""
     policies: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), POLICY_NAMES] = None
     """Names of entries of the experiment, of policies, NAME:PATH such as sb3:DIR, or module:Class. A name with a comma
     in it stands in double quotes, which the shell must not remove: '"dddqn, no guard",pso'."""

@@ -118,6 +118,16 @@ def test_shipped_experiments_can_be_planned(path):
     assert {scenario.goal for scenario in experiment.scenarios} == {told}
 
 
+def test_experiments_that_ship_have_names(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    named, filed = (plan(ComparisonRequest(experiment=each)) for each in ("teams", EXPERIMENTS / "teams.toml"))
+    assert named == filed
+    with pytest.raises(InputError, match=r"unknown experiment 'temas' \(expected a file or .* did you mean 'teams'"):
+        plan(ComparisonRequest(experiment="temas"))
+    (tmp_path / "teams").write_text('scenarios = ["maze"]')
+    assert [scenario.name for scenario in plan(ComparisonRequest(experiment="teams")).scenarios] == ["maze"]
+
+
 def test_the_buildings_differ_in_team_and_radio_alone():
     experiment = plan(ComparisonRequest(experiment=EXPERIMENTS / "planners-buildings.toml"))
     assert len(experiment.scenarios) == 20
