@@ -12,6 +12,14 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 FLOORS = ("env", "planners", "learners", "evaluation")
+#: Of a document.
+FIGURES = ROOT / "learners" / "figures"
+
+
+def tracked():
+    """The files of the packages that git holds."""
+    listed = subprocess.run(["git", "ls-files", *FLOORS], cwd=ROOT, capture_output=True, text=True, check=True)
+    return {ROOT / name for name in listed.stdout.splitlines()}
 
 
 @pytest.fixture(scope="module")
@@ -23,9 +31,12 @@ def project():
 def wheel(tmp_path_factory):
     """A wheel built from a copy of the tree, so that no earlier build can lend it a file."""
     out = tmp_path_factory.mktemp("wheel")
-    ignored = shutil.ignore_patterns(
-        ".git", ".venv", "build", "dist", "results", "*.egg-info", "__pycache__", ".*_cache"
-    )
+    made = shutil.ignore_patterns("*.egg-info", "__pycache__", ".*_cache")
+
+    def ignored(folder, names):
+        made_here = {".git", ".venv", "build", "dist", "results"} if Path(folder) == ROOT else set()
+        return made(folder, names) | made_here
+
     source = shutil.copytree(ROOT, out / "source", ignore=ignored, symlinks=True)
     subprocess.run(
         [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", out, source],
@@ -52,13 +63,21 @@ def test_every_module_has_a_package():
             assert (path.parent / "__init__.py").exists(), path
 
 
+def test_every_data_file_of_the_tree_is_listed(project):
+    held = set()
+    for name, patterns in project["tool"]["setuptools"]["package-data"].items():
+        packages = project["tool"]["setuptools"]["packages"] if name == "*" else [name]
+        for folder in (ROOT.joinpath(*package.split(".")[1:]) for package in packages):
+            held |= {path for pattern in patterns for path in folder.glob(pattern) if path.is_file()}
+    missing = {path for path in tracked() if path.suffix != ".py"} - held
+    assert {path for path in missing if path.suffix != ".md" and path.parent != FIGURES} == set()
+
+
 @pytest.mark.slow
 def test_the_wheel_holds_every_module_and_data_file(wheel):
     held = set(zipfile.ZipFile(wheel).namelist())
-    listed = subprocess.run(["git", "ls-files", *FLOORS], cwd=ROOT, capture_output=True, text=True, check=True)
-    missing = {f"indoor_explorers/{name}" for name in listed.stdout.splitlines()} - held
-    figures = "indoor_explorers/learners/figures/"  # of a document
-    assert {name for name in missing if not name.endswith(".md") and not name.startswith(figures)} == set()
+    missing = {path for path in tracked() if f"indoor_explorers/{path.relative_to(ROOT).as_posix()}" not in held}
+    assert {path for path in missing if path.suffix != ".md" and path.parent != FIGURES} == set()
     tops = {name.split("/")[0] for name in held}
     assert {top for top in tops if not top.endswith(".dist-info")} == {"indoor_explorers"}
 
