@@ -23,7 +23,7 @@ from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.bfs import distances_from, step_towards
 from indoor_explorers.env.search.frontiers import touches_unknown
-from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 
 #: Steps without a new cell that are always granted.
 PATIENCE = 8
@@ -53,13 +53,13 @@ def nearest_frontier(belief: np.ndarray, row: int, col: int, queue: np.ndarray, 
 
 
 @leaf()
-def discovered(belief: np.ndarray, row: int, col: int, optics: Optics, scan: Scan, noted: np.ndarray) -> int:
+def discovered(belief: np.ndarray, row: int, col: int, lidar: LidarModel, scan: Scan, noted: np.ndarray) -> int:
     """Count the known cells in view of a UAV that ``noted`` (H, W) uint8 lacks: what it has discovered itself.
 
     What is not in its view came by radio, and says nothing about whether it is getting anywhere.
     """
     found = 0
-    for k in range(visible_cells(belief, row, col, optics, scan)):
+    for k in range(visible_cells(belief, row, col, lidar, scan)):
         r, c = divmod(scan.cells[k], belief.shape[1])
         found += belief[r, c] != UNKNOWN and noted[r, c] == 0
     return found
@@ -187,15 +187,15 @@ class WatchedPilot(Pilot):
     def __init__(self, briefing: Briefing, *, guard: bool) -> None:
         self._guard = Guard(briefing.shape, briefing.rng) if guard else None
         self._noted = np.zeros(briefing.shape, np.uint8)
-        self._optics = optics(briefing.lidar_range)
-        self._scan = new_scan(self._optics)
+        self._lidar = lidar_model(briefing.lidar_range)
+        self._scan = new_scan(self._lidar)
         self._gained = 0
 
     def review(self, view: View, proposal: int) -> int:
         """Return the move to make: ``proposal``, or the guard's; to stay when that finds nothing in reach unknown."""
         if self._guard is None:
             return proposal
-        self._gained += int(discovered(view.belief, *view.cell, self._optics, self._scan, self._noted))
+        self._gained += int(discovered(view.belief, *view.cell, self._lidar, self._scan, self._noted))
         self._noted[...] = view.belief != UNKNOWN
         if self._guard.finished(view):
             self._guard.rest()

@@ -1,7 +1,7 @@
 """The conformance suite: what a policy must keep to, as checks that name the likely cause of a failure."""
 
-from indoor_explorers.env.conformance.findings import Breach, Finding, shown
+from indoor_explorers.env.conformance.findings import Finding, Violation, shown
 from indoor_explorers.env.conformance.flying import is_privileged
 from indoor_explorers.env.conformance.suite import CHECKS, check_policy, run_checks
 
-__all__ = ["CHECKS", "Breach", "Finding", "check_policy", "is_privileged", "run_checks", "shown"]
+__all__ = ["CHECKS", "Finding", "Violation", "check_policy", "is_privileged", "run_checks", "shown"]

@@ -1,4 +1,4 @@
-"""What a policy may answer. A breach is noted in the trace, once of each kind, and something harmless flown instead."""
+"""Check what a policy answers: the first violation of each kind is noted, and a stay or no message replaces it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from indoor_explorers.env.conformance.findings import Breach, CannotFly, calling, shown
+from indoor_explorers.env.conformance.findings import CannotFly, Violation, calling, shown
 from indoor_explorers.env.conformance.traces import Trace
 from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.policies.policy import Pilot, is_action
@@ -19,7 +19,7 @@ def checked_action(answer: object, trace: Trace) -> int:
     if is_action(answer):
         return int(answer)
     found = f"expected an action from 0 to 4 (down, left, up, right, stay), got {shown(answer)}"
-    trace.breaches.setdefault("actions", Breach(found, "return an int, such as int(np.argmax(values))"))
+    trace.violations.setdefault("actions", Violation(found, "return an int, such as int(np.argmax(values))"))
     return int(Action.STAY)
 
 
@@ -30,8 +30,8 @@ def checked_message(said: Any, trace: Trace) -> Message:
     if isinstance(said, tuple) and len(said) <= MESSAGE_LIMIT and all(map(_is_number, said)):
         return tuple(map(float, said))
     found = f"expected pilot.message to be None or a tuple of at most {MESSAGE_LIMIT} finite numbers, got {shown(said)}"
-    mend = "write tuple(map(float, values)), and choose what matters most where they are too many"
-    trace.breaches.setdefault("messages", Breach(found, mend))
+    fix = "write tuple(map(float, values)), and choose what matters most where they are too many"
+    trace.violations.setdefault("messages", Violation(found, fix))
     return None
 
 
@@ -41,11 +41,11 @@ def check_tallied(pilot: Pilot, trace: Trace) -> None:
         with calling("tally"):
             tally = pilot.tally()
     except CannotFly as error:
-        trace.breaches.setdefault("tally", error)
+        trace.violations.setdefault("tally", error)
         return
     if not isinstance(tally, dict) or not all(isinstance(k, str) and _is_number(v) for k, v in tally.items()):
         found = f"expected tally to return a dict of finite numbers by name, got {shown(tally)}"
-        trace.breaches.setdefault("tally", Breach(found, "return {} for nothing to tell"))
+        trace.violations.setdefault("tally", Violation(found, "return {} for nothing to tell"))
 
 
 def facts_of(briefing: Briefing) -> dict[str, str]:
@@ -60,7 +60,7 @@ def check_briefed(briefing: Briefing, facts: dict[str, str], trace: Trace) -> No
     changed = [name for name, value in facts_of(briefing).items() if value != facts[name]]
     if changed:
         found = f"the briefing's {changed[0]} was changed"
-        trace.breaches.setdefault("decisions", Breach(found, "leave it as it is, and copy what you change"))
+        trace.violations.setdefault("decisions", Violation(found, "leave it as it is, and copy what you change"))
 
 
 def _is_number(value: Any) -> bool:

@@ -1,4 +1,4 @@
-"""What the conformance suite says: breaches of the contract, and what each check found."""
+"""What the conformance suite says: violations of the contract, and what each check found."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ SHOWN = 120
 _OURS = Path(__file__).parents[1]
 
 
-class Breach(PolicyError):
-    """Report one breach of the contract: what was found, and the likely cause with the way to mend it."""
+class Violation(PolicyError):
+    """Report one violation of the contract: what was found, and the likely cause with the way to fix it."""
 
-    def __init__(self, found: str, mend: str) -> None:
-        super().__init__(f"{found}; {mend}")
+    def __init__(self, found: str, fix: str) -> None:
+        super().__init__(f"{found}; {fix}")
         self.found = found
-        self.mend = mend
+        self.fix = fix
 
 
-class CannotFly(Breach):
-    """Report a breach after which an episode cannot go on, such as an error raised by the policy."""
+class CannotFly(Violation):
+    """Report a violation after which an episode cannot go on, such as an error raised by the policy."""
 
 
-class Differs(Breach):
+class Differs(Violation):
     """Report choices that should have been the same."""
 
 
@@ -43,15 +43,15 @@ class Finding(NamedTuple):
     """What was found, in a few words."""
     seconds: float
     """Time the check took, with the episodes flown for it."""
-    error: Breach | None = None
-    """The breach, of a check that failed."""
+    error: Violation | None = None
+    """The violation, of a check that failed."""
     conclusive: bool = True
     """False for a failure that says nothing of its own, since an earlier finding explains it."""
 
     @property
-    def mend(self) -> str:
-        """The likely cause of a failure and the way to mend it; empty for a check that passed."""
-        return self.error.mend if self.error is not None and self.conclusive else ""
+    def fix(self) -> str:
+        """The likely cause of a failure and the way to fix it; empty for a check that passed."""
+        return self.error.fix if self.error is not None and self.conclusive else ""
 
 
 @contextmanager

@@ -61,7 +61,7 @@ class Changed(NamedTuple):
     """It is asked as before but makes random legal moves; otherwise it is not asked, stays and says nothing."""
 
 
-class Flight:
+class CheckedFlight:
     """Fly one policy in a batch of episodes side by side."""
 
     def __init__(

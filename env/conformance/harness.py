@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
-from indoor_explorers.env.conformance.findings import Breach
-from indoor_explorers.env.conformance.flying import Changed, Flight, together
+from indoor_explorers.env.conformance.findings import Violation
+from indoor_explorers.env.conformance.flying import Changed, CheckedFlight, together
 from indoor_explorers.env.conformance.traces import Setup, Trace
 from indoor_explorers.env.maps.sources import MapSource
 from indoor_explorers.env.policies.policy import Pilot, Policy
@@ -24,7 +24,7 @@ LARGE = PRESETS["rooms"].for_evaluation().with_settings({"team": 4})
 FIRST, OTHER = Setup(11), Setup(12)
 
 
-class Subject:
+class Harness:
     """Fly a policy for the checks, and keep what more than one of them needs."""
 
     def __init__(self, policy: Policy) -> None:
@@ -39,8 +39,8 @@ class Subject:
 
     @cached_property
     def alone(self) -> tuple[Trace, Trace]:
-        """The episodes of one UAV and of four, each flown for itself; their breaches are left to the checks."""
-        solo, team = (Flight(self.policy, scenario, [FIRST]) for scenario in (SOLO, TEAM))
+        """The episodes of one UAV and of four, each flown for itself; their violations are left to the checks."""
+        solo, team = (CheckedFlight(self.policy, scenario, [FIRST]) for scenario in (SOLO, TEAM))
         self.pilot = solo.pilot_kind
         return solo.fly(STEPS)[0], team.fly(STEPS)[0]
 
@@ -60,19 +60,19 @@ class Subject:
         changed: Changed | None = None,
         told: MapSource | None = None,
     ) -> list[Trace]:
-        """Fly episodes side by side, with the policy or a copy of it; the other arguments are those of ``Flight``.
+        """Fly episodes side by side, with the policy or a copy of it; see ``CheckedFlight`` for the arguments.
 
         Raises:
-            Breach: an answer breaks the contract, and none of the same kind did so in :attr:`alone`.
+            Violation: an answer breaks the contract, and none of the same kind did so in :attr:`alone`.
 
         """
-        known = {kind for trace in self.alone for kind in trace.breaches}
-        traces = Flight(policy or self.policy, scenario, setups, ask=ask, changed=changed, told=told).fly(steps)
+        known = {kind for trace in self.alone for kind in trace.violations}
+        traces = CheckedFlight(policy or self.policy, scenario, setups, ask=ask, changed=changed, told=told).fly(steps)
         for trace in traces:
-            for kind in trace.breaches.keys() - known:
-                raise trace.breaches[kind]
+            for kind in trace.violations.keys() - known:
+                raise trace.violations[kind]
         return traces
 
-    def breach(self, kind: str) -> Breach | None:
-        """Return the first breach of a kind in :attr:`alone`."""
-        return next((trace.breaches[kind] for trace in self.alone if kind in trace.breaches), None)
+    def violation(self, kind: str) -> Violation | None:
+        """Return the first violation of a kind in :attr:`alone`."""
+        return next((trace.violations[kind] for trace in self.alone if kind in trace.violations), None)

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.conformance.causes import shared_things
-from indoor_explorers.env.conformance.findings import Breach, CannotFly, Differs
+from indoor_explorers.env.conformance.findings import CannotFly, Differs, Violation
 from indoor_explorers.env.conformance.flying import Changed, is_privileged
-from indoor_explorers.env.conformance.harness import FIRST, SOLO, TEAM, Subject
+from indoor_explorers.env.conformance.harness import FIRST, SOLO, TEAM, Harness
 from indoor_explorers.env.conformance.traces import Setup, Trace, compare
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.floorplan import Floorplan
@@ -23,7 +23,7 @@ from indoor_explorers.env.simulation.world import World
 MOMENTS = (1, 5, 15, 30)
 #: What briefings say about where maps come from instead of the truth.
 TOLD: tuple[MapSource, ...] = (OfficeMap(), ThesisMaps(obstacles=0), ThesisMaps(obstacles=60, obstacle_size=(1, 1)))
-#: How to mend a policy that depends on that.
+#: How to fix a policy that depends on that.
 DECLARE = "read briefing.generator alone and declare uses_generator = True, or do without briefing.scenario.map"
 #: The team without any radio.
 SILENT = TEAM.with_settings({"radio.model": "none"})
@@ -31,17 +31,17 @@ SILENT = TEAM.with_settings({"radio.model": "none"})
 REPLACED = (Changed(0, wanders=False), Changed(3, wanders=True))
 
 
-def check_unseen(subject: Subject) -> str:
+def check_unseen(harness: Harness) -> str:
     """Change cells that nobody has seen: as long as a UAV sees the same it must do the same."""
-    if is_privileged(subject.policy):
+    if is_privileged(harness.policy):
         return "not checked: the policy is privileged and knows the true map"
     changes = decisions = 0
-    for scenario, trace in zip((SOLO, TEAM), subject.alone, strict=True):
+    for scenario, trace in zip((SOLO, TEAM), harness.alone, strict=True):
         for step in MOMENTS:
             setup = changed_where_unseen(scenario, trace, step) if step < len(trace.steps) else None
             if setup is None:
                 continue
-            (again,) = subject.fly(scenario, [setup], step + 1)
+            (again,) = harness.fly(scenario, [setup], step + 1)
             found = compare(again, trace, range(scenario.team))
             changes, decisions = changes + 1, decisions + found.compared
             if found.differs is not None:
@@ -65,18 +65,17 @@ def changed_where_unseen(scenario: Scenario, trace: Trace, step: int) -> Setup |
     return Setup(trace.setup.seed, Floorplan(truth, "changed where unseen"), spawns) if flip.any() else None
 
 
-def check_generator(subject: Subject) -> str:
+def check_generator(harness: Harness) -> str:
     """Tell false settings of the maps' generator, or none: a policy that declares no use of them must do the same."""
-    if subject.policy.uses_generator:
+    if harness.policy.uses_generator:
         return "not checked: the policy declares that it uses the generator's settings"
     decisions = 0
-    for scenario, trace in zip((SOLO, TEAM), subject.alone, strict=True):
+    for scenario, trace in zip((SOLO, TEAM), harness.alone, strict=True):
         for maps in TOLD:
             try:
-                (again,) = subject.fly(scenario, [trace.setup], told=maps)
+                (again,) = harness.fly(scenario, [trace.setup], told=maps)
             except CannotFly as error:
-                found = f"the policy fails when it is told of other maps ({error.found})"
-                raise Breach(found, DECLARE) from error
+                raise Violation(f"the policy fails when it is told of other maps ({error.found})", DECLARE) from error
             found = compare(again, trace, range(scenario.team))
             decisions += found.compared
             if found.differs is not None:
@@ -85,22 +84,22 @@ def check_generator(subject: Subject) -> str:
     return f"{len(TOLD)} false descriptions of the maps, {decisions} decisions: changed nothing"
 
 
-def check_unlinked(subject: Subject) -> str:
+def check_unlinked(harness: Harness) -> str:
     """Replace what one UAV does: as long as another hears and notices nothing of it, it must do the same."""
     decisions = 0
-    (silent,) = subject.fly(SILENT, [FIRST])
-    for scenario, recorded in ((SILENT, silent), (TEAM, subject.alone[1])):
+    (silent,) = harness.fly(SILENT, [FIRST])
+    for scenario, recorded in ((SILENT, silent), (TEAM, harness.alone[1])):
         for changed in REPLACED:
-            (again,) = subject.fly(scenario, [FIRST], changed=changed)
+            (again,) = harness.fly(scenario, [FIRST], changed=changed)
             found = compare(again, recorded, [n for n in range(scenario.team) if n != changed.agent])
             decisions += found.compared
             if found.differs is not None:
                 agent, step = found.differs
-                mend = "let pilots share nothing but messages, no list, dict or counter of the class, module or policy"
-                mend += ", and in a batched act let no row look at another" if subject.batched else ""
+                fix = "let pilots share nothing but messages, no list, dict or counter of the class, module or policy"
+                fix += ", and in a batched act let no row look at another" if harness.batched else ""
                 raise Differs(
                     f"UAV {agent} chose otherwise at step {step} when only UAV {changed.agent} acted differently, of "
                     f"which it had seen and heard nothing (radio {scenario.radio.model})",
-                    mend + shared_things(subject.policy, subject.pilot),
+                    fix + shared_things(harness.policy, harness.pilot),
                 )
     return f"{2 * len(REPLACED)} teammates replaced, {decisions} decisions: changed nothing"

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from indoor_explorers.env.conformance.flying import one_by_one, together
-from indoor_explorers.env.conformance.harness import FIRST, LARGE, SOLO, STEPS, Subject
+from indoor_explorers.env.conformance.harness import FIRST, LARGE, SOLO, STEPS, Harness
 from indoor_explorers.env.scenarios.scenario import Scenario
 
 #: Steps flown on the large map.
@@ -18,19 +18,19 @@ LIMIT = 5e-3
 SLOWER_FACTOR, SLOWER_SECONDS = 2.0, 50e-6
 
 
-def report_latency(subject: Subject) -> str:
+def report_latency(harness: Harness) -> str:
     """Time one UAV in a 16x16 room."""
-    return f"one UAV, 16x16: {latency_text(_timed(subject, SOLO, STEPS))}"
+    return f"one UAV, 16x16: {latency_text(_timed(harness, SOLO, STEPS))}"
 
 
-def report_large_latency(subject: Subject) -> str:
+def report_large_latency(harness: Harness) -> str:
     """Time four UAVs on a 64x64 map."""
-    return f"four UAVs, 64x64: {latency_text(_timed(subject, LARGE, LARGE_STEPS))}"
+    return f"four UAVs, 64x64: {latency_text(_timed(harness, LARGE, LARGE_STEPS))}"
 
 
-def _timed(subject: Subject, scenario: Scenario, steps: int) -> list[float]:
+def _timed(harness: Harness, scenario: Scenario, steps: int) -> list[float]:
     """Time decisions as the harness does, in seconds; earlier flights have loaded and compiled what there is to."""
-    (trace,) = subject.fly(scenario, [FIRST], steps, ask=together if subject.batched else one_by_one)
+    (trace,) = harness.fly(scenario, [FIRST], steps, ask=together if harness.batched else one_by_one)
     return trace.seconds
 
 

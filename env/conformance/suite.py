@@ -12,15 +12,15 @@ from indoor_explorers.env.conformance.determinism import (
     check_pickling,
     check_repeatable,
 )
-from indoor_explorers.env.conformance.findings import Breach, CannotFly, Differs, Finding
-from indoor_explorers.env.conformance.harness import Subject
+from indoor_explorers.env.conformance.findings import CannotFly, Differs, Finding, Violation
+from indoor_explorers.env.conformance.harness import Harness
 from indoor_explorers.env.conformance.information_leaks import check_generator, check_unlinked, check_unseen
 from indoor_explorers.env.conformance.latency import report_large_latency, report_latency
 from indoor_explorers.env.policies.policy import Policy
 
 REPEATABLE = "same seed, same episode"
-#: The checks by name, in the order in which they run; each returns what it found or raises a :class:`Breach`.
-CHECKS: dict[str, Callable[[Subject], str]] = {
+#: The checks by name, in the order in which they run; each returns what it found or raises a :class:`Violation`.
+CHECKS: dict[str, Callable[[Harness], str]] = {
     "decisions": check_decisions,
     "actions": check_actions,
     "messages": check_messages,
@@ -43,14 +43,14 @@ def run_checks(policy: Policy) -> Iterator[Finding]:
     What an earlier finding explains is told as such: the same error raised again, and other differences of a policy
     that never flies the same episode twice. Nothing stops a policy that takes for ever.
     """
-    subject = Subject(policy)
+    harness = Harness(policy)
     earlier: dict[str, Finding] = {}
     for name, check in CHECKS.items():
         start = time.perf_counter()
         try:
-            text, error = check(subject), None
-        except Breach as breach:
-            text, error = breach.found, breach
+            text, error = check(harness), None
+        except Violation as violation:
+            text, error = violation.found, violation
         finding = Finding(name, error is None, text, time.perf_counter() - start, error)
         earlier[name] = finding
         yield _explained(finding, earlier)

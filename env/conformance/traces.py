@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from indoor_explorers.env.conformance.findings import Breach
+from indoor_explorers.env.conformance.findings import Violation
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import Message, View
@@ -50,8 +50,8 @@ class Trace:
     """Time of each decision; in a batched act, each UAV's share of it."""
     into_walls: int = 0
     """Moves into a wall or off the map."""
-    breaches: dict[str, Breach] = field(default_factory=dict)
-    """The first breach of each kind, named like the check that reports it."""
+    violations: dict[str, Violation] = field(default_factory=dict)
+    """The first violation of each kind, named like the check that reports it."""
 
 
 def digest_of(view: View) -> bytes:

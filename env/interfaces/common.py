@@ -1,4 +1,4 @@
-"""What the Gymnasium and PettingZoo faces of the world share."""
+"""What the Gymnasium and PettingZoo interfaces of the world share."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.env.simulation.world import World
 
-#: How faces render: in a window, or as an (h, w, 3) uint8 image.
+#: How interfaces render: in a window, or as an (h, w, 3) uint8 image.
 RENDER_MODES = ("human", "rgb_array")
-#: How a face with many episodes does: one image for each.
+#: How an interface with many episodes renders: one image for each.
 VECTOR_RENDER_MODES = ("rgb_array",)
 #: Frames a second that a window shows, and that a recording is meant to be shown at.
 RENDER_FPS = 8

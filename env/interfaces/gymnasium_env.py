@@ -1,4 +1,4 @@
-"""The Gymnasium face: one UAV explores alone, id ``IndoorExplorers-v0``."""
+"""The Gymnasium interface: one UAV explores alone, id ``IndoorExplorers-v0``."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from indoor_explorers.env.interfaces.common import (
 )
 from indoor_explorers.env.observations import Observation, make_encoder
 from indoor_explorers.env.observations.base import Arrays, copy_of, empty
-from indoor_explorers.env.rendering.renderer import Camera
+from indoor_explorers.env.rendering.renderer import Renderer
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
 
@@ -65,7 +65,7 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         """
         self.render_mode = find_render_mode(render_mode)
         self.world = new_lone_world(find_scenario(scenario, settings), 1, index)
-        self._camera = Camera(self.world, self.render_mode, RENDER_FPS)
+        self._renderer = Renderer(self.world, self.render_mode, RENDER_FPS)
         self._encoder = make_encoder(observation, self.world.briefing(0, 0))
         self._index = index
         self._copy = copy
@@ -79,7 +79,7 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         super().reset(seed=seed)
         self.world.begin(0, draw_seed(self.np_random) if seed is None else seed, index=self._index)
         self._begun = True
-        self._camera.begun(0)
+        self._renderer.begun(0)
         self._encoder.reset()
         return self._observe(), info_of(self.world, 0, 0)
 
@@ -88,7 +88,7 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
         self.world.step(np.array([[action]]))
-        self._camera.stepped()
+        self._renderer.stepped()
         info = info_of(self.world, 0, 0)
         return (
             self._observe(),
@@ -104,11 +104,11 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
 
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]  # base: a free type variable
         """Return an (h, w, 3) uint8 picture of the episode, of the same size for every step, or show it."""
-        return self._camera.render()
+        return self._renderer.render()
 
     def close(self) -> None:
         """Close the window, if there is one."""
-        self._camera.close()
+        self._renderer.close()
 
     def _observe(self) -> Arrays:
         self._encoder.encode(self.world.view(0, 0), self._observation)

@@ -1,4 +1,4 @@
-"""The PettingZoo face: a team of UAVs that choose at the same time. Needs the extra ``marl``."""
+"""The PettingZoo interface: a team of UAVs that choose at the same time. Needs the extra ``marl``."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from indoor_explorers.env.interfaces.common import (
 )
 from indoor_explorers.env.observations import Observation, make_encoder
 from indoor_explorers.env.observations.base import Arrays
-from indoor_explorers.env.rendering.renderer import Camera
+from indoor_explorers.env.rendering.renderer import Renderer
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
 
@@ -51,7 +51,7 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
     ) -> None:
         self.render_mode = find_render_mode(render_mode)
         self.world = new_world(find_scenario(scenario, settings), 1, index)
-        self._camera = Camera(self.world, self.render_mode, RENDER_FPS)
+        self._renderer = Renderer(self.world, self.render_mode, RENDER_FPS)
         self._index = index
         self._rng: np.random.Generator | None = None
         self._begun = False
@@ -77,7 +77,7 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
             self._rng = np_random(seed)[0]
         self.world.begin(0, draw_seed(self._rng) if seed is None else seed, index=self._index)
         self._begun = True
-        self._camera.begun(0)
+        self._renderer.begun(0)
         for encoder in self._encoders:
             encoder.reset()
         self.agents = list(self.possible_agents)
@@ -95,7 +95,7 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         for agent, action in actions.items():
             chosen[0, self._numbers[agent]] = action
         self.world.step(chosen)
-        self._camera.stepped()
+        self._renderer.stepped()
         pay = self.world.state.reward[0].tolist()
         ends = {agent: int(self.world.state.end[0, self._numbers[agent]]) for agent in self.agents}
         result = (
@@ -110,11 +110,11 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return an (h, w, 3) uint8 picture of the episode, of the same size for every step, or show it."""
-        return self._camera.render()
+        return self._renderer.render()
 
     def close(self) -> None:
         """Close the window, if there is one."""
-        self._camera.close()
+        self._renderer.close()
 
     def _observations(self) -> dict[str, Arrays]:
         numbers = ((agent, self._numbers[agent]) for agent in self.agents)

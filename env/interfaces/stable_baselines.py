@@ -1,4 +1,4 @@
-"""The Stable-Baselines3 face: its ``VecEnv`` on top of the vectorised Gymnasium face. Needs the extra ``sb3``."""
+"""The Stable-Baselines3 ``VecEnv`` on top of the vectorised Gymnasium environment. Needs the extra ``sb3``."""
 
 from __future__ import annotations
 
@@ -71,8 +71,8 @@ class StableBaselinesVecEnv(VecEnv):
         return self.envs.render() or [None] * self.num_envs
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
-        """Return an attribute of the world's vectorised face once for each environment."""
-        return [getattr(self.envs, attr_name)] * len(self._lanes(indices))
+        """Return an attribute of the world's vectorised environment once for each environment."""
+        return [getattr(self.envs, attr_name)] * len(self._numbers(indices))
 
     def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
         """Refuse: the environments share one world."""
@@ -83,17 +83,17 @@ class StableBaselinesVecEnv(VecEnv):
     def env_method(
         self, method_name: str, *method_args: Any, indices: Indices = None, **method_kwargs: Any
     ) -> list[Any]:
-        """Return the entries of what a method of the vectorised face returns, such as ``action_masks``."""
+        """Return the entries of what a method of the vectorised environment returns, such as ``action_masks``."""
         if method_name != "action_masks":
             raise InputError(f"expected method action_masks, got {method_name!r}; these environments share one world")
         masks = self.envs.action_masks()
-        return [masks[b] for b in self._lanes(indices)]
+        return [masks[b] for b in self._numbers(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Indices = None) -> list[bool]:
         """Tell that no environment is wrapped; wrap this one, for instance in SB3's ``VecMonitor``."""
-        return [False] * len(self._lanes(indices))
+        return [False] * len(self._numbers(indices))
 
-    def _lanes(self, indices: Indices) -> list[int]:
+    def _numbers(self, indices: Indices) -> list[int]:
         return list(self._get_indices(indices))
 
 

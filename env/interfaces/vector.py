@@ -1,4 +1,4 @@
-"""The vectorised Gymnasium face: many lone UAVs, each in its own episode, in one batched world."""
+"""The vectorised Gymnasium interface: many lone UAVs, each in its own episode, in one batched world."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from indoor_explorers.env.interfaces.common import (
 )
 from indoor_explorers.env.observations import Observation, Views
 from indoor_explorers.env.observations.base import Arrays, copy_of, row_of
-from indoor_explorers.env.observations.batched import Lanes
+from indoor_explorers.env.observations.batched import BatchedEncoder
 from indoor_explorers.env.observations.incremental import LivePlanes
 from indoor_explorers.env.observations.planes import ChannelsEncoder
-from indoor_explorers.env.rendering.renderer import Camera
+from indoor_explorers.env.rendering.renderer import Renderer
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.preparation import Prepared
 from indoor_explorers.env.simulation.state import End
@@ -79,20 +79,20 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         self.num_envs = num_envs
         self.render_mode = find_render_mode(render_mode, VECTOR_RENDER_MODES)
         self.world = new_lone_world(find_scenario(scenario, settings), num_envs, index, threads)
-        self._camera = Camera(self.world, self.render_mode, RENDER_FPS)
+        self._renderer = Renderer(self.world, self.render_mode, RENDER_FPS)
         self.metadata = self.metadata | {"autoreset_mode": _find_mode(autoreset_mode)}
-        self._lanes = Lanes(observation, self.world.briefing(0, 0), num_envs)
+        self._encoder = BatchedEncoder(observation, self.world.briefing(0, 0), num_envs)
         self._index = index
         self._first_seed = first_seed
         self._copy = copy
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self._begun = np.zeros(num_envs, np.bool_)
         self._over = np.zeros(num_envs, np.bool_)
-        self.single_observation_space = self._lanes.space
+        self.single_observation_space = self._encoder.space
         self.single_action_space = Discrete(5)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        shared = self._lanes.shared
+        shared = self._encoder.shared
         self._live = LivePlanes(self.world, shared.planes) if isinstance(shared, ChannelsEncoder) else None
         self._observed: Any = create_empty_array(self.single_observation_space, num_envs)
         if self._live is not None:
@@ -118,7 +118,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         chosen = self.world.checked_actions(np.asarray(actions)[..., None])
         prepared = self._prepare(np.flatnonzero(self._over).tolist(), [None] * self.num_envs)
         self.world.step(chosen)  # nothing happens in an episode that is over
-        self._camera.stepped()
+        self._renderer.stepped()
         self._start(prepared)
         end = self.world.state.end[:, 0].copy()
         reward = self.world.state.reward[:, 0].copy()
@@ -139,7 +139,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
             return None
         if not self._begun.all():
             raise ResetNeeded("expected episodes to render, got a new environment; call reset first")
-        return tuple(self._camera.picture(b) for b in range(self.num_envs))
+        return tuple(self._renderer.picture(b) for b in range(self.num_envs))
 
     def _spread(self, seed: Seeds) -> Sequence[int | None]:
         if seed is None:
@@ -160,7 +160,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         """Draw the next episodes, seeding their environments first where a seed is given; start none yet."""
         generators = [self._generator(b, seeds[b]) for b in episodes]
         drawn = [
-            seeds[b] if seeds[b] is not None else self._first_seed + draw_seed(rng)
+            self._first_seed + draw_seed(rng) if (seed := seeds[b]) is None else seed
             for b, rng in zip(episodes, generators, strict=True)
         ]
         prepared = self.world.prepare(episodes, drawn, index=self._index)
@@ -179,8 +179,8 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         """Start the drawn episodes."""
         self.world.start(prepared)
         for b in prepared.episodes.tolist():
-            self._camera.begun(b)
-            self._lanes.begin(b)
+            self._renderer.begun(b)
+            self._encoder.reset(b)
 
     def _start_anew(self, over: Mask) -> dict[str, Any]:
         """Start the next episode where one is over; return the infos that tell how the last one ended."""
@@ -198,11 +198,11 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         if self._live is not None:
             self._live.update()
         elif chosen.all():
-            self._lanes.encode(self._views(), self._observed)
+            self._encoder.encode(self._views(), self._observed)
         else:
             views = self._views()
             for b in np.flatnonzero(chosen).tolist():
-                self._lanes.encode_lane(b, views, self._observed)
+                self._encoder.encode_one(b, views, self._observed)
 
     def _views(self) -> Views:
         state = self.world.state

@@ -9,18 +9,18 @@ from indoor_explorers.env.observations.factories import make_encoder
 from indoor_explorers.env.policies.view import Briefing
 
 
-class Lanes:
+class BatchedEncoder:
     """Encode B episodes of lone UAVs, each as an encoder of its own would."""
 
     def __init__(self, observation: Observation, briefing: Briefing, count: int) -> None:
         first = make_encoder(observation, briefing)
         self.space = first.space
         self.shared = first if first.stateless else None
-        """The encoder of all lanes, when they share one."""
+        """The encoder of all episodes, when they share one."""
         self._own = [first] + [make_encoder(observation, briefing) for _ in range(0 if first.stateless else count - 1)]
 
-    def begin(self, b: int) -> None:
-        """Forget the episode before in lane ``b``."""
+    def reset(self, b: int) -> None:
+        """Forget the episode before in place ``b`` of the batch."""
         if self.shared is None:
             self._own[b].reset()
 
@@ -30,9 +30,9 @@ class Lanes:
             self.shared.encode_batch(views, out)
         else:
             for b in range(len(self._own)):
-                self.encode_lane(b, views, out)
+                self.encode_one(b, views, out)
 
-    def encode_lane(self, b: int, views: Views, out: Any) -> None:
+    def encode_one(self, b: int, views: Views, out: Any) -> None:
         """Overwrite entry ``b`` of ``out``."""
         encoder = self._own[b] if self.shared is None else self.shared
         encoder.encode(views.view(b), row_of(out, b))

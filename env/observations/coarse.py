@@ -56,10 +56,10 @@ class CoarseEncoder(Encoder):
 
     stateless = True
 
-    def __init__(self, recipe: Coarse) -> None:
-        self.space = Box(0.0, 1.0, (len(recipe.planes), recipe.zones, recipe.zones), np.float32)
-        self._centred = recipe.centred
-        self._codes = codes_of(recipe.planes)
+    def __init__(self, factory: Coarse) -> None:
+        self.space = Box(0.0, 1.0, (len(factory.planes), factory.zones, factory.zones), np.float32)
+        self._centred = factory.centred
+        self._codes = codes_of(factory.planes)
         self._mates = np.flatnonzero(self._codes == MATES).tolist()
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:

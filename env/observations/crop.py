@@ -45,10 +45,10 @@ class CropEncoder(Encoder):
 
     stateless = True
 
-    def __init__(self, recipe: Crop) -> None:
-        self.space = Box(0.0, 1.0, (len(recipe.planes), recipe.side, recipe.side), np.float32)
-        self._side = recipe.side
-        self._codes = codes_of(recipe.planes)
+    def __init__(self, factory: Crop) -> None:
+        self.space = Box(0.0, 1.0, (len(factory.planes), factory.side, factory.side), np.float32)
+        self._side = factory.side
+        self._codes = codes_of(factory.planes)
         self._mates = np.flatnonzero(self._codes == MATES).tolist()
 
     def encode(self, view: View, out: NDArray[np.float32]) -> None:

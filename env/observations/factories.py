@@ -139,10 +139,10 @@ def make_encoder(observation: Observation, briefing: Briefing) -> Encoder:
     return Channels(planes=planes)(briefing)
 
 
-def _made(recipe: Callable[[Briefing], Encoder], briefing: Briefing) -> Encoder:
-    encoder = recipe(briefing) if callable(recipe) else None
+def _made(factory: Callable[[Briefing], Encoder], briefing: Briefing) -> Encoder:
+    encoder = factory(briefing) if callable(factory) else None
     if not isinstance(encoder, Encoder):
         raise InputError(
-            f"expected a name, or what makes an Encoder from a briefing such as Egocentric(side=21), got {recipe!r}"
+            f"expected a name, or what makes an Encoder from a briefing such as Egocentric(side=21), got {factory!r}"
         )
     return encoder

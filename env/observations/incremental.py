@@ -1,6 +1,6 @@
 """The planes of ``channels`` for a whole batch, kept up to date in place: a step paints what it changed.
 
-A world's journals say which cells became known, so that an observation costs what is new and not the map.
+A world's discovery logs say which cells became known, so that an observation costs what is new and not the map.
 The planes are those of :mod:`indoor_explorers.env.observations.planes`, cell for cell.
 """
 
@@ -21,7 +21,7 @@ from indoor_explorers.env.simulation.state import State
 from indoor_explorers.env.simulation.world import World
 
 
-class Painted(NamedTuple):
+class PlaneBuffers(NamedTuple):
     """What the planes show so far."""
 
     planes: NDArray[np.uint8]
@@ -33,7 +33,7 @@ class Painted(NamedTuple):
     step: NDArray[np.int64]
     """(B,) of that episode."""
     known: NDArray[np.int64]
-    """(B, N) entries of the agent's journal."""
+    """(B, N) entries of the agent's discovery log."""
     cell: NDArray[np.int64]
     """(B, N, 2) where the agent itself is marked."""
     mates: NDArray[np.int64]
@@ -49,7 +49,7 @@ class LivePlanes:
         batch, team, height, width = world.state.belief.shape
         place = np.full(len(PLANES), -1)
         place[codes_of(planes)] = np.arange(len(planes))
-        self._painted = Painted(
+        self._buffers = PlaneBuffers(
             planes=np.zeros((batch, team, len(planes), height, width), np.uint8),
             place=place,
             begun=np.full(batch, -1),
@@ -62,7 +62,7 @@ class LivePlanes:
     @property
     def planes(self) -> NDArray[np.uint8]:
         """(B, N, C, H, W) what the agents know; the same array at each call, so copy it to keep it."""
-        return self._painted.planes
+        return self._buffers.planes
 
     def update(self) -> NDArray[np.uint8]:
         """Paint what has changed since the last call and return :attr:`planes`."""
@@ -75,86 +75,86 @@ class LivePlanes:
         return self.planes
 
     def _refresh(self, engine: Engine, first: int, last: int) -> None:
-        _refresh(engine, self._world.begun, self._painted, first, last)
+        _refresh(engine, self._world.begun, self._buffers, first, last)
 
 
 @kernel()
-def _refresh(engine: Engine, begun: np.ndarray, painted: Painted, first: int, last: int) -> None:
+def _refresh(engine: Engine, begun: np.ndarray, buffers: PlaneBuffers, first: int, last: int) -> None:
     state = engine.state
     for b in range(first, last):
-        skipped = state.step[b] - painted.step[b] > 1 or state.step[b] < painted.step[b]
-        anew = skipped or painted.begun[b] != begun[b]
+        skipped = state.step[b] - buffers.step[b] > 1 or state.step[b] < buffers.step[b]
+        anew = skipped or buffers.begun[b] != begun[b]
         for n in range(state.end.shape[1]):
             if anew:
-                _blank(state, painted, b, n)
-            _show_known(state, painted, b, n)
-            _show_itself(state, painted, b, n)
-            _show_mates(state, painted, b, n)
-        painted.begun[b] = begun[b]
-        painted.step[b] = state.step[b]
+                _blank(state, buffers, b, n)
+            _show_known(state, buffers, b, n)
+            _show_self(state, buffers, b, n)
+            _show_mates(state, buffers, b, n)
+        buffers.begun[b] = begun[b]
+        buffers.step[b] = state.step[b]
 
 
 @inner()
-def _blank(state: State, painted: Painted, b: int, n: int) -> None:
+def _blank(state: State, buffers: PlaneBuffers, b: int, n: int) -> None:
     """Paint what an agent knows that knows nothing, and the cells that it has been in."""
     height, width = state.truth.shape[1], state.truth.shape[2]
-    painted.known[b, n] = 0
-    painted.mates[b, n, :] = -1
-    painted.planes[b, n, :, :, :] = 0
-    if painted.place[UNKNOWN] >= 0:
-        painted.planes[b, n, painted.place[UNKNOWN], :, :] = FULL
-    if painted.place[VISITED] >= 0:
+    buffers.known[b, n] = 0
+    buffers.mates[b, n, :] = -1
+    buffers.planes[b, n, :, :, :] = 0
+    if buffers.place[UNKNOWN] >= 0:
+        buffers.planes[b, n, buffers.place[UNKNOWN], :, :] = FULL
+    if buffers.place[VISITED] >= 0:
         for row in range(height):
             for col in range(width):
                 if state.visited[b, n, row, col]:
-                    painted.planes[b, n, painted.place[VISITED], row, col] = FULL
+                    buffers.planes[b, n, buffers.place[VISITED], row, col] = FULL
 
 
 @inner()
-def _show_known(state: State, painted: Painted, b: int, n: int) -> None:
-    """Paint the cells that are new in the journal, and the frontier around them."""
+def _show_known(state: State, buffers: PlaneBuffers, b: int, n: int) -> None:
+    """Paint the cells that are new in the discovery log, and the frontier around them."""
     height, width = state.truth.shape[1], state.truth.shape[2]
-    unknown, frontier = painted.place[UNKNOWN], painted.place[FRONTIER]
-    for k in range(painted.known[b, n], state.known[b, n]):
-        row, col = divmod(state.journal[b, n, k], width)
+    unknown, frontier = buffers.place[UNKNOWN], buffers.place[FRONTIER]
+    for k in range(buffers.known[b, n], state.known[b, n]):
+        row, col = divmod(state.discovery_log[b, n, k], width)
         if unknown >= 0:
-            painted.planes[b, n, unknown, row, col] = 0
-        place = painted.place[state.belief[b, n, row, col]]
+            buffers.planes[b, n, unknown, row, col] = 0
+        place = buffers.place[state.belief[b, n, row, col]]
         if place >= 0:
-            painted.planes[b, n, place, row, col] = FULL
+            buffers.planes[b, n, place, row, col] = FULL
         if frontier >= 0:
             for move in range(5):
                 r, c = row + MOVES[move, 0], col + MOVES[move, 1]
                 if 0 <= r < height and 0 <= c < width and state.belief[b, n, r, c] == FREE:
                     open_ = touches_unknown(state.belief[b, n], r, c)
-                    painted.planes[b, n, frontier, r, c] = FULL if open_ else 0
-    painted.known[b, n] = state.known[b, n]
+                    buffers.planes[b, n, frontier, r, c] = FULL if open_ else 0
+    buffers.known[b, n] = state.known[b, n]
 
 
 @inner()
-def _show_itself(state: State, painted: Painted, b: int, n: int) -> None:
+def _show_self(state: State, buffers: PlaneBuffers, b: int, n: int) -> None:
     row, col = state.cell[b, n, 0], state.cell[b, n, 1]
-    if painted.place[SELF] >= 0:
-        painted.planes[b, n, painted.place[SELF], painted.cell[b, n, 0], painted.cell[b, n, 1]] = 0
-        painted.planes[b, n, painted.place[SELF], row, col] = FULL
-    if painted.place[VISITED] >= 0:
-        painted.planes[b, n, painted.place[VISITED], row, col] = FULL
-    painted.cell[b, n, 0], painted.cell[b, n, 1] = row, col
+    if buffers.place[SELF] >= 0:
+        buffers.planes[b, n, buffers.place[SELF], buffers.cell[b, n, 0], buffers.cell[b, n, 1]] = 0
+        buffers.planes[b, n, buffers.place[SELF], row, col] = FULL
+    if buffers.place[VISITED] >= 0:
+        buffers.planes[b, n, buffers.place[VISITED], row, col] = FULL
+    buffers.cell[b, n, 0], buffers.cell[b, n, 1] = row, col
 
 
 @inner()
-def _show_mates(state: State, painted: Painted, b: int, n: int) -> None:
+def _show_mates(state: State, buffers: PlaneBuffers, b: int, n: int) -> None:
     """Mark each teammate where it was last heard, with :data:`FULL` less the age of that news, at least 1."""
-    width, place = state.truth.shape[2], painted.place[MATES]
+    width, place = state.truth.shape[2], buffers.place[MATES]
     if place < 0:
         return
     for mate in range(state.end.shape[1]):
-        if painted.mates[b, n, mate] >= 0:
-            row, col = divmod(painted.mates[b, n, mate], width)
-            painted.planes[b, n, place, row, col] = 0
+        if buffers.mates[b, n, mate] >= 0:
+            row, col = divmod(buffers.mates[b, n, mate], width)
+            buffers.planes[b, n, place, row, col] = 0
     for mate in range(state.end.shape[1]):
-        if state.heard_step[b, n, mate] >= 0:
-            row, col = state.heard_cell[b, n, mate, 0], state.heard_cell[b, n, mate, 1]
-            fresh = max(FULL - (state.step[b] - state.heard_step[b, n, mate]), 1)
-            painted.planes[b, n, place, row, col] = max(fresh, painted.planes[b, n, place, row, col])
-            painted.mates[b, n, mate] = row * width + col
+        if state.last_received_step[b, n, mate] >= 0:
+            row, col = state.last_received_cell[b, n, mate, 0], state.last_received_cell[b, n, mate, 1]
+            fresh = max(FULL - (state.step[b] - state.last_received_step[b, n, mate]), 1)
+            buffers.planes[b, n, place, row, col] = max(fresh, buffers.planes[b, n, place, row, col])
+            buffers.mates[b, n, mate] = row * width + col

@@ -47,10 +47,10 @@ class ChannelsEncoder(Encoder):
 
     stateless = True
 
-    def __init__(self, recipe: Channels, briefing: Briefing) -> None:
-        self.space = Box(0, FULL, (len(recipe.planes), *briefing.shape), np.uint8)
-        self.planes = recipe.planes
-        self._codes = codes_of(recipe.planes)
+    def __init__(self, factory: Channels, briefing: Briefing) -> None:
+        self.space = Box(0, FULL, (len(factory.planes), *briefing.shape), np.uint8)
+        self.planes = factory.planes
+        self._codes = codes_of(factory.planes)
         self._mates = np.flatnonzero(self._codes == MATES).tolist()
 
     def encode(self, view: View, out: NDArray[np.uint8]) -> None:

@@ -1,4 +1,4 @@
-"""Pictures of 255 colours for GIFs: one palette for a whole film, in which the frequent colours are exact."""
+"""Pictures of 255 colours for GIFs: one palette for a whole video, in which the frequent colours are exact."""
 
 from __future__ import annotations
 

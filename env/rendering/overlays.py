@@ -1,4 +1,4 @@
-"""The marks on a map: UAVs and where they were last heard, trails, links, reach. Places are in cells."""
+"""Overlays of a map: UAVs and where they were last heard, trails, links, reach. Places are in cells."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Cells = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Chart:
-    """A map on the canvas that marks are drawn on."""
+    """A map on the canvas that overlays are drawn on."""
 
     inside: Canvas
     """The map's own pixels: trails, links and reach end at its border."""

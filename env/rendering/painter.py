@@ -22,7 +22,7 @@ from indoor_explorers.env.rendering.palette import (
     uav_colours,
 )
 from indoor_explorers.env.rendering.primitives import Canvas, disc, fitting, stroke, text_width, write
-from indoor_explorers.env.rendering.resample import lay
+from indoor_explorers.env.rendering.resample import resample
 from indoor_explorers.env.rendering.scene import Scene
 from indoor_explorers.env.simulation.state import End
 
@@ -157,7 +157,7 @@ def _lay(canvas: Canvas, box: Box, ground: NDArray[np.uint8], least: float) -> C
     """Put (H, W, 3) cells into a box with a hairline around; ``least`` is the least radius of a UAV's disc."""
     top, left, height, width = box
     inside = canvas[top : top + height, left : left + width]
-    lay(ground, inside)
+    resample(ground, inside)
     size = width // ground.shape[1]
     if size >= RULED:
         for line in (inside[size::size], inside[:, size::size]):

@@ -1,4 +1,4 @@
-"""Anti-aliased ink on an image: strokes, rings and letters, blended by the share of a pixel that they cover.
+"""Anti-aliased drawing primitives: strokes, rings and letters, blended by the share of a pixel that they cover.
 
 Images are (h, w, 3) uint8, changed in place, and may be a window on a larger one; what lies outside is cut off.
 Places are (x, y) in pixels from the upper left corner, so that the centre of the first pixel is (0.5, 0.5).

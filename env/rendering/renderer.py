@@ -1,4 +1,4 @@
-"""What the Gymnasium and PettingZoo faces render with: the trails of their episodes, and the window if there is one."""
+"""Render the episodes of Gymnasium and PettingZoo environments: their trails, and the window if there is one."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from indoor_explorers.env.rendering.window import Window
 from indoor_explorers.env.simulation.world import World
 
 
-class Camera:
-    """Film a world as a render mode asks: ``rgb_array``, ``human`` (its first episode in a window), or None.
+class Renderer:
+    """Render a world as a render mode asks: ``rgb_array``, ``human`` (its first episode in a window), or None.
 
     It is told of every episode that begins and of every step. With None all of that costs nothing.
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.compiled import kernel
 
 
-def lay(cells: NDArray[np.uint8], out: NDArray[np.uint8]) -> None:
+def resample(cells: NDArray[np.uint8], out: NDArray[np.uint8]) -> None:
     """Fill ``out`` (h, w, 3) uint8 with an image of ``cells`` (H, W, 3) uint8, larger or smaller."""
     _lay(np.ascontiguousarray(cells), out, *_spans(cells.shape[0], out.shape[0]), *_spans(cells.shape[1], out.shape[1]))
 

@@ -17,9 +17,9 @@ from indoor_explorers.env.errors import InputError, RunError, did_you_mean
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.rendering.indexed import Palette
 
-#: The most frames of a film, by ending; of longer episodes every second, fourth, ... moment is kept.
+#: The most frames of a video, by ending; of longer episodes every second, fourth, ... moment is kept.
 FRAMES = {".png": 1, ".gif": 240, ".mp4": 1800}
-#: Frames a second when nothing else is asked for: a film then lasts ``SECONDS``, within these bounds.
+#: Frames a second when nothing else is asked for: a video then lasts ``SECONDS``, within these bounds.
 FPS, SECONDS = (8, 25), 30
 #: Seconds that a GIF rests on its last frame.
 REST = 2.0
@@ -29,7 +29,7 @@ SAMPLED = 8
 Picture = NDArray[np.uint8]
 
 
-class Film:
+class VideoWriter:
     """Collect the moments of an episode and write them to one file, whole or not at all.
 
     Frames are held compressed, and only as many as the file may have, so an episode may be of any length.
@@ -48,7 +48,7 @@ class Film:
         self._shape: tuple[int, ...] = ()
         self._moments, self._stride = 0, 1
 
-    def shoot(self, picture: Callable[[], Picture], *, last: bool = False) -> None:
+    def add(self, picture: Callable[[], Picture], *, last: bool = False) -> None:
         """Take the next moment; ``picture`` is called if it is kept, as the ``last`` one always is."""
         if last or (self._moments % self._stride == 0 and self._limit > 1):
             frame = picture()
@@ -93,7 +93,7 @@ class Film:
 
 
 def _checked_kind(path: Path) -> str:
-    """Return the ending of a path that a film can be written to."""
+    """Return the ending of a path that a video can be written to."""
     kind = path.suffix.lower()
     if kind not in FRAMES:
         raise InputError(f"{path}: expected a name that ends in .png, .gif or .mp4{did_you_mean(kind, FRAMES)}")
@@ -120,35 +120,35 @@ def _load_av() -> Any:
     return av
 
 
-def _write_png(path: Path, film: Film, progress: Callable[[int], None]) -> None:
-    Image.fromarray(film.frame(len(film) - 1)).save(path, format="PNG", optimize=True)
+def _write_png(path: Path, video: VideoWriter, progress: Callable[[int], None]) -> None:
+    Image.fromarray(video.frame(len(video) - 1)).save(path, format="PNG", optimize=True)
     progress(1)
 
 
-def _write_gif(path: Path, film: Film, progress: Callable[[int], None]) -> None:
-    pause = max(round(100 / film.fps), 2) * 10  # a GIF counts in hundredths of a second
-    durations = [pause] * (len(film) - 1) + [round(1000 * REST)]
-    sampled = np.unique(np.linspace(0, len(film) - 1, SAMPLED).round().astype(int)).tolist()
-    palette = Palette([film.frame(number) for number in sampled])
+def _write_gif(path: Path, video: VideoWriter, progress: Callable[[int], None]) -> None:
+    pause = max(round(100 / video.fps), 2) * 10  # a GIF counts in hundredths of a second
+    durations = [pause] * (len(video) - 1) + [round(1000 * REST)]
+    sampled = np.unique(np.linspace(0, len(video) - 1, SAMPLED).round().astype(int)).tolist()
+    palette = Palette([video.frame(number) for number in sampled])
 
     def frames() -> Iterator[Image.Image]:
-        for number in range(len(film)):
-            yield palette.image(film.frame(number))
+        for number in range(len(video)):
+            yield palette.image(video.frame(number))
             progress(number + 1)
 
     moving = frames()
     next(moving).save(path, format="GIF", save_all=True, append_images=moving, duration=durations, loop=0)
 
 
-def _write_mp4(path: Path, film: Film, progress: Callable[[int], None]) -> None:
+def _write_mp4(path: Path, video: VideoWriter, progress: Callable[[int], None]) -> None:
     av = _load_av()
-    width, height = (side + side % 2 for side in film.size)
+    width, height = (side + side % 2 for side in video.size)
     with av.open(str(path), "w", format="mp4", options={"movflags": "+faststart"}) as container:
-        stream = container.add_stream("libx264", rate=Fraction(film.fps).limit_denominator(1000))
+        stream = container.add_stream("libx264", rate=Fraction(video.fps).limit_denominator(1000))
         stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
         stream.options = {"crf": "20", "tune": "animation"}
-        for number in range(len(film)):
-            picture = film.frame(number)
+        for number in range(len(video)):
+            picture = video.frame(number)
             even = np.pad(picture, ((0, height - len(picture)), (0, width - picture.shape[1]), (0, 0)), mode="edge")
             container.mux(stream.encode(av.VideoFrame.from_ndarray(even, format="rgb24")))
             progress(number + 1)

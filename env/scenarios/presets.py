@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Literal
+from typing import get_args
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.maps.sources import CaveMaps, FileMaps, MapSource, MazeMaps, OfficeMap, OfficesMaps, RoomsMaps
+from indoor_explorers.env.scenarios.codes import StuckRuleName
 from indoor_explorers.env.scenarios.scenario import Lidar, Radio, Rewards, Scenario, Stuck
 
 
@@ -26,7 +27,7 @@ REWARDS = {
     3: _old_rewards(-10.0, 10.0, -1000.0, -1000.0, 1000.0),
 }
 #: Its stuck rules: "no stuck", "stuck 1" and "stuck 2" (section 4.2).
-STUCK: tuple[Literal["off", "no-discovery", "oscillation"], ...] = ("off", "no-discovery", "oscillation")
+STUCK: tuple[StuckRuleName, ...] = get_args(StuckRuleName)
 
 
 def scenario(name: str) -> Scenario:

@@ -24,6 +24,7 @@ from indoor_explorers.env.maps.sources import (
     MapSource,
     ThesisMaps,
 )
+from indoor_explorers.env.scenarios.codes import RadioModelName, StuckRuleName
 from indoor_explorers.env.scenarios.validation import validated
 
 #: Steps that an episode without a budget has at least.
@@ -49,7 +50,7 @@ class Lidar(_Part):
 class Radio(_Part):
     """Who can talk to whom; linked UAVs merge their maps and exchange positions and messages."""
 
-    model: Literal["none", "square", "disc", "line-of-sight", "path-loss", "unlimited"] = "none"
+    model: RadioModelName = "none"
     """``square``: Chebyshev distance at most ``range`` (the thesis); ``disc``: Euclidean; ``line-of-sight``: the same
     with no obstacle between; ``path-loss``: log-distance path loss with a loss for each wall between."""
     range: float = Field(0.0, ge=0.0)
@@ -85,7 +86,7 @@ class Rewards(_Part):
 class Stuck(_Part):
     """When an agent is ended for going nowhere."""
 
-    rule: Literal["off", "no-discovery", "oscillation"] = "off"
+    rule: StuckRuleName = "off"
     """``no-discovery``: no new cell for H*W steps; ``oscillation``: one cell too often among the last ones."""
     window: int = Field(50, ge=2, le=10_000)
     """Positions that ``oscillation`` looks back on."""

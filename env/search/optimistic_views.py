@@ -15,7 +15,7 @@ from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood_table
 from indoor_explorers.env.search.bitsets import Bits, holds, insert
-from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 
 #: Steps up to which views are joined; what takes longer counts as this far.
 FARTHEST = 40
@@ -55,7 +55,7 @@ def _note_obstacles(belief: np.ndarray, reach: int, obstacles: np.ndarray, stale
 def update_views(
     belief: np.ndarray,
     stride: int,
-    lens: Optics,
+    lidar: LidarModel,
     scan: Scan,
     reach: int,
     stale: np.ndarray,
@@ -78,7 +78,7 @@ def update_views(
                 view = views[r * stride + c]
                 view[:] = 0
                 if belief[r, c] != OCCUPIED:
-                    for k in range(visible_cells(belief, r, c, lens, scan)):
+                    for k in range(visible_cells(belief, r, c, lidar, scan)):
                         row, col = divmod(scan.cells[k], width)
                         insert(view, row * stride + col)
     _connect(belief, stride, neighbours)
@@ -136,7 +136,7 @@ class OptimisticViews:
         """(C, 4) neighbours that may be free, -1 for none."""
         self.views_within: NDArray[np.uint64] = np.zeros((min(sum(shape), FARTHEST), cells, words), np.uint64)
         """(D, C, W) what can have been seen d steps from each cell."""
-        self._lens = optics(float(lidar_range))
+        self._lens = lidar_model(float(lidar_range))
         self._scan = new_scan(self._lens)
         self._reach, self._stride = int(lidar_range) + 1, shape[1]
         self._stale, self._obstacles = np.zeros(shape, np.uint8), np.full(shape, NOT_NOTED, np.uint8)

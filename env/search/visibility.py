@@ -17,7 +17,7 @@ from indoor_explorers.env.grid.cells import FREE, MOVES, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood
 from indoor_explorers.env.search.bitsets import bit_count
-from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, new_scan, visible_cells
 
 #: Cells along one side of a tile.
 TILE = 8
@@ -71,13 +71,19 @@ def _link(shape: tuple[int, int], number: np.ndarray, cells: np.ndarray, neighbo
 
 @leaf()
 def _scan_into(
-    truth: np.ndarray, cell: int, counts: np.ndarray, lens: Optics, scan: Scan, tiles: np.ndarray, words: np.ndarray
+    truth: np.ndarray,
+    cell: int,
+    counts: np.ndarray,
+    lidar: LidarModel,
+    scan: Scan,
+    tiles: np.ndarray,
+    words: np.ndarray,
 ) -> int:
     """Add the counted cells seen from a flat cell to ``words`` (T,) and list their ``tiles``; return how many."""
     width = truth.shape[1]
     across = (width + TILE - 1) // TILE
     found = 0
-    for place in range(visible_cells(truth, cell // width, cell % width, lens, scan)):
+    for place in range(visible_cells(truth, cell // width, cell % width, lidar, scan)):
         seen = scan.cells[place]
         if counts[seen]:
             row, col = divmod(seen, width)
@@ -90,7 +96,7 @@ def _scan_into(
 
 
 @kernel()
-def _fill_table(truth: np.ndarray, starts: np.ndarray, count_all_cells: bool, lens: Optics) -> VisibilityTable:
+def _fill_table(truth: np.ndarray, starts: np.ndarray, count_all_cells: bool, lidar: LidarModel) -> VisibilityTable:
     height, width = truth.shape
     number, cells = np.full(truth.size, -1, np.int32), np.empty(truth.size, np.int32)
     steps = np.full(truth.shape, UNREACHABLE, np.int32)
@@ -98,12 +104,12 @@ def _fill_table(truth: np.ndarray, starts: np.ndarray, count_all_cells: bool, le
     neighbours = np.empty((cells.shape[0], 4), np.int32)
     _link((height, width), number, cells, neighbours)
     total = ((height + TILE - 1) // TILE) * ((width + TILE - 1) // TILE)
-    counts, scan = number >= (-1 if count_all_cells else 0), new_scan(lens)
+    counts, scan = number >= (-1 if count_all_cells else 0), new_scan(lidar)
     tiles, words, union = np.empty(total, np.int32), np.zeros(total, np.uint64), np.zeros(total, np.uint64)
     offsets, size = np.zeros(cells.shape[0] + 1, np.int64), 0
     tile, bits = np.empty(1024, np.int32), np.empty(1024, np.uint64)
     for i in range(cells.shape[0]):
-        found = _scan_into(truth, cells[i], counts, lens, scan, tiles, words)
+        found = _scan_into(truth, cells[i], counts, lidar, scan, tiles, words)
         if size + found > tile.shape[0]:
             tile, bits = np.append(tile, np.empty(size + found, np.int32)), np.append(bits, np.empty_like(bits))
             bits = np.append(bits, np.empty(tile.shape[0] - bits.shape[0], np.uint64))
@@ -117,13 +123,15 @@ def _fill_table(truth: np.ndarray, starts: np.ndarray, count_all_cells: bool, le
     return VisibilityTable(cells, neighbours, offsets, tile[:size].copy(), bits[:size].copy(), union)
 
 
-def visibility_table(truth: Belief, starts: Sequence[Cell], lens: Optics, *, count_all_cells: bool) -> VisibilityTable:
+def visibility_table(
+    truth: Belief, starts: Sequence[Cell], lidar: LidarModel, *, count_all_cells: bool
+) -> VisibilityTable:
     """Return what can be seen of a true map (H, W) from all cells that can be reached from the starts.
 
     Only the cells that can be reached are counted or, with ``count_all_cells``, all cells of the map.
     """
     flat = np.array([row * truth.shape[1] + col for row, col in starts], np.int64)
-    return VisibilityTable(*_fill_table(np.ascontiguousarray(truth), flat, count_all_cells, lens))
+    return VisibilityTable(*_fill_table(np.ascontiguousarray(truth), flat, count_all_cells, lidar))
 
 
 @leaf()

@@ -17,12 +17,10 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.sensing.marsexplorer import SAMPLES, directions, trace
-from indoor_explorers.env.sensing.shadowcasting import Quadrant, sweep
-
-LIDAR_MODELS = ("exact", "marsexplorer")
+from indoor_explorers.env.sensing.shadowcasting import Quadrant, scan_quadrant
 
 
-class Optics(NamedTuple):
+class LidarModel(NamedTuple):
     """Constants of one lidar model and range for compiled code."""
 
     range: float
@@ -45,11 +43,11 @@ class Scan(NamedTuple):
 
 
 @lru_cache(maxsize=32)
-def optics(lidar_range: float, model: str = "exact") -> Optics:
-    """Return the constants of a lidar range in cells and one of :data:`LIDAR_MODELS`."""
+def lidar_model(lidar_range: float, model: str = "exact") -> LidarModel:
+    """Return the constants of a lidar range in cells and a model, ``exact`` or ``marsexplorer``."""
     away = np.arange(int(lidar_range + 1e-9) + 1)
     half_widths = np.sqrt(np.maximum(lidar_range**2 - away**2, 0) + 1e-9).astype(np.int64)
-    return Optics(
+    return LidarModel(
         range=float(lidar_range),
         half_widths=half_widths,
         rays=directions() if model == "marsexplorer" else np.empty((0, 2)),
@@ -58,57 +56,61 @@ def optics(lidar_range: float, model: str = "exact") -> Optics:
 
 
 @kernel()
-def new_scan(optics: Optics) -> Scan:
+def new_scan(lidar: LidarModel) -> Scan:
     """Allocate the working arrays of scans."""
-    room = max(4 * optics.disc, optics.rays.shape[0] * SAMPLES) + 1
+    room = max(4 * lidar.disc, lidar.rays.shape[0] * SAMPLES) + 1
     arcs = 1
-    for away in range(optics.half_widths.shape[0]):
-        arcs += min(away, optics.half_widths[away] + 1) + 1
+    for away in range(lidar.half_widths.shape[0]):
+        arcs += min(away, lidar.half_widths[away] + 1) + 1
     return Scan(np.empty(room, np.int64), np.empty((2 * arcs, 6), np.int64))
 
 
 @leaf()
-def visible_cells(occupancy: np.ndarray, row: int, col: int, optics: Optics, scan: Scan) -> int:
+def visible_cells(occupancy: np.ndarray, row: int, col: int, lidar: LidarModel, scan: Scan) -> int:
     """List the cells seen from (row, col): fills ``scan.cells`` with flat indices and returns how many.
 
     ``occupancy`` is (H, W) uint8, C-contiguous. The own cell comes first. An obstacle may be listed twice, and so
     may any cell in the model ``marsexplorer``.
     """
     height, width = occupancy.shape
-    cells, widths, arcs, out = occupancy.reshape(height * width), optics.half_widths, scan.arcs, scan.cells
+    cells, widths, arcs, out = occupancy.reshape(height * width), lidar.half_widths, scan.arcs, scan.cells
     origin = row * width + col
     out[0] = origin
-    if optics.rays.shape[0] > 0:
-        return trace(occupancy, row, col, optics.range, optics.rays, out)
-    seen = sweep(cells, Quadrant(origin, width, 1, height - 1 - row, -col, width - 1 - col, True), widths, arcs, out, 1)
-    seen = sweep(cells, Quadrant(origin, -width, 1, row, -col, width - 1 - col, True), widths, arcs, out, seen)
-    seen = sweep(
+    if lidar.rays.shape[0] > 0:
+        return trace(occupancy, row, col, lidar.range, lidar.rays, out)
+    seen = scan_quadrant(
+        cells, Quadrant(origin, width, 1, height - 1 - row, -col, width - 1 - col, True), widths, arcs, out, 1
+    )
+    seen = scan_quadrant(cells, Quadrant(origin, -width, 1, row, -col, width - 1 - col, True), widths, arcs, out, seen)
+    seen = scan_quadrant(
         cells, Quadrant(origin, 1, width, width - 1 - col, -row, height - 1 - row, False), widths, arcs, out, seen
     )
-    return sweep(cells, Quadrant(origin, -1, width, col, -row, height - 1 - row, False), widths, arcs, out, seen)
+    return scan_quadrant(
+        cells, Quadrant(origin, -1, width, col, -row, height - 1 - row, False), widths, arcs, out, seen
+    )
 
 
 @leaf()
-def unknown_in_view(belief: np.ndarray, row: int, col: int, optics: Optics, scan: Scan) -> int:
+def unknown_in_view(belief: np.ndarray, row: int, col: int, lidar: LidarModel, scan: Scan) -> int:
     """Count the unknown cells that a scan at (row, col) could reveal, unknown taken as transparent."""
     cells = belief.reshape(belief.size)
     gain = 0
-    for k in range(1, visible_cells(belief, row, col, optics, scan)):  # the own cell reveals nothing
+    for k in range(1, visible_cells(belief, row, col, lidar, scan)):  # the own cell reveals nothing
         gain += cells[scan.cells[k]] == UNKNOWN
     return gain
 
 
 def view_gain(belief: Belief, cell: tuple[int, int], lidar_range: float) -> int:
     """Return how many unknown cells are visible from ``cell`` on a (H, W) belief map."""
-    lens = optics(float(lidar_range))
-    return int(unknown_in_view(belief, cell[0], cell[1], lens, new_scan(lens)))
+    lidar = lidar_model(float(lidar_range))
+    return int(unknown_in_view(belief, cell[0], cell[1], lidar, new_scan(lidar)))
 
 
 def scan(truth: Belief, cell: tuple[int, int], lidar_range: float, model: str = "exact") -> Belief:
     """Return the (H, W) belief after one scan of ``truth`` at ``cell``, everything else unknown."""
-    lens = optics(float(lidar_range), model)
-    work = new_scan(lens)
-    seen = work.cells[: visible_cells(truth, cell[0], cell[1], lens, work)]
+    lidar = lidar_model(float(lidar_range), model)
+    work = new_scan(lidar)
+    seen = work.cells[: visible_cells(truth, cell[0], cell[1], lidar, work)]
     belief = np.full(truth.shape, UNKNOWN, np.uint8)
     belief.flat[seen] = np.where(truth.flat[seen] == OCCUPIED, OCCUPIED, FREE)
     return belief

@@ -1,4 +1,4 @@
-"""Exact line of sight on a grid: the open directions of a quadrant, swept outwards row by row.
+"""Exact line of sight on a grid: the open directions of a quadrant, scanned outwards row by row.
 
 A free cell is seen when the segment between the two cell centres crosses no obstacle; an obstacle cell is
 seen when the segment from the sensor to the midpoint of one of its sides that faces a free cell crosses
@@ -138,7 +138,7 @@ def _shows_obstacle(cells: np.ndarray, quadrant: Quadrant, arc: Arc, c: int, d: 
 
 
 @inner(inlined=False)
-def sweep(
+def scan_quadrant(
     cells: np.ndarray, quadrant: Quadrant, half_widths: np.ndarray, arcs: np.ndarray, out: np.ndarray, seen: int
 ) -> int:
     """Append the flat indices of the cells seen in one quadrant to ``out``; return the new number of entries.

@@ -14,7 +14,7 @@ from numba.experimental import structref
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, new_scan
 from indoor_explorers.env.simulation.state import Rules, State
 
 #: Parts of numba that carry no types.
@@ -31,13 +31,13 @@ class Work(NamedTuple):
     component: NDArray[np.int64]
     """(N,) see :func:`indoor_explorers.env.simulation.radio.link`."""
     before: NDArray[np.int64]
-    """(N,) lengths of the journals before an exchange."""
+    """(N,) lengths of the discovery logs before an exchange."""
 
 
 @kernel()
-def new_work(optics: Optics, team: int) -> Work:
+def new_work(lidar: LidarModel, team: int) -> Work:
     """Allocate the working arrays of steps."""
-    return Work(new_scan(optics), np.empty(team, np.int64), np.empty(team, np.int64), np.empty(team, np.int64))
+    return Work(new_scan(lidar), np.empty(team, np.int64), np.empty(team, np.int64), np.empty(team, np.int64))
 
 
 @structref.register
@@ -53,17 +53,17 @@ class Engine(structref.StructRefProxy):
 
     rules: Rules
     state: State
-    optics: Optics
+    lidar: LidarModel
     work: Work
 
 
-_define_proxy(Engine, _EngineType, ["rules", "state", "optics", "work"])
+_define_proxy(Engine, _EngineType, ["rules", "state", "lidar", "work"])
 
 _new: Any = Engine
 
 
 @kernel()
-def bind(rules: Rules, state: State, optics: Optics, work: Work) -> Engine:
+def bind(rules: Rules, state: State, lidar: LidarModel, work: Work) -> Engine:
     """Bind a world's parts for one thread; the arrays are shared, not copied."""
-    engine: Engine = _new(rules, state, optics, work)
+    engine: Engine = _new(rules, state, lidar, work)
     return engine

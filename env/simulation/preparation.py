@@ -145,7 +145,7 @@ def _room_task(scenario: Scenario) -> RoomTask | None:
     if not isinstance(scenario.map, ThesisMaps) or not isinstance(scenario.spawn, str):
         return None
     rules = rules_of(scenario)
-    return RoomTask(scenario.map.room, scenario.spawn == "clustered", rules.counts_map, rules.goal)
+    return RoomTask(scenario.map.room, scenario.spawn == "clustered", rules.count_all_cells, rules.goal)
 
 
 def _check_shape(found: tuple[int, int], shape: Shape, name: str) -> None:

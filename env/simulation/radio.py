@@ -1,8 +1,8 @@
 """Radio: who is linked, and what linked agents exchange.
 
 Linked agents form connected components. Once per step, after all moves, every component merges its maps
-and exchanges positions and messages. Each agent keeps a journal of its known cells in the order they
-became known, and for every teammate how far it has read that one's journal: a merge touches what
+and exchanges positions and messages. Each agent keeps a discovery log: its known cells in the order they
+became known, and for every teammate how much of that one's log it has merged: a merge touches what
 changed since the last one and never the map.
 
 Bytes are counted at the sender: ``CELL_BYTES`` for each cell that was new to the receiver, and for each
@@ -18,12 +18,13 @@ import numpy as np
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.scenarios.codes import RadioModel
 from indoor_explorers.env.simulation.state import Rules, State
 
 CELL_BYTES = 5
 POSITION_BYTES = 8
 
-NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED = range(6)
+NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED = (int(model) for model in RadioModel)
 
 
 @leaf()
@@ -130,19 +131,19 @@ def _join(component: np.ndarray, i: int, j: int) -> None:
 
 @inner()
 def learn(state: State, b: int, agent: int, cell: int) -> None:
-    """Enter a flat cell that was unknown to ``agent`` into its belief and journal."""
+    """Enter a flat cell that was unknown to ``agent`` into its belief and discovery log."""
     state.belief[b, agent].flat[cell] = state.truth[b].flat[cell]
-    state.journal[b, agent, state.known[b, agent]] = cell
+    state.discovery_log[b, agent, state.known[b, agent]] = cell
     state.known[b, agent] += 1
     state.covered[b, agent] += state.counts[b].flat[cell]
 
 
 @inner()
 def _take_over(state: State, b: int, i: int, j: int, until: int) -> None:
-    """Let agent ``i`` learn what agent ``j`` has learned up to its journal's entry ``until``."""
+    """Let agent ``i`` learn what agent ``j`` has learned up to entry ``until`` of its discovery log."""
     belief = state.belief[b, i].flat
-    for k in range(state.read[b, i, j], until):
-        cell = state.journal[b, j, k]
+    for k in range(state.merged_up_to[b, i, j], until):
+        cell = state.discovery_log[b, j, k]
         if belief[cell] == UNKNOWN:
             learn(state, b, i, cell)
             state.received[b, i] += 1
@@ -153,12 +154,12 @@ def _take_over(state: State, b: int, i: int, j: int, until: int) -> None:
 def _hear(state: State, b: int, i: int, j: int) -> None:
     """Let agent ``i`` hear the position and message of agent ``j``."""
     size = state.outbox_size[b, j]
-    state.heard_step[b, i, j] = state.step[b]
-    state.heard_cell[b, i, j, 0] = state.cell[b, j, 0]
-    state.heard_cell[b, i, j, 1] = state.cell[b, j, 1]
-    state.heard_size[b, i, j] = size
+    state.last_received_step[b, i, j] = state.step[b]
+    state.last_received_cell[b, i, j, 0] = state.cell[b, j, 0]
+    state.last_received_cell[b, i, j, 1] = state.cell[b, j, 1]
+    state.last_received_size[b, i, j] = size
     for k in range(size):
-        state.heard[b, i, j, k] = state.outbox[b, j, k]
+        state.last_received[b, i, j, k] = state.outbox[b, j, k]
     state.sent_bytes[b, j] += POSITION_BYTES + 8 * max(0, size)
 
 
@@ -176,4 +177,4 @@ def exchange(state: State, b: int, component: np.ndarray, before: np.ndarray) ->
     for i in range(team):
         for j in range(team):
             if i != j and component[i] == component[j]:
-                state.read[b, i, j] = state.known[b, j]
+                state.merged_up_to[b, i, j] = state.known[b, j]

@@ -63,14 +63,16 @@ def flood_scratch(shape: tuple[int, int]) -> FloodScratch:
 
 
 @leaf()
-def is_attainable(counts_map: bool, goal: float, truth: np.ndarray, main: np.ndarray, size: int, team: int) -> bool:
+def is_attainable(
+    count_all_cells: bool, goal: float, truth: np.ndarray, main: np.ndarray, size: int, team: int
+) -> bool:
     """Tell whether a team fits into the ``size`` cells of a map's main part (H, W), and can reach the goal there.
 
-    ``counts_map`` and ``goal`` are those of :class:`~indoor_explorers.env.simulation.state.Rules`.
+    ``count_all_cells`` and ``goal`` are those of :class:`~indoor_explorers.env.simulation.state.Rules`.
     """
     if size < team:
         return False
-    if not counts_map:
+    if not count_all_cells:
         return True
     height, width = truth.shape
     seen = size
@@ -120,7 +122,7 @@ def _clear(state: State, b: int) -> None:
         state.belief[b, n, :, :] = 0
         state.sensed[b, n, :, :] = False
         state.visited[b, n, :, :] = False
-        state.journal[b, n, :] = 0
+        state.discovery_log[b, n, :] = 0
         state.history[b, n, :] = -1
         state.covered[b, n] = state.sensed_count[b, n] = state.known[b, n] = 0
         state.discovered[b, n] = state.received[b, n] = state.idle[b, n] = 0
@@ -128,12 +130,12 @@ def _clear(state: State, b: int) -> None:
         state.reward[b, n] = 0.0
         state.outbox[b, n, :] = 0.0
         state.outbox_size[b, n] = -1
-        state.read[b, n, :] = 0
+        state.merged_up_to[b, n, :] = 0
         state.linked[b, n, :] = False
-        state.heard_step[b, n, :] = -1
-        state.heard_size[b, n, :] = -1
-        state.heard_cell[b, n, :, :] = 0
-        state.heard[b, n, :, :] = 0.0
+        state.last_received_step[b, n, :] = -1
+        state.last_received_size[b, n, :] = -1
+        state.last_received_cell[b, n, :, :] = 0
+        state.last_received[b, n, :, :] = 0.0
 
 
 @inner()
@@ -142,8 +144,8 @@ def _count(rules: Rules, state: State, starts: Starts, k: int, b: int) -> None:
     height, width = state.counts.shape[1], state.counts.shape[2]
     for row in range(height):
         for col in range(width):
-            state.counts[b, row, col] = rules.counts_map or starts.reachable[k, row, col]
-    state.total[b] = height * width if rules.counts_map else starts.size[k]
+            state.counts[b, row, col] = rules.count_all_cells or starts.reachable[k, row, col]
+    state.total[b] = height * width if rules.count_all_cells else starts.size[k]
     state.needed[b] = np.int64(np.ceil(rules.goal * state.total[b] - 1e-9))
     state.budget[b] = rules.budget if rules.budget > 0 else max(rules.least_budget, starts.size[k])
 
@@ -153,7 +155,7 @@ def start_episodes(
     engine: Engine, starts: Starts, episodes: np.ndarray, seeds: np.ndarray, first: int, last: int
 ) -> None:
     """Begin the episodes (K,) from ``first`` to ``last`` - 1 as their ``starts`` and seeds (K,) say."""
-    rules, state, optics, work = engine.rules, engine.state, engine.optics, engine.work
+    rules, state, lidar, work = engine.rules, engine.state, engine.lidar, engine.work
     for k in range(first, last):
         b = episodes[k]
         _clear(state, b)
@@ -161,7 +163,7 @@ def start_episodes(
         _count(rules, state, starts, k, b)
         state.order_key[b] = stream_key(seeds[k], ORDER, 0)
         state.radio_key[b] = stream_key(seeds[k], RADIO, 0)
-        begin(rules, state, optics, work, b)
+        begin(rules, state, lidar, work, b)
 
 
 @kernel()
@@ -191,7 +193,7 @@ class RoomTask(NamedTuple):
     room: Room
     clustered: bool
     """Whether UAVs start next to each other."""
-    counts_map: bool
+    count_all_cells: bool
     """Whether coverage counts all cells of the map."""
     goal: float
     """Coverage that must be attainable."""
@@ -203,7 +205,7 @@ def _draw_attainable(task: RoomTask, truth: np.ndarray, scratch: FloodScratch, t
     for attempt in range(MAX_ATTEMPTS):
         draw_room(task.room, stream_key(seed, MAP, attempt), truth)
         size = mark_largest_part(truth, scratch.part, scratch.queue)
-        if is_attainable(task.counts_map, task.goal, truth, scratch.part, size, team):
+        if is_attainable(task.count_all_cells, task.goal, truth, scratch.part, size, team):
             return size
     return -1
 

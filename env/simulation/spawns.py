@@ -22,7 +22,7 @@ def draw_floorplan(scenario: Scenario, seed: int, index: int = 0) -> Floorplan:
     for attempt in range(MAX_ATTEMPTS if scenario.map.generated else 1):
         floorplan = scenario.map.floorplan(index, seed, attempt)
         main = floorplan.main_part
-        if is_attainable(rules.counts_map, rules.goal, floorplan.truth, main, int(main.sum()), scenario.team):
+        if is_attainable(rules.count_all_cells, rules.goal, floorplan.truth, main, int(main.sum()), scenario.team):
             return floorplan
     _check_space(floorplan, scenario.team)
     raise InputError(

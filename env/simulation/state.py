@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT
+from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.scenarios.scenario import LEAST_BUDGET, Scenario
 
 
@@ -32,7 +33,7 @@ class Rules(NamedTuple):
 
     end_on_collision: bool
     goal: float
-    counts_map: bool
+    count_all_cells: bool
     """Whether coverage counts all cells of the map, not the reachable ones alone."""
     budget: int
     """Steps, 0 for as many as there are reachable cells."""
@@ -45,17 +46,13 @@ class Rules(NamedTuple):
     goal_of_team: bool
     stuck_rule: int
     stuck_repeats: int
-    pay_step: float
-    pay_discovered: float
-    pay_received: float
-    pay_collision: float
-    pay_out_of_bounds: float
-    pay_stuck: float
-    pay_goal: float
-
-
-RADIO_MODELS = ("none", "square", "disc", "line-of-sight", "path-loss", "unlimited")
-STUCK_RULES = ("off", "no-discovery", "oscillation")
+    reward_step: float
+    reward_discovered: float
+    reward_received: float
+    reward_collision: float
+    reward_out_of_bounds: float
+    reward_stuck: float
+    reward_goal: float
 
 
 def rules_of(scenario: Scenario) -> Rules:
@@ -63,24 +60,24 @@ def rules_of(scenario: Scenario) -> Rules:
     return Rules(
         end_on_collision=scenario.on_collision == "end",
         goal=scenario.goal,
-        counts_map=scenario.denominator == "map",
+        count_all_cells=scenario.denominator == "map",
         budget=scenario.budget or 0,
         least_budget=LEAST_BUDGET,
-        radio_model=RADIO_MODELS.index(scenario.radio.model),
+        radio_model=RadioModel.named(scenario.radio.model),
         radio_range=scenario.radio.range,
         radio_exponent=scenario.radio.exponent,
         radio_wall_loss=scenario.radio.wall_loss,
         radio_loss=scenario.radio.loss,
         goal_of_team=scenario.goal_of == "team",
-        stuck_rule=STUCK_RULES.index(scenario.stuck.rule),
+        stuck_rule=StuckRule.named(scenario.stuck.rule),
         stuck_repeats=scenario.stuck.repeats,
-        pay_step=scenario.rewards.step,
-        pay_discovered=scenario.rewards.discovered,
-        pay_received=scenario.rewards.received,
-        pay_collision=scenario.rewards.collision,
-        pay_out_of_bounds=scenario.rewards.out_of_bounds,
-        pay_stuck=scenario.rewards.stuck,
-        pay_goal=scenario.rewards.goal,
+        reward_step=scenario.rewards.step,
+        reward_discovered=scenario.rewards.discovered,
+        reward_received=scenario.rewards.received,
+        reward_collision=scenario.rewards.collision,
+        reward_out_of_bounds=scenario.rewards.out_of_bounds,
+        reward_stuck=scenario.rewards.stuck,
+        reward_goal=scenario.rewards.goal,
     )
 
 
@@ -123,12 +120,12 @@ class State(NamedTuple):
     """(B,) counted cells in the union."""
     sensed_count: NDArray[np.int64]
     """(B, N) counted cells the agent's own lidar has seen."""
-    journal: NDArray[np.int32]
+    discovery_log: NDArray[np.int32]
     """(B, N, H*W) flat indices of known cells in the order they became known."""
     known: NDArray[np.int64]
-    """(B, N) length of the journal."""
-    read: NDArray[np.int64]
-    """(B, N, N) how much of agent j's journal agent i has taken over: ``read[b, i, j]``."""
+    """(B, N) length of the discovery log."""
+    merged_up_to: NDArray[np.int64]
+    """(B, N, N) entries of agent j's discovery log that agent i has merged: ``merged_up_to[b, i, j]``."""
     discovered: NDArray[np.int64]
     """(B, N) cells first seen by own lidar in this step."""
     received: NDArray[np.int64]
@@ -145,13 +142,13 @@ class State(NamedTuple):
     """(B, N, 16) the message an agent sends."""
     outbox_size: NDArray[np.int64]
     """(B, N) numbers in it, -1 for no message."""
-    heard_step: NDArray[np.int64]
-    """(B, N, N) step at which i last heard j, -1 for never."""
-    heard_cell: NDArray[np.int64]
+    last_received_step: NDArray[np.int64]
+    """(B, N, N) step at which i last received from j, -1 for never."""
+    last_received_cell: NDArray[np.int64]
     """(B, N, N, 2) where j was then."""
-    heard: NDArray[np.float64]
-    """(B, N, N, 16) what it said then."""
-    heard_size: NDArray[np.int64]
+    last_received: NDArray[np.float64]
+    """(B, N, N, 16) j's message then."""
+    last_received_size: NDArray[np.int64]
     """(B, N, N) numbers in it, -1 for no message."""
     path_length: NDArray[np.int64]
     """(B, N) cells moved."""
@@ -190,9 +187,9 @@ def empty_state(batch: int, team: int, shape: tuple[int, int], window: int) -> S
         covered=zeros(i8, n),
         team_covered=zeros(i8),
         sensed_count=zeros(i8, n),
-        journal=zeros(np.int32, n, h * w),
+        discovery_log=zeros(np.int32, n, h * w),
         known=zeros(i8, n),
-        read=zeros(i8, n, n),
+        merged_up_to=zeros(i8, n, n),
         discovered=zeros(i8, n),
         received=zeros(i8, n),
         idle=zeros(i8, n),
@@ -201,10 +198,10 @@ def empty_state(batch: int, team: int, shape: tuple[int, int], window: int) -> S
         linked=zeros(np.bool_, n, n),
         outbox=zeros(f8, n, MESSAGE_LIMIT),
         outbox_size=zeros(i8, n),
-        heard_step=zeros(i8, n, n),
-        heard_cell=zeros(i8, n, n, 2),
-        heard=zeros(f8, n, n, MESSAGE_LIMIT),
-        heard_size=zeros(i8, n, n),
+        last_received_step=zeros(i8, n, n),
+        last_received_cell=zeros(i8, n, n, 2),
+        last_received=zeros(f8, n, n, MESSAGE_LIMIT),
+        last_received_size=zeros(i8, n, n),
         path_length=zeros(i8, n),
         collisions=zeros(i8, n),
         blocked=zeros(i8, n),

@@ -7,16 +7,19 @@ import numpy as np
 from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid.randomness import shuffled
-from indoor_explorers.env.sensing.lidar import Optics, Scan, visible_cells
+from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, visible_cells
 from indoor_explorers.env.simulation.engine import Engine, Work
 from indoor_explorers.env.simulation.radio import exchange, learn, link
-from indoor_explorers.env.simulation.state import Rules, State
+from indoor_explorers.env.simulation.state import End, Rules, State
 
-FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET = 0, 1, 2, 3, 4, 5
+FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET = (int(end) for end in End)
+NO_DISCOVERY, OSCILLATION = int(StuckRule.NO_DISCOVERY), int(StuckRule.OSCILLATION)
+NO_RADIO = int(RadioModel.NONE)
 
 
 @inner()
-def sense(state: State, optics: Optics, b: int, agent: int, scan: Scan) -> None:
+def sense(state: State, lidar: LidarModel, b: int, agent: int, scan: Scan) -> None:
     """Scan from the agent's cell into its belief and the team's union; a cell it has been in shows nothing new."""
     row, col = state.cell[b, agent, 0], state.cell[b, agent, 1]
     if state.visited[b, agent, row, col]:
@@ -24,7 +27,7 @@ def sense(state: State, optics: Optics, b: int, agent: int, scan: Scan) -> None:
     state.visited[b, agent, row, col] = True
     sensed, belief, union = state.sensed[b, agent].flat, state.belief[b, agent].flat, state.union[b].flat
     truth, counts = state.truth[b].flat, state.counts[b].flat
-    for k in range(visible_cells(state.truth[b], row, col, optics, scan)):
+    for k in range(visible_cells(state.truth[b], row, col, lidar, scan)):
         cell = scan.cells[k]
         if sensed[cell]:
             continue
@@ -39,9 +42,9 @@ def sense(state: State, optics: Optics, b: int, agent: int, scan: Scan) -> None:
 
 
 @inner()
-def _crash(rules: Rules, state: State, b: int, agent: int, end: int, pay: float) -> bool:
+def _crash(rules: Rules, state: State, b: int, agent: int, end: int, reward: float) -> bool:
     state.collisions[b, agent] += 1
-    state.reward[b, agent] += pay
+    state.reward[b, agent] += reward
     if rules.end_on_collision:
         state.end[b, agent] = end
     return False
@@ -54,9 +57,9 @@ def move(rules: Rules, state: State, b: int, agent: int, action: int) -> bool:
         return False
     row, col = state.cell[b, agent, 0] + MOVES[action, 0], state.cell[b, agent, 1] + MOVES[action, 1]
     if row < 0 or row >= state.truth.shape[1] or col < 0 or col >= state.truth.shape[2]:
-        return _crash(rules, state, b, agent, OUT_OF_BOUNDS, rules.pay_out_of_bounds)
+        return _crash(rules, state, b, agent, OUT_OF_BOUNDS, rules.reward_out_of_bounds)
     if state.truth[b, row, col] == OCCUPIED:
-        return _crash(rules, state, b, agent, COLLISION, rules.pay_collision)
+        return _crash(rules, state, b, agent, COLLISION, rules.reward_collision)
     for mate in range(state.end.shape[1]):
         in_the_way = state.cell[b, mate, 0] == row and state.cell[b, mate, 1] == col
         if in_the_way and mate != agent and state.end[b, mate] == FLYING:
@@ -69,9 +72,9 @@ def move(rules: Rules, state: State, b: int, agent: int, action: int) -> bool:
 
 @inner()
 def _is_stuck(rules: Rules, state: State, b: int, agent: int) -> bool:
-    if rules.stuck_rule == 1:
+    if rules.stuck_rule == NO_DISCOVERY:
         return bool(state.idle[b, agent] >= state.truth.shape[1] * state.truth.shape[2])
-    if rules.stuck_rule == 2:
+    if rules.stuck_rule == OSCILLATION:
         window, repeats = state.history.shape[2], 0
         here = state.history[b, agent, state.step[b] % window]
         for k in range(window):  # the cell it is in now is the only one whose count can have grown
@@ -88,15 +91,17 @@ def _settle(rules: Rules, state: State, b: int) -> None:
     for n in range(state.end.shape[1]):
         if state.end[b, n] != FLYING:
             continue
-        state.reward[b, n] += rules.pay_discovered * state.discovered[b, n] + rules.pay_received * state.received[b, n]
+        state.reward[b, n] += (
+            rules.reward_discovered * state.discovered[b, n] + rules.reward_received * state.received[b, n]
+        )
         state.idle[b, n] = 0 if state.discovered[b, n] + state.received[b, n] else state.idle[b, n] + 1
         state.history[b, n, state.step[b] % window] = state.cell[b, n, 0] * width + state.cell[b, n, 1]
         if team_done or (not rules.goal_of_team and state.covered[b, n] >= state.needed[b]):
             state.end[b, n] = GOAL
-            state.reward[b, n] += rules.pay_goal
+            state.reward[b, n] += rules.reward_goal
         elif _is_stuck(rules, state, b, n):
             state.end[b, n] = STUCK
-            state.reward[b, n] += rules.pay_stuck
+            state.reward[b, n] += rules.reward_stuck
         elif state.step[b] >= state.budget[b]:
             state.end[b, n] = BUDGET
 
@@ -112,28 +117,28 @@ def _update_legal(state: State, b: int, agent: int) -> None:
 
 
 @inner()
-def begin(rules: Rules, state: State, optics: Optics, work: Work, b: int) -> None:
+def begin(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int) -> None:
     """Make the first scans and radio contacts of episode ``b``, whose truth and spawns are in place."""
     for n in range(state.end.shape[1]):
-        sense(state, optics, b, n, work.scan)
+        sense(state, lidar, b, n, work.scan)
         _update_legal(state, b, n)
     if link(rules, state, b, work.component):
         exchange(state, b, work.component, work.before)
 
 
 @inner()
-def _advance_one(rules: Rules, state: State, optics: Optics, work: Work, b: int, actions: np.ndarray) -> None:
+def _advance_one(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int, actions: np.ndarray) -> None:
     team = state.end.shape[1]
     shuffled(state.order_key[b], state.step[b], work.order)
     for k in range(team):
         n = work.order[k]
         if state.end[b, n] == FLYING:
-            state.reward[b, n] += rules.pay_step
+            state.reward[b, n] += rules.reward_step
             if move(rules, state, b, n, actions[b, n]):
-                sense(state, optics, b, n, work.scan)
+                sense(state, lidar, b, n, work.scan)
                 _update_legal(state, b, n)
     state.step[b] += 1
-    if team > 1 and rules.radio_model > 0 and link(rules, state, b, work.component):
+    if team > 1 and rules.radio_model != NO_RADIO and link(rules, state, b, work.component):
         exchange(state, b, work.component, work.before)
     _settle(rules, state, b)
 
@@ -141,7 +146,7 @@ def _advance_one(rules: Rules, state: State, optics: Optics, work: Work, b: int,
 @kernel()
 def advance(engine: Engine, actions: np.ndarray, first: int, last: int) -> None:
     """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
-    rules, state, optics, work = engine.rules, engine.state, engine.optics, engine.work
+    rules, state, lidar, work = engine.rules, engine.state, engine.lidar, engine.work
     team = state.end.shape[1]
     for b in range(first, last):
         flying = False
@@ -151,7 +156,7 @@ def advance(engine: Engine, actions: np.ndarray, first: int, last: int) -> None:
             state.received[b, n] = 0
             flying |= state.end[b, n] == FLYING
         if flying:
-            _advance_one(rules, state, optics, work, b, actions)
+            _advance_one(rules, state, lidar, work, b, actions)
 
 
 @leaf()

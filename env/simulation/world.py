@@ -14,7 +14,7 @@ from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.env.sensing.lidar import optics
+from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.env.simulation.engine import Engine, bind, new_work
 from indoor_explorers.env.simulation.preparation import Preparation, Prepared
 from indoor_explorers.env.simulation.reset import start_episodes
@@ -124,7 +124,7 @@ class World:
     def _allocate(self, shape: tuple[int, int]) -> None:
         window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
         self._state = empty_state(self.batch, self.scenario.team, shape, window)
-        rules, lidar = rules_of(self.scenario), optics(self.scenario.lidar.range, self.scenario.lidar.model)
+        rules, lidar = rules_of(self.scenario), lidar_model(self.scenario.lidar.range, self.scenario.lidar.model)
         self._engines = [
             bind(rules, self._state, lidar, new_work(lidar, self.scenario.team)) for _ in range(self._threads.count)
         ]
@@ -155,14 +155,14 @@ class World:
 
     def checked_actions(self, actions: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
         """Return (B, N) actions as int64, refusing another shape and numbers that are no actions."""
-        actions = np.ascontiguousarray(actions, np.int64)
-        if actions.shape != self.state.end.shape:
+        checked = np.ascontiguousarray(actions, np.int64)
+        if checked.shape != self.state.end.shape:
             raise InputError(
-                f"expected actions of shape {self.state.end.shape} (episodes, agents), got {actions.shape}"
+                f"expected actions of shape {self.state.end.shape} (episodes, agents), got {checked.shape}"
             )
-        if not are_actions(actions):
-            raise InputError(f"expected actions from 0 to 4, got {int(actions.min())} to {int(actions.max())}")
-        return actions
+        if not are_actions(checked):
+            raise InputError(f"expected actions from 0 to 4, got {int(checked.min())} to {int(checked.max())}")
+        return checked
 
     def in_slices(self, work: Callable[[Engine, int, int], object]) -> None:
         """Call ``work(engine, first, last)`` for a share of the episodes in each thread, and wait for all."""
@@ -196,11 +196,11 @@ class World:
         state = self.state
         now = int(state.step[episode])
         mates = []
-        for mate, when in enumerate(state.heard_step[episode, agent].tolist()):
+        for mate, when in enumerate(state.last_received_step[episode, agent].tolist()):
             if when >= 0:
-                row, col = state.heard_cell[episode, agent, mate].tolist()
-                size = int(state.heard_size[episode, agent, mate])
-                message = tuple(state.heard[episode, agent, mate, :size].tolist()) if size >= 0 else None
+                row, col = state.last_received_cell[episode, agent, mate].tolist()
+                size = int(state.last_received_size[episode, agent, mate])
+                message = tuple(state.last_received[episode, agent, mate, :size].tolist()) if size >= 0 else None
                 mates.append(Mate(mate, (row, col), now - when, message))
         return tuple(mates)
 

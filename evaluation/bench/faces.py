@@ -13,7 +13,7 @@ import numpy as np
 from indoor_explorers.env import World, parallel_env
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 from indoor_explorers.evaluation.bench.figure import median_of, seconds_of
 from indoor_explorers.evaluation.bench.worlds import random_moves, square
 
@@ -72,11 +72,11 @@ def vector_speed(num_envs: int, steps: int = 400) -> float:
 
 
 @kernel()
-def _scan_all(truth: np.ndarray, places: np.ndarray, lens: Optics, work: Scan) -> int:
+def _scan_all(truth: np.ndarray, places: np.ndarray, lidar: LidarModel, work: Scan) -> int:
     """Scan from each of the places (K, 2); return the cells seen."""
     seen = 0
     for k in range(places.shape[0]):
-        seen += visible_cells(truth, places[k, 0], places[k, 1], lens, work)
+        seen += visible_cells(truth, places[k, 0], places[k, 1], lidar, work)
     return seen
 
 
@@ -84,10 +84,10 @@ def scan_time(lidar_range: float, scans: int = 1000) -> float:
     """Return the microseconds of a scan from random free cells of a room of 250x250 with obstacles."""
     world = World(square(250, lidar_range, 1))
     world.reset([0])
-    truth, lens = world.state.truth[0], optics(lidar_range)
+    truth, lidar = world.state.truth[0], lidar_model(lidar_range)
     places = np.random.default_rng(0).permutation(np.argwhere(truth == FREE))[:scans]
-    work = new_scan(lens)
-    return median_of(lambda: seconds_of(lambda: _scan_all(truth, places, lens, work))) / len(places) * 1e6
+    work = new_scan(lidar)
+    return median_of(lambda: seconds_of(lambda: _scan_all(truth, places, lidar, work))) / len(places) * 1e6
 
 
 def first_compile() -> float:

@@ -1,4 +1,4 @@
-"""The page that ``indoor-explorers check`` prints: what was checked, what each check found, and how to mend it."""
+"""The page that ``indoor-explorers check`` prints: what was checked, what each check found, and how to fix it."""
 
 from __future__ import annotations
 
@@ -77,8 +77,8 @@ def _mark(finding: Finding, plain: bool) -> Text:
 
 
 def _found(finding: Finding) -> Text:
-    """Return what was found and, on lines of their own, the likely cause and the way to mend it."""
+    """Return what was found and, on lines of their own, the likely cause and the way to fix it."""
     text = Text(finding.text, style="" if finding.conclusive else "dim")
-    if finding.mend:
-        text.append(f"\nTo mend: {finding.mend}", style="yellow")
+    if finding.fix:
+        text.append(f"\nTo fix: {finding.fix}", style="yellow")
     return text

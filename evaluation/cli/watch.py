@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from indoor_explorers.env import Policy, World
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
-from indoor_explorers.env.rendering.video_writer import FPS, Film
+from indoor_explorers.env.rendering.video_writer import FPS, VideoWriter
 from indoor_explorers.env.rendering.window import Window
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.spawns import draw_floorplan
@@ -41,7 +41,7 @@ def watch(experiment: Experiment, console: Console, *, save: Path | None, steps:
     if save is None:
         show.in_window(moments, fps)
     else:
-        show.in_file(moments, Film(save, fps), console)
+        show.in_file(moments, VideoWriter(save, fps), console)
     console.print(
         f"{experiment.policies[0].name} on {scenario.name}, seed {experiment.seed}: "
         f"step {world.state.step[0]} of {world.state.budget[0]}, coverage {percent(world.team_coverage[0])}",
@@ -93,8 +93,8 @@ class Show:
         finally:
             window.close()
 
-    def in_file(self, moments: Iterator[bool], film: Film, console: Console) -> None:
-        """Film the flight and write the file; says which."""
+    def in_file(self, moments: Iterator[bool], video: VideoWriter, console: Console) -> None:
+        """Record the flight and write the file; says which."""
         if not console.is_terminal:
             console.print(f"flying {self._title}", highlight=False, soft_wrap=True)
         columns = [TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()]
@@ -102,11 +102,11 @@ class Show:
             flying = bar.add_task("flying", total=self._last)
             for going in moments:
                 self._trails.add(self._world.state.cell[0])
-                film.shoot(self.picture, last=not going)
+                video.add(self.picture, last=not going)
                 bar.update(flying, completed=int(self._world.state.step[0]))
             bar.update(flying, total=int(self._world.state.step[0]))
-            writing = bar.add_task("writing", total=len(film))
-            film.save(lambda written: bar.update(writing, completed=written))
-        width, height = film.size
-        frames = f"{len(film)} frames of " if len(film) > 1 else ""
-        console.print(f"Saved: {film.path} ({frames}{width} x {height} pixels)", highlight=False, soft_wrap=True)
+            writing = bar.add_task("writing", total=len(video))
+            video.save(lambda written: bar.update(writing, completed=written))
+        width, height = video.size
+        frames = f"{len(video)} frames of " if len(video) > 1 else ""
+        console.print(f"Saved: {video.path} ({frames}{width} x {height} pixels)", highlight=False, soft_wrap=True)

@@ -16,7 +16,7 @@ from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bitsets import bit_count
 from indoor_explorers.env.search.visibility import VisibilityTable, add_visible, visibility_table
-from indoor_explorers.env.sensing.lidar import optics
+from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.evaluation.episodes.mst_bound import spanning_tree_bound
 
 #: Cells times cells in lidar range up to which walls are looked at: a tenth of a second.
@@ -43,14 +43,14 @@ def least_steps(world: World, episode: int, share: float) -> int:
     state, scenario = world.state, world.scenario
     truth, starts = state.truth[episode], [(row, col) for row, col in state.cell[episode].tolist()]
     total, team = int(state.total[episode]), len(starts)
-    lens = optics(scenario.lidar.range, scenario.lidar.model)
-    looks = total * lens.disc <= EFFORT
-    lens = lens if looks else optics(0.0)
-    table = visibility_table(truth, starts, lens, count_all_cells=scenario.denominator == "map")
+    lidar = lidar_model(scenario.lidar.range, scenario.lidar.model)
+    looks = total * lidar.disc <= EFFORT
+    lidar = lidar if looks else lidar_model(0.0)
+    table = visibility_table(truth, starts, lidar, count_all_cells=scenario.denominator == "map")
     needed = math.ceil(share * total - 1e-9)
     steps = _steps_from_starts(table, team)
     overshoot = 0.5 if scenario.lidar.model == "marsexplorer" else 0.0  # cells that this model sees beyond the range
-    half_widths = optics(scenario.lidar.range + overshoot).half_widths
+    half_widths = lidar_model(scenario.lidar.range + overshoot).half_widths
     within, edges = _range_gains(state.counts[episode], table.cells, team, half_widths)
     by_range = _steps_by_gain(edges, steps, needed - within, team)
     if not looks:

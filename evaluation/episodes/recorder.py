@@ -64,7 +64,7 @@ class Log:
         self._cells[:, t] = state.cell
         if self._team > 1:
             self._sent[:, t] = state.sent_bytes.sum(axis=1)
-            self._ages += (t - np.maximum(state.heard_step, 0)).sum(axis=(1, 2)) * self.running
+            self._ages += (t - np.maximum(state.last_received_step, 0)).sum(axis=(1, 2)) * self.running
         flying = self._world.flying
         self._aloft += flying
         self.running &= flying.any(axis=1)

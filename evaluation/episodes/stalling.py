@@ -44,7 +44,7 @@ def _step_complete(
     ``covered`` (S + 1,) how many of those that coverage counts were known after each step.
     """
     state = world.state
-    journal = state.journal[episode, agent, : state.known[episode, agent]]
+    journal = state.discovery_log[episode, agent, : state.known[episode, agent]]
     row, col = state.cell[episode, agent]
     own = np.flatnonzero(parts.flat[journal] == parts[row, col])
     if len(own) < int((parts == parts[row, col]).sum()):

@@ -10,10 +10,20 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.simulation.world import World
 
+#: Arrays of the state whose names in checkpoints are others, those that they have always had.
+STORED_NAMES = {
+    "discovery_log": "journal",
+    "merged_up_to": "read",
+    "last_received_step": "heard_step",
+    "last_received_cell": "heard_cell",
+    "last_received": "heard",
+    "last_received_size": "heard_size",
+}
+
 
 def world_tensors(world: World) -> dict[str, NDArray[Any]]:
     """Return the state and the episodes' seeds of a batch of worlds, by name; the arrays are the world's own."""
-    state = {f"world/{name}": array for name, array in world.state._asdict().items()}
+    state = {_stored(name): array for name, array in world.state._asdict().items()}
     return state | {"world/seeds": np.array([[seed >> 32, seed & 0xFFFFFFFF] for seed in world.seeds], np.int64)}
 
 
@@ -27,4 +37,9 @@ def restore_world(tensors: Mapping[str, NDArray[Any]], world: World) -> None:
     for episode, (high, low) in enumerate(tensors["world/seeds"].tolist()):
         begin(world, episode, (high << 32) | low)
     for name, array in world.state._asdict().items():
-        array[...] = tensors[f"world/{name}"]
+        array[...] = tensors[_stored(name)]
+
+
+def _stored(name: str) -> str:
+    """Return the name in checkpoints of an array of the state."""
+    return f"world/{STORED_NAMES.get(name, name)}"

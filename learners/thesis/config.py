@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
+from indoor_explorers.env.scenarios.codes import StuckRuleName
 from indoor_explorers.env.scenarios.presets import REWARDS
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.sessions.settings import Settings
@@ -51,7 +52,7 @@ class TrainingConfig(Settings):
 
     reward_scenario: Literal[1, 2, 3] | None = None
     """The thesis's reward scenario (Table 4.2); None: the rewards of the scenario that is trained on."""
-    stuck_rule: Literal["off", "no-discovery", "oscillation"] | None = None
+    stuck_rule: StuckRuleName | None = None
     """The thesis's "no stuck", "stuck 1" or "stuck 2" (section 4.2); None: the rule of the scenario trained on."""
     collision: Literal["end", "block"] = "end"
     """Whether a move into an obstacle or off the map ends the episode, as in the thesis, or only costs its penalty."""

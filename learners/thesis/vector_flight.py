@@ -51,7 +51,7 @@ class Fleet:
 
     def _look(self, columns: NDArray[np.int64]) -> NDArray[np.uint8]:
         state, team = self.world.state, self.world.scenario.team
-        heard = state.heard_step, state.heard_cell
+        heard = state.last_received_step, state.last_received_cell
         paint_all(state.belief, state.cell, *heard, self._identity, columns, team, self._painted)
         return self._painted[columns]
 

@@ -12,7 +12,7 @@ from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.sensing.lidar import Optics, new_scan, optics, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
 from indoor_explorers.planners.parameters import at_least
 
@@ -73,9 +73,9 @@ class SequentialPilot(GroupPilot):
 
 
 @kernel()
-def _in_sight(belief: np.ndarray, origin: int, cells: np.ndarray, lens: Optics) -> np.ndarray:
-    scan, seen = new_scan(lens), np.zeros(belief.size, np.bool_)
-    for place in range(visible_cells(belief, origin // belief.shape[1], origin % belief.shape[1], lens, scan)):
+def _in_sight(belief: np.ndarray, origin: int, cells: np.ndarray, lidar: LidarModel) -> np.ndarray:
+    scan, seen = new_scan(lidar), np.zeros(belief.size, np.bool_)
+    for place in range(visible_cells(belief, origin // belief.shape[1], origin % belief.shape[1], lidar, scan)):
         seen[scan.cells[place]] = True
     return np.asarray(seen[cells])
 
@@ -85,4 +85,4 @@ def nearness(belief: Belief, origin: int, cells: NDArray[np.int32], reach: float
     rows, cols = np.divmod(cells, belief.shape[1])
     row, col = divmod(origin, belief.shape[1])
     near = np.maximum(0.0, 1.0 - np.hypot(rows - row, cols - col) / max(reach, 1e-9))
-    return np.asarray(near * _in_sight(belief, origin, cells, optics(float(reach))))
+    return np.asarray(near * _in_sight(belief, origin, cells, lidar_model(float(reach))))

@@ -11,7 +11,7 @@ from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.sensing.lidar import optics
+from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.coordination.teammates import linked, message_of
 from indoor_explorers.planners.frontier.group_pilot import GroupMember, member_of
@@ -173,7 +173,7 @@ class JointPilot(CandidatePilot):
         cells, ahead = cells[fine], ahead[fine]
         steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64)
         gains, shared = candidate_views(
-            view.belief, cells, UnknownWeight(parameters.isolation, parameters.fade * reach), optics(reach)
+            view.belief, cells, UnknownWeight(parameters.isolation, parameters.fade * reach), lidar_model(reach)
         )
         between = distances_between(view.belief, cells, steps, int(HOP_RANGES * reach) + 1)
         hysteresis = np.stack([self.hysteresis_bonus(member.goal, cells, parameters.hold) for member in members])

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.search.bitsets import around
 from indoor_explorers.env.search.optimistic_views import OptimisticViews
-from indoor_explorers.env.sensing.lidar import optics
+from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.horizon.rollouts import RolloutSetup, steps_to_shares
 from indoor_explorers.planners.horizon.room_prior import RoomPrior
 
@@ -31,7 +31,7 @@ class RolloutSelection:
 
     def __init__(self, prior: RoomPrior, shape: tuple[int, int], lidar_range: float, goal: float, count: int) -> None:
         self._prior, self._count = prior, count
-        self._lens, self._surroundings = optics(float(lidar_range)), around(shape, 2)
+        self._lens, self._surroundings = lidar_model(float(lidar_range)), around(shape, 2)
         self._shares = np.minimum(SHARES, goal)
 
     def best(

@@ -19,7 +19,7 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.bfs import distances_from
 from indoor_explorers.env.search.bitsets import bit_count
-from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, new_scan, visible_cells
 
 #: Steps of a tour that are flown at most before the quick policy takes over.
 FOLLOWED = 12
@@ -87,12 +87,12 @@ def _weights(setup: RolloutSetup) -> np.ndarray:
 
 
 @kernel()
-def _reveal(rollout: Rollout, setup: RolloutSetup, cell: int, room: np.ndarray, lens: Optics, scan: Scan) -> int:
+def _reveal(rollout: Rollout, setup: RolloutSetup, cell: int, room: np.ndarray, lidar: LidarModel, scan: Scan) -> int:
     """Scan a (H, W) room from a flat cell; return how many free cells are new."""
     height, width = room.shape
     truth, found = room.reshape(height * width), 0
     rollout.visited[cell] = True
-    for k in range(visible_cells(room, cell // width, cell % width, lens, scan)):
+    for k in range(visible_cells(room, cell // width, cell % width, lidar, scan)):
         seen = scan.cells[k]
         if rollout.belief[seen] == UNKNOWN:
             rollout.belief[seen], rollout.weights[seen] = truth[seen], 0.0
@@ -152,10 +152,10 @@ def _fly(
     tour: np.ndarray,
     room: np.ndarray,
     wanted: np.ndarray,
-    lens: Optics,
+    lidar: LidarModel,
 ) -> np.ndarray:
     """Return after how many steps each number of new free cells in ``wanted`` (N,), rising, was seen, (N,)."""
-    scan, most = new_scan(lens), (lens.disc + 1) * (1 + 24 * ISOLATION)
+    scan, most = new_scan(lidar), (lidar.disc + 1) * (1 + 24 * ISOLATION)
     steps = np.full(wanted.shape[0], LONGEST, np.int64)
     cell, found, follows = start, 0, True
     for step in range(1, LONGEST):
@@ -164,7 +164,7 @@ def _fly(
         cell = tour[step - 1] if follows else _quick_step(rollout, setup, cell, most)
         if cell < 0 or room.reshape(room.size)[cell] == OCCUPIED:
             break
-        found += _reveal(rollout, setup, cell, room, lens, scan)
+        found += _reveal(rollout, setup, cell, room, lidar, scan)
         for n in range(wanted.shape[0]):
             if found >= wanted[n]:
                 steps[n] = min(steps[n], step)
@@ -175,7 +175,7 @@ def _fly(
 
 @kernel()
 def _fly_all(
-    start: int, setup: RolloutSetup, tours: np.ndarray, rooms: np.ndarray, shares: np.ndarray, lens: Optics
+    start: int, setup: RolloutSetup, tours: np.ndarray, rooms: np.ndarray, shares: np.ndarray, lidar: LidarModel
 ) -> np.ndarray:
     cells, weights, known = setup.belief.size, _weights(setup), setup.belief.ravel() == FREE
     rollout = _new_rollout(cells)
@@ -189,7 +189,7 @@ def _fly_all(
             rollout.belief[:] = setup.belief.ravel()
             rollout.weights[:] = weights
             rollout.visited[:] = False
-            steps[t, s] = _fly(rollout, setup, start, tours[t], room, wanted, lens)
+            steps[t, s] = _fly(rollout, setup, start, tours[t], room, wanted, lidar)
     return steps
 
 
@@ -199,7 +199,7 @@ def steps_to_shares(
     tours: list[list[int]],
     rooms: Belief,
     shares: NDArray[np.float64],
-    lens: Optics,
+    lidar: LidarModel,
 ) -> NDArray[np.int64]:
     """Return after how many steps flights show given shares of rooms, (T, S, N).
 
@@ -209,9 +209,9 @@ def steps_to_shares(
         tours: T lists of flat cells, the start left out.
         rooms: (S, C) rooms without unknown cells that agree with the belief.
         shares: (N,) shares of a room's reachable cells, rising. What is never shown takes ``LONGEST`` steps.
-        lens: The lidar.
+        lidar: The lidar.
     """
     padded = np.full((len(tours), FOLLOWED), -1, np.int32)
     for row, tour in zip(padded, tours, strict=True):
         row[: len(tour)] = tour[:FOLLOWED]
-    return np.asarray(_fly_all(start, setup, padded, rooms, shares, lens))
+    return np.asarray(_fly_all(start, setup, padded, rooms, shares, lidar))

@@ -11,7 +11,7 @@ from indoor_explorers.env.grid.arrays import Belief, Distances
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood, flood_nearby
-from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, unknown_in_view, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, unknown_in_view, visible_cells
 from indoor_explorers.planners.information.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.information.view_gain import AROUND, known_around
 
@@ -58,14 +58,14 @@ def worth(belief: np.ndarray, depth: np.ndarray, cell: int, interest: UnknownWei
 
 @kernel()
 def _visible_unknown(
-    belief: np.ndarray, cells: np.ndarray, depth: np.ndarray, interest: UnknownWeight, lens: Optics, scan: Scan
+    belief: np.ndarray, cells: np.ndarray, depth: np.ndarray, interest: UnknownWeight, lidar: LidarModel, scan: Scan
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the unknown cells in view of each candidate, (K, disc + 1), how many, (K,), and each cell's worth."""
     width = belief.shape[1]
-    lists, sizes = np.empty((cells.shape[0], lens.disc + 1), np.int32), np.zeros(cells.shape[0], np.int64)
+    lists, sizes = np.empty((cells.shape[0], lidar.disc + 1), np.int32), np.zeros(cells.shape[0], np.int64)
     value = np.zeros(belief.size)
     for k in range(cells.shape[0]):
-        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lens, scan)):
+        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lidar, scan)):
             cell = scan.cells[place]
             if belief[cell // width, cell % width] == UNKNOWN:
                 if value[cell] == 0.0:
@@ -77,7 +77,7 @@ def _visible_unknown(
 
 @kernel()
 def candidate_views(
-    belief: np.ndarray, cells: np.ndarray, interest: UnknownWeight, lens: Optics
+    belief: np.ndarray, cells: np.ndarray, interest: UnknownWeight, lidar: LidarModel
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how much is in view of each of (K,) flat cells, (K,), and what share another one also sees, (K, K).
 
@@ -85,7 +85,7 @@ def candidate_views(
     """
     depth, mark = np.empty(belief.shape, np.int32), np.empty(belief.size, np.int32)
     depths(belief, mark, depth)
-    lists, sizes, value = _visible_unknown(belief, cells, depth, interest, lens, new_scan(lens))
+    lists, sizes, value = _visible_unknown(belief, cells, depth, interest, lidar, new_scan(lidar))
     count = cells.shape[0]
     shared = np.zeros((count, count))
     mark[:] = -1
@@ -125,10 +125,10 @@ def distances_between(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, 
 
 
 @kernel()
-def _gains(belief: np.ndarray, cells: np.ndarray, lens: Optics) -> np.ndarray:
-    gains, scan, width = np.empty(cells.shape[0], np.int64), new_scan(lens), belief.shape[1]
+def _gains(belief: np.ndarray, cells: np.ndarray, lidar: LidarModel) -> np.ndarray:
+    gains, scan, width = np.empty(cells.shape[0], np.int64), new_scan(lidar), belief.shape[1]
     for k in range(cells.shape[0]):
-        gains[k] = unknown_in_view(belief, cells[k] // width, cells[k] % width, lens, scan)
+        gains[k] = unknown_in_view(belief, cells[k] // width, cells[k] % width, lidar, scan)
     return gains
 
 
@@ -152,7 +152,7 @@ def local_candidates(
     """
     flat = fields.reshape(len(fields), -1)
     cells = np.flatnonzero(((flat > 0) & (flat <= reach)).any(axis=0)).astype(np.int32)
-    gains, steps = _gains(belief, cells, optics(float(lidar_range))), flat[:, cells]
+    gains, steps = _gains(belief, cells, lidar_model(float(lidar_range))), flat[:, cells]
     value = np.where(steps <= reach, np.sqrt(gains) * np.exp(-rate * np.minimum(steps, reach)), 0.0)
     kept = np.zeros(len(cells), np.bool_)
     for row in value:

@@ -10,16 +10,18 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics, visible_cells
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 
 
 @kernel()
-def _unclaimed(belief: np.ndarray, cells: np.ndarray, claims: np.ndarray, radius: float, lens: Optics) -> np.ndarray:
+def _unclaimed(
+    belief: np.ndarray, cells: np.ndarray, claims: np.ndarray, radius: float, lidar: LidarModel
+) -> np.ndarray:
     width = belief.shape[1]
-    scan = new_scan(lens)
+    scan = new_scan(lidar)
     gains = np.zeros(cells.shape[0], np.int64)
     for k in range(cells.shape[0]):
-        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lens, scan)):
+        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lidar, scan)):
             row, col = divmod(scan.cells[place], width)
             counts = belief[row, col] == UNKNOWN
             for m in range(claims.shape[0]):
@@ -36,19 +38,19 @@ def unclaimed_gains(
 
     ``claims`` is (M, 2) rows and columns; what is within the lidar range of a claim is left to the UAV that made it.
     """
-    return np.asarray(_unclaimed(belief, cells, claims, lidar_range, optics(float(lidar_range))))
+    return np.asarray(_unclaimed(belief, cells, claims, lidar_range, lidar_model(float(lidar_range))))
 
 
 @kernel()
-def _visible_sets(belief: np.ndarray, cells: np.ndarray, lens: Optics) -> tuple[np.ndarray, int]:
+def _visible_sets(belief: np.ndarray, cells: np.ndarray, lidar: LidarModel) -> tuple[np.ndarray, int]:
     width = belief.shape[1]
-    scan = new_scan(lens)
+    scan = new_scan(lidar)
     number = np.full(belief.size, -1, np.int64)
-    lists = np.empty((cells.shape[0], lens.disc + 1), np.int64)
+    lists = np.empty((cells.shape[0], lidar.disc + 1), np.int64)
     sizes = np.zeros(cells.shape[0], np.int64)
     total = 0
     for k in range(cells.shape[0]):
-        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lens, scan)):
+        for place in range(visible_cells(belief, cells[k] // width, cells[k] % width, lidar, scan)):
             cell = scan.cells[place]
             if belief[cell // width, cell % width] == UNKNOWN:
                 if number[cell] < 0:
@@ -68,7 +70,7 @@ def visible_sets(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -
 
     Unknown cells are numbered in the order they are met; a set of bits ored together is a joint view.
     """
-    return np.asarray(_visible_sets(belief, cells, optics(float(lidar_range)))[0])
+    return np.asarray(_visible_sets(belief, cells, lidar_model(float(lidar_range)))[0])
 
 
 #: Half the side of the square around an unknown cell in which known cells make it isolated.
@@ -93,12 +95,14 @@ def known_around(belief: np.ndarray, row: int, col: int) -> int:
 
 
 @kernel()
-def _weighted(belief: np.ndarray, cell: int, depths: np.ndarray, isolation: float, lens: Optics, scan: Scan) -> float:
+def _weighted(
+    belief: np.ndarray, cell: int, depths: np.ndarray, isolation: float, lidar: LidarModel, scan: Scan
+) -> float:
     width = belief.shape[1]
     middle = depths.shape[0] // 2
     row, col = divmod(cell, width)
     gain = 0.0
-    for place in range(visible_cells(belief, row, col, lens, scan)):
+    for place in range(visible_cells(belief, row, col, lidar, scan)):
         r, c = divmod(scan.cells[place], width)
         if belief[r, c] == UNKNOWN:
             gain += depths[r - row + middle, c - col + middle] * (
@@ -134,15 +138,15 @@ def _forget_changed(old: np.ndarray, new: np.ndarray, reach: int, gains: np.ndar
 
 @kernel()
 def _kept_gains(
-    belief: np.ndarray, cells: np.ndarray, depths: np.ndarray, isolation: float, lens: Optics, gains: np.ndarray
+    belief: np.ndarray, cells: np.ndarray, depths: np.ndarray, isolation: float, lidar: LidarModel, gains: np.ndarray
 ) -> np.ndarray:
     width = belief.shape[1]
-    scan = new_scan(lens)
+    scan = new_scan(lidar)
     out = np.empty(cells.shape[0])
     for k in range(cells.shape[0]):
         row, col = divmod(cells[k], width)
         if gains[row, col] == STALE:
-            gains[row, col] = _weighted(belief, cells[k], depths, isolation, lens, scan)
+            gains[row, col] = _weighted(belief, cells[k], depths, isolation, lidar, scan)
         out[k] = gains[row, col]
     return out
 
@@ -166,7 +170,7 @@ class WeightedGains:
         away = np.arange(-int(lidar_range + 1), int(lidar_range + 1) + 1)
         self._depths = np.exp(-np.hypot(away[:, None], away) / (depth * lidar_range))
         self._isolation = float(isolation)
-        self._lens = optics(float(lidar_range))
+        self._lens = lidar_model(float(lidar_range))
         self._reach = int(lidar_range + 1) + NEIGHBOURHOOD
         self._belief = np.zeros(shape, np.uint8)
         self._gains = np.full(shape, STALE)

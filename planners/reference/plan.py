@@ -24,7 +24,7 @@ from indoor_explorers.env.search.visibility import (
     count_unseen,
     visibility_table,
 )
-from indoor_explorers.env.sensing.lidar import optics
+from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.reference.annealing import anneal
 from indoor_explorers.planners.reference.routes import Aims, DistanceTable, TeamState, tracks
 
@@ -144,7 +144,9 @@ def plan(request: PlanRequest, budget: SearchBudget) -> tuple[Track, ...]:
     """
     height, width = request.shape
     truth = np.frombuffer(request.truth, np.uint8).reshape(request.shape)
-    table = visibility_table(truth, request.starts, optics(*request.lidar), count_all_cells=request.count_all_cells)
+    table = visibility_table(
+        truth, request.starts, lidar_model(*request.lidar), count_all_cells=request.count_all_cells
+    )
     distances = _distance_table(table, width)
     number = {int(cell): k for k, cell in enumerate(table.cells)}
     starts = np.array([number[row * width + col] for row, col in request.starts])

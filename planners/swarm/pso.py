@@ -10,7 +10,7 @@ from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.sensing.lidar import optics
+from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.coordination.linked_group import (
     NOWHERE,
     LinkedMember,
@@ -180,7 +180,7 @@ class PsoPilot(CandidatePilot):
             return None, cells.astype(np.int64), []
         steps, able = steps[can], [member for member, some in zip(members, can.tolist(), strict=True) if some]
         gains, shared = candidate_views(
-            view.belief, cells, UnknownWeight(policy.isolation, policy.fade * reach), optics(reach)
+            view.belief, cells, UnknownWeight(policy.isolation, policy.fade * reach), lidar_model(reach)
         )
         problem = AssignmentProblem(
             steps=steps,

@@ -1,13 +1,15 @@
 """Random worlds and flights for the tests."""
 
+from typing import get_args
+
 import numpy as np
 from hypothesis import strategies as st
 
 from indoor_explorers.env import Scenario, World
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.scenarios.codes import RadioModelName
 from indoor_explorers.env.search.connected_parts import largest_part
-from indoor_explorers.env.simulation.state import RADIO_MODELS
 
 
 @st.composite
@@ -31,7 +33,7 @@ def scenarios(draw, /, most=5, **fixed):
             "model": draw(st.sampled_from(["exact", "exact", "marsexplorer"])),
         },
         "radio": {
-            "model": draw(st.sampled_from(RADIO_MODELS)),
+            "model": draw(st.sampled_from(get_args(RadioModelName))),
             "range": draw(st.sampled_from([0.0, 1.0, 3.0, 6.0])),
             "loss": draw(st.sampled_from([0.0, 0.0, 0.3])),
         },

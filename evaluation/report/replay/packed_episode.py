@@ -45,7 +45,7 @@ def resimulated(record: Record, scenario: Scenario) -> ReplayEpisode:
         state = world.state
         linked[step] = state.linked[0]
         for agent, length in enumerate(state.known[0].tolist()):
-            known[agent, state.journal[0, agent, read[agent] : length]] = step
+            known[agent, state.discovery_log[0, agent, read[agent] : length]] = step
             read[agent] = length
     faithful = np.array_equal(state.cell[0], record.cells[-1]) and state.team_covered[0] == record.covered[-1, 0]
     return ReplayEpisode(record, state.counts[0].ravel().copy(), known, linked, bool(faithful))

@@ -79,12 +79,12 @@ class Flock:
 
     def _known(self) -> Known:
         state, team = self.world.state, self.world.scenario.team
-        heard = state.heard_step.reshape(self.columns, team)
+        heard = state.last_received_step.reshape(self.columns, team)
         steps = self.age
         return Known(
             read_only(state.belief.reshape(self.columns, *self.shape)),
             state.cell.reshape(self.columns, 2),
-            state.heard_cell.reshape(self.columns, team, 2),
+            state.last_received_cell.reshape(self.columns, team, 2),
             np.where(heard >= 0, steps[:, None] - heard, -1),
             np.stack([self._agent, steps / np.repeat(state.budget, team)], axis=1),
         )

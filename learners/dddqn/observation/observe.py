@@ -76,16 +76,16 @@ class Known(NamedTuple):
 
 def eyes(config: ObservationConfig, shape: tuple[int, int], scenario: Scenario, prior: MapPrior) -> Eyes:
     """Prepare to observe on (H, W) maps of a scenario."""
-    lens = sensor(scenario.lidar.range)
+    lidar = sensor(scenario.lidar.range)
     planner = new_planner(shape, scenario, config.tour_width)
-    return Eyes(layout(config), lens, scratch(shape, lens), planner, new_outlook(shape), prior)
+    return Eyes(layout(config), lidar, scratch(shape, lidar), planner, new_outlook(shape), prior)
 
 
 @leaf()
 def _remember(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, memory: Memory, i: int) -> int:
     """Count a visit, forgetting all of them after a gain of its own; return how many boxes hold what became known."""
     noted, visits = memory.noted[i], memory.visits[i]
-    gain = discovered(belief, row, col, sensor.optics, scratch.scan, noted)
+    gain = discovered(belief, row, col, sensor.lidar, scratch.scan, noted)
     memory.gained[i] += gain
     memory.idle[i] = 0 if gain > 0 else memory.idle[i] + 1
     if gain > 0:
@@ -135,8 +135,8 @@ def _look_for_tours(known: Known, memory: Memory, i: int, eyes: Eyes, moves: np.
     belief, chance, work = known.belief[i], memory.chance[i], eyes.scratch
     views, passages = memory.views[i], memory.passages[i]
     obstructed = assume_obstacles(belief, chance, work.layer)
-    lens, reach, stale = eyes.sensor.optics, eyes.sensor.reach + 1, eyes.planner.stale
-    update_views(work.layer, STRIDE, lens, work.scan, reach, stale, memory.obstacles[i], views, passages)
+    lidar, reach, stale = eyes.sensor.lidar, eyes.sensor.reach + 1, eyes.planner.stale
+    update_views(work.layer, STRIDE, lidar, work.scan, reach, stale, memory.obstacles[i], views, passages)
     look_for_tours(
         belief,
         known.cell[i],

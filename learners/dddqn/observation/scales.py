@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.sensing.lidar import Optics, Scan, new_scan, optics
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan
 
 #: The lidar range, in cells, that distances and areas are measured in: the thesis's.
 REFERENCE_RANGE = 3.0
@@ -19,7 +19,7 @@ DISCOUNTS = (0.7, 0.85, 0.95)
 class Sensor(NamedTuple):
     """What the observation needs to know about a lidar range; lengths are scaled by ``range / 3``."""
 
-    optics: Optics
+    lidar: LidarModel
     """The lidar."""
     reach: int
     """Cells: the largest row or column offset in range."""
@@ -65,12 +65,12 @@ class Scratch(NamedTuple):
 @lru_cache(maxsize=32)
 def sensor(lidar_range: float) -> Sensor:
     """Return the constants of a lidar range in cells."""
-    lens = optics(lidar_range)
+    lidar = lidar_model(lidar_range)
     rate = REFERENCE_RANGE / lidar_range
     return Sensor(
-        optics=lens,
+        lidar=lidar,
         reach=int(np.floor(lidar_range + 1e-9)),
-        disc=float(lens.disc),
+        disc=float(lidar.disc),
         scale=2 * int(lidar_range / (2 * REFERENCE_RANGE)) + 1,
         rate=rate,
         decay=np.array(DISCOUNTS) ** rate,
@@ -92,5 +92,5 @@ def scratch(shape: tuple[int, int], sensor: Sensor) -> Scratch:
         layer=np.zeros(shape, np.uint8),
         patch=np.zeros(49, np.uint8),
         blocked=np.zeros(4, np.uint8),
-        scan=new_scan(sensor.optics),
+        scan=new_scan(sensor.lidar),
     )

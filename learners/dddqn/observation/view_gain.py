@@ -40,7 +40,7 @@ def forget_gains(gain: np.ndarray, box: np.ndarray, reach: int) -> None:
 def _weigh(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> tuple[int, float]:
     """Return how many unknown cells are in view of a cell, and how much they count with isolated ones counting more."""
     width, found, weight = belief.shape[1], 0, 0.0
-    for k in range(visible_cells(belief, row, col, sensor.optics, scratch.scan)):
+    for k in range(visible_cells(belief, row, col, sensor.lidar, scratch.scan)):
         r, c = divmod(scratch.scan.cells[k], width)
         if belief[r, c] == UNKNOWN:
             near = within(scratch.unknown, r - AROUND, c - AROUND, r + AROUND + 1, c + AROUND + 1)
@@ -64,7 +64,7 @@ def gain_at(
             if weight.shape[0] > 0:
                 gain[row, col], weight[row, col] = _weigh(belief, row, col, sensor, scratch)
             else:
-                gain[row, col] = unknown_in_view(belief, row, col, sensor.optics, scratch.scan)
+                gain[row, col] = unknown_in_view(belief, row, col, sensor.lidar, scratch.scan)
     return max(int(gain[row, col]), 0)
 
 

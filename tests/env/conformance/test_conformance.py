@@ -57,7 +57,7 @@ def test_a_policy_declares_that_it_reads_the_settings_of_the_maps_generator(kind
     found = findings(kind)
     assert failures(found) == {"map generator"}
     assert message in found["map generator"].text
-    assert "uses_generator = True" in found["map generator"].mend
+    assert "uses_generator = True" in found["map generator"].fix
     assert not failures(findings(kind, Declares))
 
 
@@ -97,7 +97,7 @@ def test_a_wrong_action_fails_one_check_and_the_others_go_on(value):
     found = findings(type("Mind", (Returns,), {"value": value}))
     assert failures(found) == {"actions"}
     assert "expected an action from 0 to 4 (down, left, up, right, stay), got " in found["actions"].text
-    assert "return an int" in found["actions"].mend
+    assert "return an int" in found["actions"].fix
 
 
 class Says(Honest):
@@ -149,7 +149,7 @@ def test_a_tally_that_raises_fails_one_check():
     found = findings(TallyRaises)
     assert failures(found) == {"tally"}
     assert found["tally"].text == "tally raised ZeroDivisionError: division by zero"
-    assert found["tally"].mend.startswith("see test_conformance.py, line ")
+    assert found["tally"].fix.startswith("see test_conformance.py, line ")
 
 
 class WritesView(Honest):
@@ -210,7 +210,7 @@ class PrivilegeRaises(Flying):
 
 
 @pytest.mark.parametrize(
-    ("kind", "policy", "text", "mend"),
+    ("kind", "policy", "text", "fix"),
     [
         (WritesView, Flying, "act raised ValueError: assignment destination is read-only", "views are read-only, copy"),
         (WritesUnderView, Flying, "act changed the view it was given", "views are live, copy"),
@@ -224,10 +224,10 @@ class PrivilegeRaises(Flying):
         (Honest, PrivilegeRaises, "policy.privileged raised RuntimeError: undecided", "in privileged"),
     ],
 )
-def test_a_policy_that_cannot_fly_is_told_why_once(kind, policy, text, mend):
+def test_a_policy_that_cannot_fly_is_told_why_once(kind, policy, text, fix):
     found = findings(kind, policy)
     assert found["decisions"].text == text
-    assert mend in found["decisions"].mend
+    assert fix in found["decisions"].fix
     later = [finding for finding in found.values() if finding.name not in {"decisions", "pickling"}]
     assert all(not finding.conclusive and finding.text == "not run: see decisions" for finding in later)
     with pytest.raises(PolicyError, match="; "):
@@ -298,7 +298,7 @@ class ModuleDraws(Honest):
 
 
 @pytest.mark.parametrize(
-    ("kind", "policy", "mend"),
+    ("kind", "policy", "fix"),
     [
         (FreshDraws, Flying, "draw from briefing.rng only"),
         (GlobalDraws, Flying, "the policy draws from the global random; draw from briefing.rng"),
@@ -307,11 +307,11 @@ class ModuleDraws(Honest):
         (ModuleDraws, Flying, "perhaps the Generator ModuleDraws.generator"),
     ],
 )
-def test_an_episode_that_is_another_one_the_next_time(kind, policy, mend):
+def test_an_episode_that_is_another_one_the_next_time(kind, policy, fix):
     found = findings(kind, policy)
     finding = found["same seed, same episode"]
     assert "the same seed gave another episode (first difference at step " in finding.text
-    assert mend in finding.mend
+    assert fix in finding.fix
     others = [other for other in found.values() if not other.passed and other is not finding]
     assert all(other.text == "cannot be told: see same seed, same episode" for other in others)
     assert "unlinked teammates" in {other.name for other in others}
@@ -345,18 +345,18 @@ class BecomesNone(Flying):
 
 
 @pytest.mark.parametrize(
-    ("kind", "policy", "text", "mend"),
+    ("kind", "policy", "text", "fix"),
     [
         (Honest, HoldsLambda, "the policy cannot be pickled", "keep lambdas, open files and locks out"),
         (FliesGoal, Forgets, "a pickled copy flew another episode", "everything that it needs"),
         (Honest, BecomesNone, "the policy came back from pickling as {}", "__reduce__"),
     ],
 )
-def test_a_policy_that_does_not_survive_pickling(kind, policy, text, mend):
+def test_a_policy_that_does_not_survive_pickling(kind, policy, text, fix):
     found = findings(kind, policy)
     assert failures(found) == {"pickling"}
     assert text in found["pickling"].text
-    assert mend in found["pickling"].mend
+    assert fix in found["pickling"].fix
 
 
 class Pools(Honest):
@@ -389,7 +389,7 @@ def test_pilots_that_share_across_episodes_are_caught():
     found = findings(Pools)
     assert failures(found) == {"pilots share nothing", "unlinked teammates"}
     assert "pilots share state (first difference at step 1)" in found["pilots share nothing"].text
-    assert "perhaps the dict Pools.boards" in found["pilots share nothing"].mend
+    assert "perhaps the dict Pools.boards" in found["pilots share nothing"].fix
 
 
 def test_pilots_that_share_within_an_episode_are_caught_when_a_mate_out_of_contact_acts_otherwise():
@@ -398,8 +398,8 @@ def test_pilots_that_share_within_an_episode_are_caught_when_a_mate_out_of_conta
     finding = found["unlinked teammates"]
     assert "chose otherwise at step 2 when only UAV 0 acted differently" in finding.text
     assert "seen and heard nothing (radio none)" in finding.text
-    assert "share nothing but messages" in finding.mend
-    assert "perhaps the dict Pools.boards" in finding.mend
+    assert "share nothing but messages" in finding.fix
+    assert "perhaps the dict Pools.boards" in finding.fix
 
 
 class Peeks(Flying):
@@ -424,7 +424,7 @@ class Places(Flying):
 def test_a_batched_act_that_mixes_its_views_is_caught(policy, check):
     finding = findings(Honest, policy)[check]
     assert not finding.passed
-    assert "batch" in finding.mend
+    assert "batch" in finding.fix
 
 
 class Omniscient(Honest):
@@ -481,7 +481,7 @@ class RaisesInLibrary(Honest):
 def test_the_place_that_is_named_is_the_plugins_own():
     found = findings(RaisesInLibrary)["decisions"]
     assert found.text == "act raised ValueError: need at least one array to stack"
-    assert found.mend.startswith("see test_conformance.py, line ")
+    assert found.fix.startswith("see test_conformance.py, line ")
     found = findings(Honest, WrongArguments)["decisions"]
     assert "policy.pilot raised TypeError" in found.text
-    assert found.mend == "give it the arguments that indoor_explorers.env.Policy and Pilot have"
+    assert found.fix == "give it the arguments that indoor_explorers.env.Policy and Pilot have"

@@ -1,4 +1,4 @@
-"""The Gymnasium faces: the ecosystem's own checks, and the same episodes as the bare world's."""
+"""The Gymnasium interfaces: the ecosystem's own checks, and the same episodes as the bare world's."""
 
 import sys
 import warnings
@@ -213,7 +213,7 @@ def test_pictures_have_one_size_and_a_trail_since_the_reset():
 @pytest.mark.parametrize("render_mode", ["rgb_array", "human"])
 def test_pictures_change_nothing_in_an_episode(render_mode):
     seen, unseen = (gymnasium.make(ID, render_mode=mode) for mode in (render_mode, None))
-    seen.unwrapped._camera._window = None  # no need to wait for a window that nobody looks at
+    seen.unwrapped._renderer._window = None  # no need to wait for a window that nobody looks at
     rng = np.random.default_rng(0)
     assert data_equivalence(seen.reset(seed=5), unseen.reset(seed=5), exact=True)
     for action in rng.integers(0, 5, 8).tolist():
@@ -225,7 +225,7 @@ def test_a_window_shows_every_step_by_itself_and_closes_with_the_environment(mon
     show = Window.show
     monkeypatch.setattr(Window, "show", lambda self, picture: (shown.append(picture), show(self, picture)))
     env = gymnasium.make(ID, render_mode="human", settings={"on_collision": "block"})
-    env.unwrapped._camera._window._fps = 1000
+    env.unwrapped._renderer._window._fps = 1000
     env.reset(seed=1)
     env.step(4)
     env.step(4)

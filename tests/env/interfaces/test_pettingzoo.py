@@ -1,4 +1,4 @@
-"""The PettingZoo face: the ecosystem's own checks, and the same episodes as the bare world's."""
+"""The PettingZoo interface: the ecosystem's own checks, and the same episodes as the bare world's."""
 
 import subprocess
 import sys

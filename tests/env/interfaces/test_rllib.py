@@ -1,4 +1,4 @@
-"""RLlib: a team trains on the PettingZoo face with shared parameters, in this process."""
+"""RLlib: a team trains on the PettingZoo interface with shared parameters, in this process."""
 
 import re
 from pathlib import Path

@@ -94,11 +94,11 @@ def test_the_numbers_of_a_status():
     )
 
 
-@pytest.mark.parametrize("recipe", [Egocentric(), Egocentric(side=5, zones=20, centred=False), Flat(Egocentric())])
-def test_the_shapes_are_the_same_on_maps_of_any_size_and_for_any_team(recipe):
+@pytest.mark.parametrize("factory", [Egocentric(), Egocentric(side=5, zones=20, centred=False), Flat(Egocentric())])
+def test_the_shapes_are_the_same_on_maps_of_any_size_and_for_any_team(factory):
     """So that one network reads them all."""
-    spaces = [make_encoder(recipe, briefing(shape)).space for shape in SIZES]
-    spaces += [make_encoder(recipe, briefing((16, 16), team=team, agent=0)).space for team in (1, 8)]
+    spaces = [make_encoder(factory, briefing(shape)).space for shape in SIZES]
+    spaces += [make_encoder(factory, briefing((16, 16), team=team, agent=0)).space for team in (1, 8)]
     assert all(space == spaces[0] for space in spaces)
 
 

@@ -24,7 +24,7 @@ from indoor_explorers.env.observations import (
     make_encoder,
 )
 from indoor_explorers.env.observations.base import empty, row_of
-from indoor_explorers.env.observations.batched import Lanes
+from indoor_explorers.env.observations.batched import BatchedEncoder
 from indoor_explorers.env.search.frontiers import frontier_mask
 from tests.env.arrays import assert_same, filled
 from tests.env.worlds import begun, floorplans, random_actions, scenarios
@@ -180,12 +180,12 @@ def test_a_batch_is_encoded_as_each_of_its_views(observation):
     )
     world.reset(range(5))
     state, briefing = world.state, world.briefing(0, 0)
-    lanes = Lanes(observation, briefing, 5)
+    batched = BatchedEncoder(observation, briefing, 5)
     encoders = [make_encoder(observation, briefing) for _ in range(5)]
     for _ in range(6):
-        out = filled(empty(lanes.space, 5), 77)
+        out = filled(empty(batched.space, 5), 77)
         alone = (array[:, 0] for array in (state.belief, state.cell, state.legal))
-        lanes.encode(Views(*alone, state.step, state.budget, state.visited[:, 0]), out)
+        batched.encode(Views(*alone, state.step, state.budget, state.visited[:, 0]), out)
         for b, encoder in enumerate(encoders):
             assert_same(row_of(out, b), encoder.observation(world.view(b, 0)))
         world.step(rng.integers(0, 5, (5, 1)))

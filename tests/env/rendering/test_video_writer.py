@@ -9,7 +9,7 @@ from PIL import Image
 
 from indoor_explorers.env.errors import InputError, RunError
 from indoor_explorers.env.rendering.indexed import EXACT, Palette
-from indoor_explorers.env.rendering.video_writer import FRAMES, Film
+from indoor_explorers.env.rendering.video_writer import FRAMES, VideoWriter
 
 
 def picture(number, shape=(40, 61)):
@@ -21,10 +21,10 @@ def picture(number, shape=(40, 61)):
 
 
 def shot(path, count, fps=None):
-    film = Film(path, fps)
+    video = VideoWriter(path, fps)
     for number in range(count):
-        film.shoot(lambda number=number: picture(number), last=number == count - 1)
-    return film
+        video.add(lambda number=number: picture(number), last=number == count - 1)
+    return video
 
 
 def frames_of(path):
@@ -80,9 +80,9 @@ def test_a_gif_goes_round_and_rests_at_its_end(tmp_path):
 
 
 def test_a_still_is_the_last_moment(tmp_path):
-    film = shot(tmp_path / "a.png", 7)
-    film.save()
-    assert len(film) == 1
+    video = shot(tmp_path / "a.png", 7)
+    video.save()
+    assert len(video) == 1
     assert np.array_equal(frames_of(tmp_path / "a.png")[0], picture(6))
 
 
@@ -94,10 +94,10 @@ def test_a_long_film_is_thinned_evenly_and_ends_with_the_last_moment(tmp_path, m
         drawn.append(number)
         return picture(number)
 
-    film = Film(tmp_path / "a.gif")
+    video = VideoWriter(tmp_path / "a.gif")
     for number in range(54):
-        film.shoot(lambda number=number: draw(number), last=number == 53)
-    film.save()
+        video.add(lambda number=number: draw(number), last=number == 53)
+    video.save()
     frames = frames_of(tmp_path / "a.gif")
     assert [int((frame[15, :, 0] == 0).sum()) - 1 for frame in frames] == [0, 8, 16, 24, 32, 40, 48, 53]
     assert len(drawn) < 30  # what is left out is not drawn
@@ -123,13 +123,13 @@ def test_a_name_that_cannot_be_written_is_refused_before_anything_is_flown(name,
     (tmp_path / "folder.gif").mkdir()
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=message):
-        Film(tmp_path / name)
+        VideoWriter(tmp_path / name)
 
 
 def test_a_read_only_folder_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)
     with pytest.raises(InputError, match="read-only"):
-        Film(tmp_path / "film.gif")
+        VideoWriter(tmp_path / "film.gif")
 
 
 def test_a_folder_that_is_not_there_is_made(tmp_path):
@@ -140,7 +140,7 @@ def test_a_folder_that_is_not_there_is_made(tmp_path):
 def test_a_missing_encoder_names_the_extra_and_the_way_without_it(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(InputError, match=r"save a \.gif, or pip install 'indoor-explorers\[render\]'"):
-        Film(tmp_path / "film.mp4")
+        VideoWriter(tmp_path / "film.mp4")
     shot(tmp_path / "film.gif", 2).save()
 
 
@@ -148,13 +148,13 @@ def test_a_missing_encoder_names_the_extra_and_the_way_without_it(tmp_path, monk
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), OSError(28, "No space left on device")])
 def test_what_was_there_stays_when_writing_breaks_off(name, error, tmp_path):
     (tmp_path / name).write_text("before")
-    film = shot(tmp_path / name, 5)
+    video = shot(tmp_path / name, 5)
 
     def breaks(written):
         raise error
 
     with pytest.raises(RunError if isinstance(error, OSError) else KeyboardInterrupt) as caught:
-        film.save(breaks)
+        video.save(breaks)
     if isinstance(error, OSError):
         assert str(caught.value) == f"{tmp_path / name}: cannot be written: No space left on device"
     assert [path.name for path in tmp_path.iterdir()] == [name]

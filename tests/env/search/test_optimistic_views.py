@@ -8,14 +8,14 @@ from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.search.bitsets import unpacked
 from indoor_explorers.env.search.optimistic_views import OptimisticViews
-from indoor_explorers.env.sensing.lidar import new_scan, optics, visible_cells
+from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_cells
 
 
-def seen_from(belief: Belief, cell: int, lidar: float) -> set[int]:
-    lens = optics(lidar)
-    work = new_scan(lens)
+def seen_from(belief: Belief, cell: int, lidar_range: float) -> set[int]:
+    lidar = lidar_model(lidar_range)
+    work = new_scan(lidar)
     row, col = divmod(cell, belief.shape[1])
-    count = visible_cells(belief, row, col, lens, work)
+    count = visible_cells(belief, row, col, lidar, work)
     return set(work.cells[:count].tolist())
 
 

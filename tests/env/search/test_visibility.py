@@ -7,7 +7,7 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.bitsets import bit_count
 from indoor_explorers.env.search.visibility import add_visible, count_cells, count_unseen, visibility_table
-from indoor_explorers.env.sensing.lidar import optics, scan
+from indoor_explorers.env.sensing.lidar import lidar_model, scan
 
 
 def noise(seed):
@@ -22,7 +22,7 @@ def noise(seed):
 @pytest.mark.parametrize("seed", range(3))
 def test_views_along_a_way_add_up_as_scans_do(seed, reach, model, whole):
     truth, starts = noise(seed)
-    table = visibility_table(truth, starts, optics(reach, model), count_all_cells=whole)
+    table = visibility_table(truth, starts, lidar_model(reach, model), count_all_cells=whole)
     reachable = np.isin(np.arange(truth.size), table.cells).reshape(truth.shape)
     seen, union = np.zeros_like(table.union), np.zeros(truth.shape, np.bool_)
     for number in np.random.default_rng(seed).permutation(len(table.cells))[:20].tolist():
@@ -36,7 +36,7 @@ def test_views_along_a_way_add_up_as_scans_do(seed, reach, model, whole):
 @pytest.mark.parametrize("seed", range(3))
 def test_cells_are_numbered_by_their_distance_from_the_starts(seed):
     truth, starts = noise(seed)
-    table = visibility_table(truth, starts, optics(2.0), count_all_cells=False)
+    table = visibility_table(truth, starts, lidar_model(2.0), count_all_cells=False)
     steps = np.minimum(*(distance_field(truth, start) for start in starts)).ravel()[table.cells]
     assert [divmod(int(cell), truth.shape[1]) for cell in table.cells[:2]] == starts
     assert (np.diff(steps) >= 0).all()

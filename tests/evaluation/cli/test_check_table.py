@@ -45,7 +45,7 @@ def test_all_checks_run_although_some_fail(capsys):
     assert re.search(r"ok +latency, large map  ", printed)
     assert "finite numbers, got [0.0]" in words
     assert "perhaps the ndarray Mind.calls" in words
-    assert words.count("To mend: ") == words.count("FAILED")
+    assert words.count("To fix: ") == words.count("FAILED")
     passed = len(CHECKS) - words.count("FAILED") - words.count("- unknown")
     assert f"{passed} of {len(CHECKS)} checks passed" in words
 
@@ -54,7 +54,7 @@ def test_what_cannot_be_run_says_so(capsys):
     status, printed, errors = run(capsys, f"{PLUGINS}:Raises")
     words = " ".join(printed.split())
     assert (status, errors) == (1, "")
-    assert "act raised RuntimeError: motor</script> failure To mend: see plugins.py, line " in words
+    assert "act raised RuntimeError: motor</script> failure To fix: see plugins.py, line " in words
     assert words.count("not run: see decisions") == len(CHECKS) - 1
     assert f"0 of {len(CHECKS)} checks passed" in words
 

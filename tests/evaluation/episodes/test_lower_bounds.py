@@ -11,7 +11,7 @@ from indoor_explorers.env import PRESETS, World, make_policy
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.visibility import visibility_table
-from indoor_explorers.env.sensing.lidar import optics, scan
+from indoor_explorers.env.sensing.lidar import lidar_model, scan
 from indoor_explorers.evaluation.episodes import lower_bounds
 from indoor_explorers.evaluation.episodes.lower_bounds import least_steps
 from indoor_explorers.evaluation.episodes.metrics import first_step
@@ -127,7 +127,7 @@ def test_where_looking_would_take_too_long_range_alone_counts(monkeypatch):
 @pytest.mark.parametrize("seed", range(4))
 def test_regions_and_their_tree_are_those_of_plain_searches(seed):
     truth, cells = connected_map(seed, (14, 17), 0.35)
-    table = visibility_table(truth, cells[:1], optics(3.0), count_all_cells=False)
+    table = visibility_table(truth, cells[:1], lidar_model(3.0), count_all_cells=False)
     between = _between(table, 17, 1, 1, 5)
     graph = nx.from_numpy_array(between + 1)  # an edge of no length would be none
     assert _spanning_tree(between) == nx.minimum_spanning_tree(graph).size("weight") - len(between) + 1

@@ -51,7 +51,9 @@ def test_linked_uavs_see_the_same_image_unless_they_know_who_they_are():
 def test_a_batch_is_painted_as_one_view_is(world, identity):
     state, columns = world.state, np.array([0, 3, 6, 11])
     images = np.full((12, 16, 16), 99, np.uint8)
-    paint_all(state.belief, state.cell, state.heard_step, state.heard_cell, identity, columns, 4, images)
+    paint_all(
+        state.belief, state.cell, state.last_received_step, state.last_received_cell, identity, columns, 4, images
+    )
     for column in range(12):
         b, n = divmod(column, 4)
         alone = painted(world.view(b, n), n, identity=identity)

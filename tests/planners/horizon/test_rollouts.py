@@ -7,7 +7,7 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.search.bitsets import around
 from indoor_explorers.env.search.optimistic_views import OptimisticViews
-from indoor_explorers.env.sensing.lidar import optics, scan
+from indoor_explorers.env.sensing.lidar import lidar_model, scan
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
@@ -33,14 +33,14 @@ def setup_of(belief: np.ndarray, lidar_range: float) -> tuple[RolloutSetup, Opti
 def test_the_quick_policy_sees_all_of_a_corridor_without_detours() -> None:
     setup, _ = setup_of(corridor(3), 2.0)
     rooms = np.full((1, 10), FREE, np.uint8)
-    steps = steps_to_shares(0, setup, [[]], rooms, np.array([0.5, 1.0]), optics(2.0))
+    steps = steps_to_shares(0, setup, [[]], rooms, np.array([0.5, 1.0]), lidar_model(2.0))
     assert steps.tolist() == [[[2, 7]]]
 
 
 def test_a_detour_at_the_start_of_a_tour_is_flown() -> None:
     setup, _ = setup_of(corridor(3), 2.0)
     rooms = np.full((1, 10), FREE, np.uint8)
-    steps = steps_to_shares(1, setup, [[2, 3], [0, 1]], rooms, ALL, optics(2.0))
+    steps = steps_to_shares(1, setup, [[2, 3], [0, 1]], rooms, ALL, lidar_model(2.0))
     assert steps.ravel().tolist() == [6, 8]
     assert FOLLOWED < LONGEST
 
@@ -49,7 +49,7 @@ def test_only_what_can_be_reached_is_wanted_and_a_blocked_tour_is_left() -> None
     setup, _ = setup_of(corridor(3), 2.0)
     rooms = np.full((1, 10), FREE, np.uint8)
     rooms[0, 6] = OCCUPIED
-    steps = steps_to_shares(0, setup, [list(range(1, 10))], rooms, ALL, optics(2.0))
+    steps = steps_to_shares(0, setup, [list(range(1, 10))], rooms, ALL, lidar_model(2.0))
     assert steps.ravel().tolist() == [3]
 
 
@@ -65,7 +65,7 @@ def test_flights_end_in_every_sampled_room() -> None:
     known = belief.ravel() != UNKNOWN
     assert (rooms[:, known] == belief.ravel()[known]).all()
     setup, _ = setup_of(belief, 3.0)
-    steps = steps_to_shares(start, setup, [[]], rooms, np.array([0.5, 0.9]), optics(3.0))[0]
+    steps = steps_to_shares(start, setup, [[]], rooms, np.array([0.5, 0.9]), lidar_model(3.0))[0]
     assert (steps[:, 0] < steps[:, 1]).all()
     assert (steps[:, 1] < LONGEST).all()
 

@@ -7,7 +7,7 @@ import pytest
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.env.sensing.lidar import optics, view_gain
+from indoor_explorers.env.sensing.lidar import lidar_model, view_gain
 from indoor_explorers.planners.information.candidates import (
     UnknownWeight,
     candidate_views,
@@ -41,7 +41,7 @@ def test_depths_are_steps_through_the_unknown(belief: Belief) -> None:
 
 def test_plain_views_are_view_gains_and_their_overlaps(belief: Belief) -> None:
     cells = np.flatnonzero(belief == FREE).astype(np.int32)[:20]
-    gains, shared = candidate_views(belief, cells, PLAIN, optics(4.0))
+    gains, shared = candidate_views(belief, cells, PLAIN, lidar_model(4.0))
     assert gains == pytest.approx([view_gain(belief, divmod(cell, belief.shape[1]), 4.0) for cell in cells.tolist()])
     both = shared * gains[:, None]
     assert both == pytest.approx(both.T)
@@ -51,7 +51,7 @@ def test_plain_views_are_view_gains_and_their_overlaps(belief: Belief) -> None:
 
 def test_overlap_of_two_views_on_a_line() -> None:
     belief = np.array([[1, 0, 0, 0, 0, 0, 1]], np.uint8)
-    gains, shared = candidate_views(belief, np.array([0, 6], np.int32), PLAIN, optics(4.0))
+    gains, shared = candidate_views(belief, np.array([0, 6], np.int32), PLAIN, lidar_model(4.0))
     assert gains.tolist() == pytest.approx([4, 4])
     assert shared[0, 1] == shared[1, 0] == pytest.approx(3 / 4)
 

@@ -7,16 +7,16 @@ import pytest
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import UNKNOWN
-from indoor_explorers.env.sensing.lidar import new_scan, optics, view_gain, visible_cells
+from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, view_gain, visible_cells
 from indoor_explorers.planners.information.view_gain import WeightedGains
 
 
 def plain_gain(belief: Belief, cell: int, lidar_range: float, depth: float, isolation: float) -> float:
     height, width = belief.shape
     row, col = divmod(cell, width)
-    lens = optics(lidar_range)
-    scan = new_scan(lens)
-    seen = scan.cells[: visible_cells(belief, row, col, lens, scan)].tolist()
+    lidar = lidar_model(lidar_range)
+    scan = new_scan(lidar)
+    seen = scan.cells[: visible_cells(belief, row, col, lidar, scan)].tolist()
     gain = 0.0
     for r, c in (divmod(place, width) for place in seen):
         if belief[r, c] == UNKNOWN:

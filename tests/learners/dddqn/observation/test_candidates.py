@@ -11,7 +11,7 @@ from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.env.sensing.lidar import new_scan, optics, visible_cells
+from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_cells
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import PROSPECT, PROSPECTS, layout, tour_costs
 from tests.learners.dddqn.observation.test_observe import Watcher
@@ -38,7 +38,7 @@ def features(watcher: Watcher) -> np.ndarray:
 
 def views(belief: Belief, cell: Cell, lidar: float) -> tuple[int, float]:
     """Unknown cells in view, and their number with isolated ones counting up to nine times."""
-    lens = optics(lidar)
+    lens = lidar_model(lidar)
     scan, padded = new_scan(lens), np.pad(belief, 2, constant_values=OCCUPIED)
     cells = {divmod(int(k), belief.shape[1]) for k in scan.cells[: visible_cells(belief, *cell, lens, scan)]}
     unknown = [(r, c) for r, c in cells if belief[r, c] == UNKNOWN]

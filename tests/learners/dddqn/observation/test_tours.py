@@ -55,7 +55,7 @@ class Room:
         work = scratch(belief.shape, lens)
         self.obstructed = assume_obstacles(belief, self.chance, work.layer)
         reach, obstacles = lens.reach + 1, memory.obstacles[0]
-        update_views(work.layer, STRIDE, lens.optics, work.scan, reach, stale, obstacles, self.views, self.passages)
+        update_views(work.layer, STRIDE, lens.lidar, work.scan, reach, stale, obstacles, self.views, self.passages)
 
     def seen(self, cell: tuple[int, int]) -> Cells:
         return cells_of(self.views[cell[0] * STRIDE + cell[1]])

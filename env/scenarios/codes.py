@@ -1,0 +1,37 @@
+"""The choices of a scenario that compiled code knows by number: their names in TOML, and their codes."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Literal, Self
+
+RadioModelName = Literal["none", "square", "disc", "line-of-sight", "path-loss", "unlimited"]
+StuckRuleName = Literal["off", "no-discovery", "oscillation"]
+
+
+class _Code(IntEnum):
+    """A choice; the member ``LINE_OF_SIGHT`` is called ``line-of-sight`` in a scenario."""
+
+    @classmethod
+    def named(cls, name: str) -> Self:
+        """Return the member of that name in a scenario."""
+        return cls[name.upper().replace("-", "_")]
+
+
+class RadioModel(_Code):
+    """Who can talk to whom, see :class:`~indoor_explorers.env.scenarios.scenario.Radio`."""
+
+    NONE = 0
+    SQUARE = 1
+    DISC = 2
+    LINE_OF_SIGHT = 3
+    PATH_LOSS = 4
+    UNLIMITED = 5
+
+
+class StuckRule(_Code):
+    """When an agent is ended for going nowhere, see :class:`~indoor_explorers.env.scenarios.scenario.Stuck`."""
+
+    OFF = 0
+    NO_DISCOVERY = 1
+    OSCILLATION = 2
