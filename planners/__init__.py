@@ -1,1 +1,43 @@
-"""Classical planners: frontier-based, sampling-based and swarm."""
+"""Classical planners, frontier-based, sampling-based and swarm, and what an author of another one needs.
+
+Subclass :class:`GoalPilot` and write ``choose``, which returns the frontier cell to fly to next: the pilot keeps the
+goal, flies to it and resolves deadlocks. :func:`frontier_clusters` and :func:`nearest_cells` list what there is to
+choose from, :class:`WeightedGains` and :func:`unclaimed_gains` tell what a scan there would show, and :class:`Paths`
+finds paths.
+"""
+
+from typing import TYPE_CHECKING
+
+from indoor_explorers.env.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from indoor_explorers.planners.information.clusters import Clusters, frontier_clusters, nearest_cells
+    from indoor_explorers.planners.information.view_gain import WeightedGains, unclaimed_gains
+    from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
+    from indoor_explorers.planners.navigation.navigator import Navigator
+    from indoor_explorers.planners.navigation.paths import Paths
+
+__all__ = [
+    "Clusters",
+    "GoalPilot",
+    "Navigator",
+    "Paths",
+    "WeightedGains",
+    "frontier_clusters",
+    "nearest_cells",
+    "unclaimed_gains",
+]
+
+#: The public names of each module.
+_MODULES = {
+    "information.clusters": ("Clusters", "frontier_clusters", "nearest_cells"),
+    "information.view_gain": ("WeightedGains", "unclaimed_gains"),
+    "navigation.goal_pilot": ("GoalPilot",),
+    "navigation.navigator": ("Navigator",),
+    "navigation.paths": ("Paths",),
+}
+__getattr__ = lazy_names(__name__, _MODULES)
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *__all__]

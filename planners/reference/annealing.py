@@ -40,6 +40,8 @@ SAMPLES = 100
 MOST_SAMPLES = 64
 #: Most stops in a piece that is moved.
 PIECE = 8
+#: How often each change is tried, as upper ends of ranges in 100; beyond the last one routes exchange their rests.
+INSERT, SHIFT, RELOCATE, MOVE_PIECE, REMOVE, REVERSE, EXCHANGE = 7, 42, 57, 65, 80, 90, 97
 
 
 @leaf()
@@ -127,24 +129,24 @@ def _change(
 ) -> bool:
     """Change routes in one random way; return False when nothing came of it."""
     kind = draw_below(rng_state, 100)
-    if kind < 7 or count_stops(routes) == 0:
+    if kind < INSERT or count_stops(routes) == 0:
         return _insert(table, distances, routes, state, draw_below(rng_state, distances.points.shape[0]))
-    if kind < 42:
+    if kind < SHIFT:
         return _shift(table, distances, routes, rng_state)
-    if kind < 57:
+    if kind < RELOCATE:
         return _relocate(table, distances, routes, state, rng_state)
-    if kind < 65:
+    if kind < MOVE_PIECE:
         return _move_piece(routes, rng_state)
     n, p = _pick(routes, rng_state)
-    if kind < 80:
+    if kind < REMOVE:
         take(routes, n, p)
         return True
-    if kind < 90:
+    if kind < REVERSE:
         q = draw_below(rng_state, routes.sizes[n])
         reverse(routes, n, min(p, q), max(p, q))
         return p != q
     m, q = _pick(routes, rng_state)
-    if kind < 97 or m == n:
+    if kind < EXCHANGE or m == n:
         routes.stops[n, p], routes.stops[m, q] = routes.stops[m, q], routes.stops[n, p]
         return n != m or p != q
     return cross(routes, n, p, m, q)

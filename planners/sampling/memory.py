@@ -42,7 +42,7 @@ class ViewpointMemory:
     def __init__(self, briefing: Briefing, policy: TreePolicy) -> None:
         self._policy = policy
         self._rng = briefing.rng
-        self._promises = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
+        self._gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
         self._cells = np.empty(0, np.int32)
 
     def grow(self, view: View, *squares: tuple[float, int]) -> None:
@@ -51,13 +51,13 @@ class ViewpointMemory:
         self._cells = np.union1d(self._cells, found)
 
     def recalled(self, view: View, steps: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
-        """Return the nearest viewpoints, (K,) flat cells, and what they promise, (K,).
+        """Return the nearest viewpoints, (K,) flat cells, and their gains, (K,).
 
-        ``steps`` (H*W,) tells how near a cell is. What cannot be reached or promises nothing is forgotten.
+        ``steps`` (H*W,) tells how near a cell is. Those that cannot be reached or have no gain are forgotten.
         """
         cells = self._cells[(steps[self._cells] < UNREACHABLE) & ~view.visited.ravel()[self._cells]]
         cells = cells[np.argsort(steps[cells], kind="stable")]
-        promises = self._promises.at(view.belief, cells[:JUDGED])
-        good = cells[:JUDGED][promises > 0.0]
+        gains = self._gains.at(view.belief, cells[:JUDGED])
+        good = cells[:JUDGED][gains > 0.0]
         self._cells = np.concatenate([good, cells[JUDGED:]])
-        return good, promises[promises > 0.0]
+        return good, gains[gains > 0.0]

@@ -31,7 +31,7 @@ class PrmTour(ViewpointPolicy):
     """Cover what can be seen with few milestones of a PRM*, and fly to the first one of a tour through them.
 
     The milestones that together see all the unknown cells in view are picked greedily, at random among the best few,
-    several times. The tour wins whose stops promise most, each discounted by the way to it, or, with
+    several times. The tour with the largest sum of gains wins, each discounted by the way to it, or, with
     ``as_published``, the shortest one. The last tour's milestones stand for election again, so that tours do not flip
     while nothing better turns up.
 
@@ -119,7 +119,7 @@ class PrmTourPilot(ViewpointPilot):
         for picks, added in covers:
             places = np.concatenate([[0], 1 + np.searchsorted(used, picks)])
             worths = np.zeros(len(costs))
-            worths[places[1:]] = added / totals[picks] * viewpoints.promises[picks]
+            worths[places[1:]] = added / totals[picks] * viewpoints.gains[picks]
             tours.append((worths, places[nearest_neighbour(costs[np.ix_(places, places)])]))
         return np.asarray(viewpoints.cells[used[self._best(costs, tours)[1:] - 1]], np.int32)
 

@@ -29,7 +29,7 @@ NEAR_HALF = 6.0
 class RrtAep(TreePolicy):
     """Remember the viewpoints that trees have found, and fly to the best of all of them.
 
-    The paper takes turns: receding-horizon next-best-view planning while the local tree promises enough, else an
+    The paper takes turns: receding-horizon next-best-view planning while the local tree has gain enough, else an
     RRT* to the remembered viewpoint with the best g e^(-global_discount d / R), d the length of the way along the
     RRT*; ``take_turns`` does that. Without it there is a tree near the UAV, densest around it, and now and then one
     over the whole map. What they have found and what is remembered is chosen from as
@@ -60,9 +60,9 @@ class RrtAep(TreePolicy):
     latency: float = 3.0
     """Weight of the mean waiting time beside the length in that cost."""
     take_turns: bool = False
-    """True for the paper's order: the local tree first, remembered viewpoints when it promises too little."""
+    """True for the paper's order: the local tree first, remembered viewpoints when its gain is too small."""
     threshold: float = 0.02
-    """What a local tree must promise at least, and a viewpoint to be remembered, when taking turns: a share of the
+    """The least gain of a local tree, and of a viewpoint that is remembered, when taking turns: a share of the
     lidar's disc."""
     global_discount: float = 0.6
     """The same for the path along the RRT*: gain * exp(-global_discount * length / lidar_range)."""
@@ -97,7 +97,7 @@ class RrtAepPilot(JointPilot):
         self._next_local = self._next_global = self._fallbacks = 0
 
     def choose(self, view: View) -> Cell | None:
-        """Return the viewpoint that is left for this UAV, the nearest frontier cell when none promises anything."""
+        """Return the viewpoint that is left for this UAV, the nearest frontier cell when none has a gain."""
         goal = super().choose(view)
         if goal is None:
             self._fallbacks += 1
@@ -106,17 +106,17 @@ class RrtAepPilot(JointPilot):
         return goal
 
     def tally(self) -> dict[str, float]:
-        """Return how often no viewpoint promised anything, beside the common figures."""
+        """Return how often no viewpoint had a gain, beside the common figures."""
         return super().tally() | {"fallbacks": float(self._fallbacks)}
 
     def candidates(self, view: View, fields: Distances) -> tuple[NDArray[np.int32], Mask]:
         """Return viewpoints with different views and some more near a UAV, (K,), and which the former are, (K,)."""
         self._grow_trees(view)
         steps = fields.min(axis=0).ravel()
-        cells, promises = self._memory.recalled(view, steps)
-        scores = np.log(promises) - self._aep.discount * steps[cells] / self._range
+        cells, gains = self._memory.recalled(view, steps)
+        scores = np.log(gains) - self._aep.discount * steps[cells] / self._range
         different = few(view.belief, cells, scores, self._range, 2 * self._aep.places, self._aep.places)
-        values = np.sqrt(promises) * np.exp(-self._parameters.rate * steps[cells] / self._range)
+        values = np.sqrt(gains) * np.exp(-self._parameters.rate * steps[cells] / self._range)
         near = np.setdiff1d(np.flatnonzero(steps[cells] <= self._parameters.near), different)
         near = near[np.argsort(-values[near], kind="stable")[: self._aep.lookouts]]
         return cells[np.concatenate([different, near])], np.arange(len(different) + len(near)) < len(different)
@@ -135,7 +135,7 @@ class RrtAepPilot(JointPilot):
 
 
 class TurnsPilot(RrtNbvPilot):
-    """Go by the local tree while it promises enough, then by an RRT* to remembered viewpoints."""
+    """Go by the local tree while it has gain enough, then by an RRT* to remembered viewpoints."""
 
     def __init__(self, briefing: Briefing, policy: RrtAep) -> None:
         super().__init__(briefing, policy)
@@ -149,14 +149,14 @@ class TurnsPilot(RrtNbvPilot):
         half = policy.local_ranges * self.briefing.lidar_range
         found = tree_cells(view, [(half, policy.samples)], policy.bias, policy.edge, self.rng)
         viewpoints = self.judged(view, np.union1d(self._remembered, found))
-        good = viewpoints.promises > self._enough
+        good = viewpoints.gains > self._enough
         self._remembered = viewpoints.cells[good]
         if (good & np.isin(viewpoints.cells, found)).any():
             return super().viewpoint(view)
         return self._farther(view, viewpoints.those(good))
 
     def _farther(self, view: View, viewpoints: Viewpoints) -> Cell | None:
-        """Return the viewpoint to which an RRT* finds the way with the best discounted promise."""
+        """Return the viewpoint to which an RRT* finds the way with the largest discounted gain."""
         if not len(viewpoints.cells):
             return None
         free = np.flatnonzero(view.belief.ravel() == FREE).astype(np.int32)
@@ -168,5 +168,5 @@ class TurnsPilot(RrtNbvPilot):
         ways = np.array([np.min(lengths[cells == cell], initial=np.inf) for cell in viewpoints.cells])
         if not np.isfinite(ways).any():
             return self.best(view, viewpoints, self._aep.latency)
-        scores = viewpoints.promises * np.exp(-self._aep.global_discount / self.briefing.lidar_range * ways)
+        scores = viewpoints.gains * np.exp(-self._aep.global_discount / self.briefing.lidar_range * ways)
         return divmod(int(viewpoints.cells[np.argmax(scores)]), self.paths.width)

@@ -41,7 +41,7 @@ class TreePolicy(ViewpointPolicy):
 class RrtNbv(TreePolicy):
     """Grow an RRT from the UAV, fly along the first edge of its best branch, and grow the next one from there.
 
-    A branch is worth the sum over its vertices of their promise, discounted by e^(-discount c / R): c the length
+    A branch is worth the sum over its vertices of their gain, discounted by e^(-discount c / R): c the length
     of the way along the tree and R the lidar range. The rest of the best branch is the seed of the next tree. Where
     the tree sees nothing unknown the paper's planner is stuck; this one flies to the nearest frontier cell.
 
@@ -81,11 +81,11 @@ class RrtNbvPilot(ViewpointPilot):
         return grow_tree(view.belief, root, np.concatenate([self._branch, drawn]), policy.edge, into_unknown=False)
 
     def _values(self, tree: Tree, cells: NDArray[np.int32], viewpoints: Viewpoints) -> NDArray[np.float64]:
-        """Return the discounted promise of each of (K,) vertices in known free cells, 0 for the others."""
-        promises = np.zeros(self.briefing.shape[0] * self.paths.width + 1)
-        promises[viewpoints.cells] = viewpoints.promises
+        """Return the discounted gain of each of (K,) vertices in known free cells, 0 for the others."""
+        gains = np.zeros(self.briefing.shape[0] * self.paths.width + 1)
+        gains[viewpoints.cells] = viewpoints.gains
         rate = self._policy.discount / self.briefing.lidar_range
-        return np.asarray(promises[cells] * np.exp(-rate * tree.lengths()))
+        return np.asarray(gains[cells] * np.exp(-rate * tree.lengths()))
 
 
 def best_branch(tree: Tree, values: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -44,14 +44,14 @@ class Viewpoints(NamedTuple):
     """(K,) flat cells."""
     steps: Distances
     """(K,) steps from the UAV."""
-    promises: NDArray[np.float64]
-    """(K,) what they promise, less what is left to the teammates."""
+    gains: NDArray[np.float64]
+    """(K,) their weighted view gains, less what is left to the teammates."""
     left: NDArray[np.float64]
-    """(K,) the share of it that the teammates leave."""
+    """(K,) the share of the gains that the teammates leave."""
 
     def those(self, chosen: Mask | NDArray[np.int64]) -> Viewpoints:
         """Return the viewpoints where (K,) ``chosen`` is True, or those it numbers."""
-        return Viewpoints(self.cells[chosen], self.steps[chosen], self.promises[chosen], self.left[chosen])
+        return Viewpoints(self.cells[chosen], self.steps[chosen], self.gains[chosen], self.left[chosen])
 
     def unclaimed(self) -> Viewpoints:
         """Return those that the teammates do not leave much less of than of others."""
@@ -84,7 +84,7 @@ class ViewpointPolicy(Policy):
     hold: float = 0.2
     """What a goal elsewhere than the one so far has to save, in lidar ranges."""
     share: float = 0.5
-    """What each teammate that is nearer leaves of a promise."""
+    """Share of a gain that each nearer teammate leaves."""
 
     def __post_init__(self) -> None:
         at_least(self, 0.0, "discount", "isolation", "hold", "share")
@@ -95,7 +95,7 @@ class ViewpointPilot(GoalPilot):
     """Fly to viewpoints that a subclass chooses, and to the nearest frontier cell when it has none.
 
     A viewpoint is spent when the UAV has been there, for nothing unknown is in view from a cell that it has been in,
-    or when it promises nothing any more. So every viewpoint that is reached adds to the map, and when there is none
+    or when its gain is 0. So every viewpoint that is reached adds to the map, and when there is none
     left the frontier decides whether there is more to do. The goal is told to the teammates.
     """
 
@@ -104,14 +104,14 @@ class ViewpointPilot(GoalPilot):
     def __init__(self, briefing: Briefing, policy: ViewpointPolicy) -> None:
         super().__init__(briefing)
         self.weights = policy
-        self.promises = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
+        self.gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
         self._out_of_contact = OutOfContact(briefing)
         self._grown = False
         self._fallbacks = 0
 
     @abstractmethod
     def viewpoint(self, view: View) -> Cell | None:
-        """Return the viewpoint to fly to next, none near :meth:`avoided`; None when none promises anything."""
+        """Return the viewpoint to fly to next, no :meth:`near_banned` one; None when none has a gain."""
 
     def on_map_growth(self, view: View) -> None:
         """Remember that the map has grown since the last choice."""
@@ -123,7 +123,7 @@ class ViewpointPilot(GoalPilot):
 
     def is_spent(self, view: View, goal: Cell) -> bool:
         """Tell whether the UAV has been at its goal or nothing unknown is in view from there any more."""
-        return bool(view.visited[goal] or self.promises.at(view.belief, self.paths.flat([goal]))[0] <= 0.0)
+        return bool(view.visited[goal] or self.gains.at(view.belief, self.paths.flat([goal]))[0] <= 0.0)
 
     def choose(self, view: View) -> Cell | None:
         """Return the viewpoint that the subclass wants, else the nearest frontier cell."""
@@ -136,23 +136,23 @@ class ViewpointPilot(GoalPilot):
         return goal
 
     def tally(self) -> dict[str, float]:
-        """Return how often no viewpoint promised anything, beside the common figures."""
+        """Return how often no viewpoint had a gain, beside the common figures."""
         return super().tally() | {"fallbacks": float(self._fallbacks)}
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
-        """Return those of (K,) flat cells that can be reached, are not left alone for now and promise something."""
+        """Return those of (K,) flat cells that can be reached, are not banned for now and have a gain."""
         field = self.steps_from(view, view.cell)
         cells = cells[(field.ravel()[cells] < UNREACHABLE) & ~view.visited.ravel()[cells]]
         cells = cells[~self.near_banned(view, cells)]
-        steps, promises = field.ravel()[cells], self.promises.at(view.belief, cells)
+        steps, gains = field.ravel()[cells], self.gains.at(view.belief, cells)
         left = self._left(view, cells, steps)
-        return Viewpoints(cells, steps, promises * left, left).those(promises * left > 0.0)
+        return Viewpoints(cells, steps, gains * left, left).those(gains * left > 0.0)
 
     def best(self, view: View, viewpoints: Viewpoints, latency: float) -> Cell | None:
         """Return the viewpoint with which the cheapest order of the best ones begins.
 
         An order costs, in lidar ranges, when its last viewpoint is reached plus ``latency`` times their mean waiting
-        time, weighted by the roots of their promises: pockets are finished while the UAV is near.
+        time, weighted by the roots of their gains: pockets are finished while the UAV is near.
         """
         viewpoints = viewpoints.unclaimed()
         if not len(viewpoints.cells):
@@ -164,7 +164,7 @@ class ViewpointPilot(GoalPilot):
     def _few(self, view: View, viewpoints: Viewpoints) -> NDArray[np.int64]:
         """Return the places of the best of (K,) viewpoints that are apart and see different things."""
         reach = self.briefing.lidar_range
-        scores = np.log(viewpoints.promises) - self.weights.discount * viewpoints.steps / reach
+        scores = np.log(viewpoints.gains) - self.weights.discount * viewpoints.steps / reach
         scores += self.weights.hold * self._kept(viewpoints.cells)
         return few(view.belief, viewpoints.cells, scores, reach, CANDIDATES, STOPS)
 
@@ -174,7 +174,7 @@ class ViewpointPilot(GoalPilot):
             return np.zeros(1)
         reach, steps = self.briefing.lidar_range, viewpoints.steps.astype(np.float64)
         between = distances_between(view.belief, viewpoints.cells, steps[None], int(HOP_RANGES * reach) + 1)
-        worth = np.sqrt(viewpoints.promises)
+        worth = np.sqrt(viewpoints.gains)
         return np.asarray(costs_of_first(steps / reach, between / reach, worth / worth.sum(), latency))
 
     def _kept(self, cells: NDArray[np.int32]) -> Mask:
@@ -186,7 +186,7 @@ class ViewpointPilot(GoalPilot):
         return np.asarray(away <= max(1.0, SAME_PLACE * self.briefing.lidar_range))
 
     def _left(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
-        """Return which share of the promises the teammates leave, (K,) in [0, 1].
+        """Return which share of the gains the teammates leave, (K,) in [0, 1].
 
         A linked one that is nearer, or as near and of a lower number, leaves a share; its claim leaves nothing where
         it is, and more with the distance, up to a lidar range. The others are out of contact.

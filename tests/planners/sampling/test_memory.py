@@ -32,12 +32,12 @@ def half_known() -> tuple[ViewpointMemory, View, np.ndarray]:
 def test_what_is_recalled_shows_something_and_the_nearest_comes_first() -> None:
     kept, view, steps = half_known()
     kept.grow(view, (6.0, 50), (30.0, 200))
-    cells, promises = kept.recalled(view, steps)
-    assert len(cells) == len(promises) == len(set(cells.tolist())) > 5
+    cells, gains = kept.recalled(view, steps)
+    assert len(cells) == len(gains) == len(set(cells.tolist())) > 5
     assert (np.diff(steps[cells]) >= 0).all()
     assert not view.visited.ravel()[cells].any()
-    for cell, promise in zip(cells.tolist(), promises.tolist(), strict=True):
-        assert promise > 0.0
+    for cell, gain in zip(cells.tolist(), gains.tolist(), strict=True):
+        assert gain > 0.0
         assert view_gain(view.belief, divmod(cell, 30), 3.0) > 0
 
 
