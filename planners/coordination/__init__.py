@@ -1,1 +1,1 @@
-"""Who explores what: how planners of a team share the frontier under limited radio."""
+"""Coordination: how the UAVs of a team share the frontier under limited radio."""

@@ -1,4 +1,4 @@
-"""What a linked group knows together: its members' goals, and whom they have met elsewhere.
+"""What a linked group knows together: its members' goals, and where they last heard absent teammates.
 
 Members' own memories differ, so a joint decision may only use what all of them have told, and a UAV counts its own last
 message like everyone else's. A message is the goal (row, column), the plan it is part of (step, first agent) and up to
@@ -14,7 +14,7 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
 from indoor_explorers.planners.coordination.teammates import MEMORY, linked, remembered, should_be_linked
 
-#: Told instead of a goal by a UAV that has none, and the plan of one that takes part in none.
+#: Sent instead of a goal by a UAV that has none, and the plan of a UAV that takes part in none.
 NOWHERE = (-1.0, -1.0)
 #: Numbers before the teammates out of contact.
 _HEAD = 4
@@ -29,7 +29,7 @@ class LinkedMember(NamedTuple):
     plan: tuple[float, ...]
     """The step of its last joint plan and the first agent of the group that made it."""
     absent: tuple[Mate, ...]
-    """Teammates out of contact that it told of; their age counts from when it was told."""
+    """Teammates out of contact that it reported; their age counts from when they were last heard."""
 
 
 def plan_message(view: View, briefing: Briefing, goal: Cell | None, plan: tuple[float, ...]) -> Message:
@@ -64,7 +64,7 @@ def linked_members(view: View, briefing: Briefing, message: Message) -> list[Lin
 
 
 def absentees(members: Sequence[LinkedMember], briefing: Briefing) -> list[Mate]:
-    """Return the teammates that the group has out of contact, by its latest news, those forgotten or ended left out."""
+    """Return the teammates that the group has out of contact, as last heard by any member; without those forgotten or ended."""
     radio, present = briefing.scenario.radio, {member.agent for member in members}
     latest: dict[int, Mate] = {}
     for mate in (mate for member in members for mate in member.absent):

@@ -44,7 +44,7 @@ class OutOfContact:
     def factors(
         self, view: View, points: NDArray[np.float64], own_steps: Distances, steps_from: StepsFrom
     ) -> NDArray[np.float64]:
-        """Return how much of each of K places unlinked teammates leave to this UAV, (K,) in (0, 1].
+        """Return how much of each of K places teammates out of contact leave to this UAV, (K,) in (0, 1].
 
         ``points`` (K, 2) are the places' rows and columns, ``own_steps`` (K,) how far they are from this UAV. Call it
         first where the UAV starts.

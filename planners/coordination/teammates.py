@@ -13,7 +13,7 @@ from indoor_explorers.env.scenarios.scenario import Radio
 
 #: A teammate silent for longer is forgotten (Bautin 2012 keeps last-known positions for ever), in steps.
 MEMORY = 60
-#: A goal claimed by a teammate that has been silent for longer counts no more, in steps.
+#: A goal told by a teammate that has been silent for longer is ignored, in steps.
 CLAIM_STEPS = 30
 
 
@@ -57,7 +57,7 @@ def message_of(goal: Cell | None) -> Message:
 
 
 def told_goal(mate: Mate) -> Cell | None:
-    """Return the goal that a teammate has told and not had time to forget; None when there is none.
+    """Return the goal that a teammate told recently enough to count; None when there is none.
 
     A message's first two numbers are the goal, negative ones for none. Claims expire, so that a lost UAV does not keep
     its cells.

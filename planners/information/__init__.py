@@ -1,1 +1,1 @@
-"""Where there is something to see: frontier clusters, view gains, candidate viewpoints."""
+"""Information gain: frontier clusters, view gains, candidates."""

@@ -1,4 +1,4 @@
-"""What a group of UAVs could look at next: candidate cells, what each would show, and how far apart they are."""
+"""Candidates: cells that a group of UAVs could fly to next, what each would show, and the distances between them."""
 
 from __future__ import annotations
 
@@ -49,18 +49,18 @@ def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
 
 
 @leaf()
-def worth(belief: np.ndarray, depth: np.ndarray, cell: int, interest: UnknownWeight) -> float:
+def cell_weight(belief: np.ndarray, depth: np.ndarray, cell: int, weight: UnknownWeight) -> float:
     """Return how much a flat unknown cell counts."""
     row, col = divmod(cell, belief.shape[1])
-    isolated = 1.0 + interest.isolation * known_around(belief, row, col) / AROUND
-    return float(isolated * np.exp(-depth[row, col] / interest.fade))
+    isolated = 1.0 + weight.isolation * known_around(belief, row, col) / AROUND
+    return float(isolated * np.exp(-depth[row, col] / weight.fade))
 
 
 @kernel()
 def _visible_unknown(
-    belief: np.ndarray, cells: np.ndarray, depth: np.ndarray, interest: UnknownWeight, lidar: LidarModel, scan: Scan
+    belief: np.ndarray, cells: np.ndarray, depth: np.ndarray, weight: UnknownWeight, lidar: LidarModel, scan: Scan
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the unknown cells in view of each candidate, (K, disc + 1), how many, (K,), and each cell's worth."""
+    """Return the unknown cells in view of each candidate, (K, disc + 1), how many, (K,), and each cell's weight."""
     width = belief.shape[1]
     lists, sizes = np.empty((cells.shape[0], lidar.disc + 1), np.int32), np.zeros(cells.shape[0], np.int64)
     value = np.zeros(belief.size)
@@ -69,7 +69,7 @@ def _visible_unknown(
             cell = scan.cells[place]
             if belief[cell // width, cell % width] == UNKNOWN:
                 if value[cell] == 0.0:
-                    value[cell] = worth(belief, depth, cell, interest)
+                    value[cell] = cell_weight(belief, depth, cell, weight)
                 lists[k, sizes[k]] = cell
                 sizes[k] += 1
     return lists, sizes, value
@@ -77,15 +77,15 @@ def _visible_unknown(
 
 @kernel()
 def candidate_views(
-    belief: np.ndarray, cells: np.ndarray, interest: UnknownWeight, lidar: LidarModel
+    belief: np.ndarray, cells: np.ndarray, weight: UnknownWeight, lidar: LidarModel
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how much is in view of each of (K,) flat cells, (K,), and what share another one also sees, (K, K).
 
-    Counted are the unknown cells, by their worth; unknown cells are transparent.
+    The unknown cells are counted by their weights; they are transparent.
     """
     depth, mark = np.empty(belief.shape, np.int32), np.empty(belief.size, np.int32)
     depths(belief, mark, depth)
-    lists, sizes, value = _visible_unknown(belief, cells, depth, interest, lidar, new_scan(lidar))
+    lists, sizes, value = _visible_unknown(belief, cells, depth, weight, lidar, new_scan(lidar))
     count = cells.shape[0]
     shared = np.zeros((count, count))
     mark[:] = -1
@@ -107,7 +107,7 @@ def candidate_views(
 def distances_between(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, limit: int) -> np.ndarray:
     """Return the steps between (K,) flat cells, (K, K).
 
-    Beyond ``limit`` these are the steps of the way past a UAV, from its (N, K) distances ``steps``.
+    Beyond ``limit`` the steps are bounded by going through a UAV's position, from the (N, K) distances ``steps``.
     """
     count = cells.shape[0]
     queue, out = np.empty(belief.size, np.int32), np.full(belief.size, UNREACHABLE, np.int32)

@@ -152,7 +152,7 @@ def _kept_gains(
 
 
 class WeightedGains:
-    """Answer what a scan could reveal, near and isolated cells first, and keep what has not changed.
+    """Weighted view gains, near and isolated cells counting more; gains that have not changed are kept.
 
     An unknown cell visible at distance r counts ``exp(-r / (depth R)) (1 + isolation k)``, R the lidar range and k
     the share of the 24 cells around it that are known or off the map: what lies deep is likely to be hidden behind a

@@ -1,1 +1,1 @@
-"""How a UAV gets to a goal: paths, goal keeping, and what it does when a teammate is in the way."""
+"""Navigation: how a UAV keeps a goal, finds a path to it, and resolves deadlocks with teammates."""

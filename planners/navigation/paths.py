@@ -28,12 +28,12 @@ from indoor_explorers.env.search.shortest_paths import (
     search_within,
 )
 
-#: How near to an avoided cell a frontier is unwanted, in cells (Chebyshev).
+#: Frontier cells this near to an avoided cell are avoided, too, in cells (Chebyshev).
 AVOID_RADIUS = 2
 
 
 @leaf()
-def _shunned(cell: int, width: int, avoid: np.ndarray) -> bool:
+def _is_near(cell: int, width: int, avoid: np.ndarray) -> bool:
     row, col = divmod(cell, width)
     for k in range(avoid.shape[0]):
         r, c = divmod(avoid[k], width)
@@ -47,7 +47,7 @@ def near_any(cells: np.ndarray, avoid: np.ndarray, width: int) -> np.ndarray:
     """Return which of (K,) flat cells are within ``AVOID_RADIUS`` of one of ``avoid``, (K,) bool."""
     near = np.zeros(cells.shape[0], np.bool_)
     for k in range(cells.shape[0]):
-        near[k] = _shunned(cells[k], width, avoid)
+        near[k] = _is_near(cells[k], width, avoid)
     return near
 
 
@@ -74,7 +74,7 @@ def search_frontier(
             if best >= 0:
                 break
             layer_end = tail
-        if on_frontier(belief, cell) and not _shunned(cell, width, avoid):
+        if on_frontier(belief, cell) and not _is_near(cell, width, avoid):
             rank = draw(ties, np.uint64(cell))
             if best < 0 or rank < best_rank:
                 best, best_rank = cell, rank

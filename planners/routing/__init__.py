@@ -1,1 +1,1 @@
-"""In which order to visit places: tours, least latency, short sequences."""
+"""Routing: in which order to visit places, and which UAV visits which."""

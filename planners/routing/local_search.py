@@ -25,10 +25,10 @@ class Objective(NamedTuple):
 
 
 class SearchSettings(NamedTuple):
-    """How far an order is improved."""
+    """Which changes of an order are tried, for how long, and what they must save."""
 
     rounds: int
-    """At most."""
+    """The most rounds."""
     reversals: bool
     """Whether pieces are reversed (2-opt) besides moving single places (Or-opt)."""
     least_saving: float

@@ -28,7 +28,7 @@ class DecisionProblem(NamedTuple):
     cells: NDArray[np.int32]
     """(K,) flat cells."""
     ahead: Mask
-    """(K,) bool, which of them are frontier clusters; the others are lookouts near the UAVs."""
+    """(K,) bool, which of them are frontier clusters; the others are cells near the UAVs."""
     away: NDArray[np.float64]
     """(N, K) distances of the UAVs."""
     between: NDArray[np.float64]

@@ -13,7 +13,7 @@ from indoor_explorers.planners.coordination.teammates import MEMORY
 POINTS = np.array([[0.0, 0.0], [0.0, 15.0], [15.0, 0.0], [15.0, 15.0]])
 
 
-def unlinked(team: int, agent: int = 0, radio: str = "disc") -> OutOfContact:
+def out_of_contact(team: int, agent: int = 0, radio: str = "disc") -> OutOfContact:
     world = World(scenario("thesis-open").with_settings({"team": team, "radio.model": radio, "radio.range": 2.0}))
     world.reset([0])
     return OutOfContact(world.briefing(0, agent), silence=1.0, sector=2.0)
@@ -32,24 +32,24 @@ def factors(of: OutOfContact, cell: Cell, *mates: Mate) -> NDArray[np.float64]:
 
 
 def test_whoever_is_alone_or_linked_to_all_has_nothing_to_leave() -> None:
-    assert factors(unlinked(1), (8, 8)).tolist() == [1.0] * 4
-    assert factors(unlinked(2), (8, 8), Mate(1, (8, 9), 0, (0.0, 0.0))).tolist() == [1.0] * 4
+    assert factors(out_of_contact(1), (8, 8)).tolist() == [1.0] * 4
+    assert factors(out_of_contact(2), (8, 8), Mate(1, (8, 9), 0, (0.0, 0.0))).tolist() == [1.0] * 4
 
 
 def test_a_silent_one_keeps_what_it_is_nearer_to_and_a_forgotten_one_nothing() -> None:
-    silent = factors(unlinked(2), (15, 15), Mate(1, (0, 2), 10, None))
+    silent = factors(out_of_contact(2), (15, 15), Mate(1, (0, 2), 10, None))
     assert silent == pytest.approx([LEAST, np.exp(-2.0 / 3.0), 1.0, 1.0])
-    assert factors(unlinked(2), (15, 15), Mate(1, (0, 2), MEMORY + 1, None)).tolist() == [1.0] * 4
+    assert factors(out_of_contact(2), (15, 15), Mate(1, (0, 2), MEMORY + 1, None)).tolist() == [1.0] * 4
 
 
 def test_those_never_heard_count_the_less_the_fewer_they_are() -> None:
-    all_unheard = factors(unlinked(4, radio="none"), (8, 8))
+    all_unheard = factors(out_of_contact(4, radio="none"), (8, 8))
     linked = Mate(1, (8, 9), 0, None)
-    one_heard = factors(unlinked(4), (8, 8), linked)
+    one_heard = factors(out_of_contact(4), (8, 8), linked)
     assert one_heard == pytest.approx(all_unheard ** (2 / 3))
     assert all_unheard.min() < 0.1
 
 
 def test_uavs_that_never_heard_of_each_other_prefer_different_places() -> None:
-    best = {int(factors(unlinked(4, agent, "none"), (8, 8)).argmax()) for agent in range(4)}
+    best = {int(factors(out_of_contact(4, agent, "none"), (8, 8)).argmax()) for agent in range(4)}
     assert len(best) == 4

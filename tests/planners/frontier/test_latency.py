@@ -21,7 +21,7 @@ def test_it_needs_fewer_steps_than_the_nearest_frontier() -> None:
     assert sum(steps["frontier-latency"]) < 0.95 * sum(steps["frontier-nearest"])
 
 
-def test_lookouts_are_the_nearest_cell_and_some_others() -> None:
+def test_cluster_viewpoints_are_the_nearest_cell_and_some_others() -> None:
     clusters = Clusters(np.array([4, 5, 6, 7, 8, 9, 20], np.int32), np.array([0, 6, 7]))
     cells, owner = cluster_viewpoints(clusters, np.array([4, 20], np.int32), 3.0)
     assert cells.tolist() == [4, 5, 8, 20]

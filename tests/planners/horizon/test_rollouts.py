@@ -70,7 +70,7 @@ def test_flights_end_in_every_sampled_room() -> None:
     assert (steps[:, 1] < LONGEST).all()
 
 
-def test_a_rehearsal_leaves_a_tour_for_a_better_one_only() -> None:
+def test_rollouts_leave_a_tour_for_a_better_one_only() -> None:
     source = ThesisMaps(height=2, width=20, obstacles=0)
     belief = np.full((2, 20), UNKNOWN, np.uint8)
     belief[:, :6] = FREE

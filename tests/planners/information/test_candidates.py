@@ -11,11 +11,11 @@ from indoor_explorers.env.sensing.lidar import lidar_model, view_gain
 from indoor_explorers.planners.information.candidates import (
     UnknownWeight,
     candidate_views,
+    cell_weight,
     depths,
     distances_between,
     frontier_candidates,
     local_candidates,
-    worth,
 )
 
 PLAIN = UnknownWeight(0.0, 1e9)
@@ -61,8 +61,10 @@ def test_worth_is_more_in_pockets_and_less_in_the_deep() -> None:
     belief[0] = FREE
     depth = np.empty(belief.shape, np.int32)
     depths(belief, np.empty(belief.size, np.int32), depth)
-    assert worth(belief, depth, 4 * 9 + 4, UnknownWeight(8.0, 2.0)) == pytest.approx(np.exp(-2.0))
-    assert worth(belief, depth, 1 * 9 + 4, UnknownWeight(8.0, 2.0)) == pytest.approx((1 + 8 * 10 / 24) * np.exp(-0.5))
+    assert cell_weight(belief, depth, 4 * 9 + 4, UnknownWeight(8.0, 2.0)) == pytest.approx(np.exp(-2.0))
+    assert cell_weight(belief, depth, 1 * 9 + 4, UnknownWeight(8.0, 2.0)) == pytest.approx(
+        (1 + 8 * 10 / 24) * np.exp(-0.5)
+    )
 
 
 def test_hops_are_shortest_up_to_the_limit(belief: Belief) -> None:

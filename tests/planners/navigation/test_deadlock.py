@@ -43,7 +43,7 @@ def test_uavs_in_a_row_get_past_each_other(team: int, dead_ended: bool, radio: t
         assert flight.longest_dither <= 6
 
 
-def test_refuges_have_three_free_neighbours(belief: Belief) -> None:
+def test_passing_places_have_three_free_neighbours(belief: Belief) -> None:
     height, width = belief.shape
     for row in range(height):
         for col in range(width):
@@ -52,7 +52,7 @@ def test_refuges_have_three_free_neighbours(belief: Belief) -> None:
             assert passing_places(belief)[row, col] == (belief[row, col] == FREE and free >= 3)
 
 
-def test_paths_lead_to_one_of_the_nearest_refuges(belief: Belief, start: Cell) -> None:
+def test_paths_lead_to_one_of_the_nearest_passing_places(belief: Belief, start: Cell) -> None:
     steps = distance_field(belief, start)
     within = np.sort(steps[passing_places(belief) & (steps > 0) & (steps <= 9)])
     path = path_to_passing_place(Paths(belief.shape), belief, start, 9, np.random.default_rng(0))
@@ -65,7 +65,7 @@ def test_paths_lead_to_one_of_the_nearest_refuges(belief: Belief, start: Cell) -
         assert len(path) - 1 == steps[path[-1]] <= within[:CHOICE][-1]
 
 
-def test_no_refuge_behind_a_teammate() -> None:
+def test_no_passing_place_behind_a_teammate() -> None:
     belief = np.where(corridor(8, True), 1, 2).astype(np.uint8)
     paths, rng = Paths(belief.shape), np.random.default_rng(0)
     assert path_to_passing_place(paths, belief, (3, 12), 30, rng, [(3, 9)]) is None

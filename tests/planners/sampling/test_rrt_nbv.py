@@ -28,7 +28,7 @@ def test_no_branch_is_worth_more_than_the_best(seed: int) -> None:
     assert sum(values[branch]) == pytest.approx(max(worth(vertex) for vertex in range(30)))
 
 
-def test_a_tree_that_promises_nothing_has_the_root_as_its_branch() -> None:
+def test_a_tree_that_gains_nothing_has_the_root_as_its_branch() -> None:
     tree, values = random_tree(0)
     assert best_branch(tree, 0.0 * values).tolist() == [0]
 
