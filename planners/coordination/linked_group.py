@@ -64,7 +64,7 @@ def linked_members(view: View, briefing: Briefing, message: Message) -> list[Lin
 
 
 def absentees(members: Sequence[LinkedMember], briefing: Briefing) -> list[Mate]:
-    """Return the teammates that the group has out of contact, as last heard by any member; without those forgotten or ended."""
+    """Return the teammates out of contact with the group, as last heard by any member; not those forgotten or ended."""
     radio, present = briefing.scenario.radio, {member.agent for member in members}
     latest: dict[int, Mate] = {}
     for mate in (mate for member in members for mate in member.absent):
