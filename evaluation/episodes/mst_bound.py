@@ -12,6 +12,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import minimum_spanning_tree
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood_table
@@ -124,18 +126,7 @@ def _between(table: VisibilityTable, width: int, team: int, size: int, groups: i
     return between
 
 
-@kernel()
-def _spanning_tree(between: np.ndarray) -> int:
-    """Return the length of a minimum spanning tree of (G, G) distances (Prim 1957)."""
-    count = between.shape[0]
-    joined, nearest = np.zeros(count, np.bool_), between[0].copy()
-    joined[0], length = True, 0
-    for _ in range(count - 1):
-        best = -1
-        for k in range(count):
-            if not joined[k] and (best < 0 or nearest[k] < nearest[best]):
-                best = k
-        length += nearest[best]
-        joined[best] = True
-        nearest = np.minimum(nearest, between[best])
-    return int(length)
+def _spanning_tree(between: NDArray[np.int64]) -> int:
+    """Return the length of a minimum spanning tree of (G, G) distances."""
+    longer = minimum_spanning_tree(between + 1)  # a distance of 0 would be no edge at all
+    return int(longer.sum()) - (len(between) - 1)
