@@ -5,17 +5,17 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from indoor_explorers.env import InputError, Policy, Scenario
+from indoor_explorers.env import InputError, Policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.engines.factory import make_engine
+from indoor_explorers.evaluation.engines.workload import Workload
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.experiment.experiment import Experiment, Job, Task
+from indoor_explorers.evaluation.experiment.experiment import Experiment
 from indoor_explorers.evaluation.experiment.provenance import run_facts
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.experiment.selection import chosen_baselines
@@ -24,11 +24,6 @@ from indoor_explorers.evaluation.results.store import Store
 if TYPE_CHECKING:
     from indoor_explorers.evaluation.results.results import Results
 
-#: The most episodes of a job, and its most cells x steps x UAVs: what a worker loses at most when a run is killed.
-#: Learned policies decide for a whole job at once; of fifty episodes each costs a sixth less than of ten.
-JOB_EPISODES, JOB_WORK = 50, 40_000_000
-#: The fewest jobs that each worker gets, as long as there are episodes: so that all end at about the same time.
-JOBS_EACH = 4
 #: Workers that jobs are cut for where nobody knows how many there will be.
 CLUSTER = 32
 #: How episodes are flown where nothing else is asked for.
@@ -41,8 +36,8 @@ class Watcher(Protocol):
     def begin(self, total: int, missing: int) -> None:
         """Be told how many episodes there are, and how many of them are not in the store yet."""
 
-    def flown(self, records: Sequence[Record]) -> None:
-        """Be told of newly stored episodes."""
+    def flown(self, records: Sequence[Record], seconds_left: float | None) -> None:
+        """Be told of newly stored episodes, and in how many seconds all will be; None where that is not known."""
 
 
 def run(
@@ -81,15 +76,15 @@ def fly_missing(
         chosen_baselines([*store.policies(), *about], [], how.ratio_to)  # refuses unknown ones before anything is flown
         number = store.begin_run(experiment, about, run_facts(command, how.engine, how.workers))
         finished = store.finished(failed=not how.retry_failed)
-        jobs = list(missing_jobs(experiment, finished, _crew(how)))
+        workload = Workload(experiment, finished, _crew(how))
         if watcher is not None:
-            missing = sum(len(job.tasks) for job in jobs)
-            watcher.begin(len(experiment.policies) * len(experiment.tasks()), missing)
-        for records in fly_jobs(jobs) if jobs else ():
+            watcher.begin(len(experiment.policies) * len(experiment.tasks()), len(workload))
+        for records in fly_jobs(workload) if workload else ():
             for record in records:
                 store.add(record, number, replace_failed=how.retry_failed)
+            workload.add(records)
             if watcher is not None:
-                watcher.flown(records)
+                watcher.flown(records, workload.seconds_left())
 
 
 def _crew(request: ComparisonRequest) -> int:
@@ -97,28 +92,6 @@ def _crew(request: ComparisonRequest) -> int:
     if request.workers is not None:
         return request.workers
     return CLUSTER if request.engine == "ray" else os.cpu_count() or 1
-
-
-def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]], workers: int) -> Iterator[Job]:
-    """Yield the episodes that are not finished, in jobs of one policy and one scenario."""
-    tasks = experiment.tasks()
-    missing = {
-        choice.name: [task for task in tasks if (choice.name, task) not in finished] for choice in experiment.policies
-    }
-    share = math.ceil(sum(map(len, missing.values())) / (JOBS_EACH * max(1, workers)))
-    for scenario in experiment.scenarios:
-        size = max(1, min(share, episodes_per_job(scenario, experiment.seed)))
-        for choice in experiment.policies:
-            of_both = [task for task in missing[choice.name] if task.scenario == scenario.name]
-            for start in range(0, len(of_both), size):
-                yield Job(choice, scenario, tuple(of_both[start : start + size]))
-
-
-def episodes_per_job(scenario: Scenario, seed: int) -> int:
-    """Return how many episodes make a job: fewer where they are long, so that progress shows and little is lost."""
-    cells = draw_floorplan(scenario, seed).truth.size
-    work = cells * scenario.budget_for(cells) * scenario.team
-    return max(1, min(JOB_EPISODES, JOB_WORK // work))
 
 
 def policy_facts(policy: Policy, use: str) -> dict[str, Any]:

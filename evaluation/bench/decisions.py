@@ -12,7 +12,8 @@ from indoor_explorers.env import make_policy
 from indoor_explorers.env.scenarios.presets import scenario
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.bench.figure import median_of, seconds_of
-from indoor_explorers.evaluation.driver import JOB_EPISODES, run
+from indoor_explorers.evaluation.driver import run
+from indoor_explorers.evaluation.engines.workload import JOB_EPISODES
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task

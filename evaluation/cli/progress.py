@@ -8,7 +8,7 @@ from types import TracebackType
 
 from rich.console import Console, Group
 from rich.live import Live
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 from rich.text import Text
 
@@ -18,7 +18,7 @@ from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, shared
 
 #: Seconds between two lines where the output is no terminal.
-SAY_EVERY = 30.0
+SAY_EVERY = 10.0
 
 
 class ProgressBar:
@@ -35,12 +35,13 @@ class ProgressBar:
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn("{task.fields[rate]}"),
-            TimeRemainingColumn(),
+            TextColumn("{task.fields[left]}"),
             console=console,
         )
-        self._task = self._bar.add_task("flying", total=None, rate="")
+        self._task = self._bar.add_task("flying", total=None, rate="", left="")
         self._live = Live(get_renderable=self._shown, console=console, transient=True, refresh_per_second=4)
         self._flown = self._missing = 0
+        self._left = ""
         self._start = self._said = time.monotonic()
 
     def __enter__(self) -> ProgressBar:
@@ -62,15 +63,16 @@ class ProgressBar:
             self._console.print(f"flying {counted(total, 'episode')}")
         self._missing, self._begun = missing, True
         self._start = self._said = time.monotonic()
-        self._bar.reset(self._task, total=missing, rate="")
+        self._bar.reset(self._task, total=missing, rate="", left="")
 
-    def flown(self, records: Sequence[Record]) -> None:
-        """Count finished episodes."""
+    def flown(self, records: Sequence[Record], seconds_left: float | None = None) -> None:
+        """Count finished episodes; ``seconds_left`` is how long the others will take."""
+        self._left = "" if seconds_left is None else f"some {seconds_left:.0f} s left"
         for record in records:
             threshold = self._thresholds.get(record.task.scenario, T99)
             self._means.add(record, record.metrics.get(threshold.key) is not None)
         self._flown += len(records)
-        self._bar.update(self._task, completed=self._flown, rate=f"{self._rate:.1f} episodes/s")
+        self._bar.update(self._task, completed=self._flown, rate=f"{self._rate:.1f} episodes/s", left=self._left)
         if not self._console.is_terminal and time.monotonic() - self._said > SAY_EVERY:
             self._said = time.monotonic()
             self._console.print(self._line(), highlight=False, markup=False, soft_wrap=True)
@@ -85,10 +87,8 @@ class ProgressBar:
         return self._flown / max(1e-9, time.monotonic() - self._start)
 
     def _line(self) -> str:
-        left = (self._missing - self._flown) / self._rate
-        line = (
-            f"{self._flown} of {counted(self._missing, 'episode')}, {self._rate:.1f} a second, some {left:.0f} s left"
-        )
+        facts = (f"{self._flown} of {counted(self._missing, 'episode')}", f"{self._rate:.1f} a second", self._left)
+        line = ", ".join(filter(None, facts))
         means = [f"{policy} {mean.auc:.3f}" for policy, mean in self._means.means().items() if mean]
         return f"{line}; mean AUC over {counted(self._means.tasks, 'task')}: {', '.join(means)}" if means else line
 

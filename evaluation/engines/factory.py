@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.engines.local import fly_jobs
+from indoor_explorers.evaluation.engines.workload import Jobs
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.experiment.experiment import Job
 from indoor_explorers.evaluation.experiment.request import ENGINES
 
 #: Flies jobs and yields the records of each as it finishes, in whatever order.
-Engine = Callable[[Sequence[Job]], Iterator[list[Record]]]
+Engine = Callable[[Jobs], Iterator[list[Record]]]
 
 
 def make_engine(

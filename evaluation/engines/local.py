@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from queue import SimpleQueue
 
 from indoor_explorers.evaluation.engines.limits import Limits
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
+from indoor_explorers.evaluation.engines.workload import Jobs
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Job
@@ -18,7 +19,7 @@ def fly_job(job: Job) -> list[Record]:
     return list(fly(job.policy.make(), job.policy.name, job.scenario, job.tasks))
 
 
-def fly_jobs(jobs: Sequence[Job], workers: int, limits: Limits) -> Iterator[list[Record]]:
+def fly_jobs(jobs: Jobs, workers: int, limits: Limits) -> Iterator[list[Record]]:
     """Yield the records of each job as it finishes; ``workers`` 0 flies them one by one in this process.
 
     The workers start as fresh interpreters that never import the caller's main module, so that a script
@@ -38,7 +39,7 @@ def fly_jobs(jobs: Sequence[Job], workers: int, limits: Limits) -> Iterator[list
         idle.put(supervisor)
     threads = ThreadPoolExecutor(len(crew), "engine")
     try:
-        yield from _as_completed(threads, jobs, idle, in_flight=2 * len(crew))
+        yield from _as_completed(threads, jobs, idle, in_flight=len(crew) + 1)
     finally:
         for supervisor in crew:
             supervisor.close()
@@ -46,7 +47,7 @@ def fly_jobs(jobs: Sequence[Job], workers: int, limits: Limits) -> Iterator[list
 
 
 def _as_completed(
-    threads: Executor, jobs: Sequence[Job], idle: SimpleQueue[Supervisor], in_flight: int
+    threads: Executor, jobs: Jobs, idle: SimpleQueue[Supervisor], in_flight: int
 ) -> Iterator[list[Record]]:
     """Keep a few jobs in flight, so that stopping early leaves little behind."""
     waiting = iter(jobs)

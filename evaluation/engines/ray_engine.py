@@ -12,7 +12,7 @@ import os
 import socket
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,6 +28,7 @@ from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT, limits_
 from indoor_explorers.evaluation.engines.ray_connection import connected, cpus
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
 from indoor_explorers.evaluation.engines.worker_handle import ONE_THREAD
+from indoor_explorers.evaluation.engines.workload import Jobs
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.experiment.experiment import Job
 from indoor_explorers.evaluation.experiment.provenance import PACKAGES, source_digest
@@ -111,7 +112,7 @@ def _indices(job: Job) -> list[int]:
 
 
 def fly_jobs_on_ray(
-    jobs: Sequence[Job],
+    jobs: Jobs,
     workers: int | None = None,
     address: str | None = None,
     decision_timeout: float | None = DECISION_TIMEOUT,
@@ -152,7 +153,7 @@ class _JobQueue:
         self._running: dict[Any, Job] = {}
         self._room, self._counted = 0, -COUNT_EVERY
 
-    def fly(self, jobs: Sequence[Job]) -> Iterator[list[Record]]:
+    def fly(self, jobs: Jobs) -> Iterator[list[Record]]:
         """Yield the records of each job as it finishes; a failed one ends the flight when the others have landed."""
         waiting, failure = iter(jobs), None
         while True:

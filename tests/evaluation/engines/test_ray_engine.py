@@ -38,7 +38,7 @@ class Watcher:
     def begin(self, total, missing):
         pass
 
-    def flown(self, records):
+    def flown(self, records, seconds_left):
         deed, self.deed = self.deed, lambda: None
         deed()
 

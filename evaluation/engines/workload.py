@@ -1,0 +1,149 @@
+"""The work of a run: episodes handed out in jobs, the longest first, and an estimate of the time that is left."""
+
+from __future__ import annotations
+
+import math
+import time
+from bisect import bisect_left
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple, Protocol
+
+from indoor_explorers.env import Scenario
+from indoor_explorers.env.simulation.spawns import draw_floorplan
+from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.experiment.experiment import Experiment, Job, PolicyChoice, Task
+
+#: The most episodes of a job, and its most cells x steps x UAVs: what a worker loses at most when a run is killed.
+#: Learned policies decide for a whole job at once; of fifty episodes each costs a sixth less than of ten.
+JOB_EPISODES, JOB_WORK = 50, 40_000_000
+#: A job takes at most this share of what a worker has left to do, so that all end at about the same time, but not less
+#: than these seconds.
+SHARE, LEAST = 0.1, 0.5
+#: Seconds that an episode takes beside its decisions: for itself, and for each step of a UAV.
+EPISODE, STEP = 0.01, 15e-6
+
+
+class Jobs(Protocol):
+    """The jobs of a run: a list, or a :class:`Workload`, whose next job is chosen when it is asked for."""
+
+    def __len__(self) -> int:
+        """Return how many there are, or a number not below."""
+
+    def __iter__(self) -> Iterator[Job]:
+        """Yield them in the order in which they are to be flown."""
+
+
+class _Size(NamedTuple):
+    """What an episode of a scenario costs before any was flown."""
+
+    work: float
+    """In the unit of nothing; proportional to the time of its decisions, as a rule of thumb."""
+    most: int
+    """The most episodes of a job."""
+
+
+class Workload:
+    """Hand out the missing episodes of an experiment; iterate for the jobs, and add the records as they come.
+
+    The first job of every policy in every scenario is one episode, which tells what the others will cost. From then on
+    the policy and scenario whose episodes cost most come first.
+    """
+
+    def __init__(
+        self,
+        experiment: Experiment,
+        finished: set[tuple[str, Task]],
+        workers: int,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Leave out what is ``finished``; jobs are cut for a number of ``workers``."""
+        self._workers, self._clock = max(1, workers), clock
+        self._sizes = {scenario.name: _size(scenario, experiment.seed) for scenario in experiment.scenarios}
+        self._waiting: dict[tuple[str, str], tuple[PolicyChoice, Scenario, list[Task]]] = {}
+        tasks = experiment.tasks()
+        for scenario in experiment.scenarios:
+            for choice in experiment.policies:
+                missing = [t for t in tasks if t.scenario == scenario.name and (choice.name, t) not in finished]
+                if missing:
+                    self._waiting[choice.name, scenario.name] = choice, scenario, missing
+        self._tried: set[tuple[str, str]] = set()
+        self._flying: Counter[tuple[str, str]] = Counter()
+        self._flown: Counter[tuple[str, str]] = Counter()
+        self._seconds: defaultdict[tuple[str, str], float] = defaultdict(float)
+        self._done = [(clock(), 0.0)]
+        """When records came, and the seconds of work that were done by then; half of what was being flown is."""
+
+    def __len__(self) -> int:
+        """Return how many episodes have not been handed out."""
+        return sum(len(tasks) for _, _, tasks in self._waiting.values())
+
+    def __iter__(self) -> Iterator[Job]:
+        """Yield the jobs; what comes next depends on the records that were added meanwhile."""
+        while self._waiting:
+            untried = [pair for pair in self._waiting if pair not in self._tried]
+            pair = untried[0] if untried else max(self._waiting, key=self.episode_seconds)
+            self._tried.add(pair)
+            yield self._cut(pair, 1 if untried else self._episodes(pair))
+
+    def add(self, records: Sequence[Record]) -> None:
+        """Take in what finished episodes have cost."""
+        for record in records:
+            pair = record.policy, record.task.scenario
+            seconds = float(record.seconds[-1]) + EPISODE + STEP * record.steps * record.team
+            self._flying[pair] -= 1
+            self._flown[pair] += 1
+            self._seconds[pair] += seconds
+        self._done.append((self._clock(), sum(self._seconds.values()) + self._flying_seconds() / 2))
+
+    def seconds_left(self) -> float | None:
+        """Estimate the seconds until all episodes are flown; None before the first are.
+
+        The pace is that of the latest half of the run, so that what was compiled at its start does not count.
+        """
+        now, done = self._clock(), self._done
+        if done[-1][1] == 0.0:
+            return None
+        begun = done[0][0]
+        since, before = done[max(0, bisect_left(done, (begun + (now - begun) / 2, 0.0)) - 1)]
+        latest, spent = done[-1]
+        pace = (latest - since) / (spent - before) if spent > before else (now - begun) / spent
+        return (self._waiting_seconds() + self._flying_seconds() / 2) * pace
+
+    def episode_seconds(self, pair: tuple[str, str]) -> float:
+        """Estimate the seconds of an episode of a (policy, scenario), as measured.
+
+        Until it is, the policy's other scenarios tell, and where it has none, the other policies.
+        """
+        if self._flown[pair]:
+            return self._seconds[pair] / self._flown[pair]
+        own = [other for other in self._flown if other[0] == pair[0]]
+        known = own or list(self._flown)
+        work = sum(self._flown[other] * self._sizes[other[1]].work for other in known)
+        rate = sum(self._seconds[other] for other in known) / work if work else 1.0
+        return rate * self._sizes[pair[1]].work
+
+    def _flying_seconds(self) -> float:
+        return sum(count * self.episode_seconds(pair) for pair, count in self._flying.items())
+
+    def _waiting_seconds(self) -> float:
+        return sum(len(tasks) * self.episode_seconds(pair) for pair, (_, _, tasks) in self._waiting.items())
+
+    def _episodes(self, pair: tuple[str, str]) -> int:
+        """Return how many episodes the next job of a (policy, scenario) has."""
+        share = max(LEAST, SHARE * self._waiting_seconds() / self._workers)
+        return max(1, min(int(share / self.episode_seconds(pair)), self._sizes[pair[1]].most))
+
+    def _cut(self, pair: tuple[str, str], episodes: int) -> Job:
+        choice, scenario, tasks = self._waiting[pair]
+        taken, tasks[:] = tasks[:episodes], tasks[episodes:]
+        if not tasks:
+            del self._waiting[pair]
+        self._flying[pair] += len(taken)
+        return Job(choice, scenario, tuple(taken))
+
+
+def _size(scenario: Scenario, seed: int) -> _Size:
+    cells = draw_floorplan(scenario, seed).truth.size
+    steps = scenario.budget_for(cells) * scenario.team
+    return _Size(steps * math.sqrt(cells), max(1, min(JOB_EPISODES, JOB_WORK // (cells * steps))))
