@@ -1,4 +1,5 @@
-# make compare   set everything up, compare the four families and chance, print the table and the report's place
+# make compare   set everything up, compare the four families and chance, print the table and the report's place: a minute
+# make compare-full  the same on more episodes and a whole office floor: some five minutes
 # make test      set everything up, run the linters and all tests but the slow ones: some five minutes on two cores
 # make test-all  the tests that make test leaves out: trainings with other libraries, clusters, wheel, browser
 # make stress    kill a comparison fifty times and see that nothing is lost: some ten minutes
@@ -7,15 +8,18 @@
 
 PYTHON ?= python3
 VENV ?= .venv
-OUT ?= results/compare
+OUT ?= results/$@
 RUN = $(VENV)/bin
 BROWSERS = chromium chromium-browser google-chrome
 PYTEST = $(RUN)/python -P -m pytest -n 2 --dist loadgroup --no-loadscope-reorder
 APT = DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=0 -o Acquire::http::Timeout=20
 
-.PHONY: compare test test-all lint warm-up stress soak browser clean
+.PHONY: compare compare-full test test-all lint warm-up stress soak browser clean
 
 compare: $(VENV)/.installed-compare
+	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/quick.toml --out $(OUT)
+
+compare-full: $(VENV)/.installed-compare
 	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/families.toml --out $(OUT)
 
 test: $(VENV)/.installed-test

@@ -10,8 +10,9 @@ from indoor_explorers.env.lazy_names import lazy_names
 from indoor_explorers.evaluation.compare import compare
 
 if TYPE_CHECKING:
-    from indoor_explorers.evaluation.driver import missing_jobs, policy_facts
+    from indoor_explorers.evaluation.driver import policy_facts
     from indoor_explorers.evaluation.engines.local import fly_job
+    from indoor_explorers.evaluation.engines.workload import missing_jobs
     from indoor_explorers.evaluation.experiment.experiment import Experiment
     from indoor_explorers.evaluation.experiment.planning import plan
     from indoor_explorers.evaluation.experiment.request import ComparisonRequest
@@ -33,8 +34,9 @@ __all__ = [
 ]
 
 _MODULES = {
-    "driver": ("missing_jobs", "policy_facts"),
+    "driver": ("policy_facts",),
     "engines.local": ("fly_job",),
+    "engines.workload": ("missing_jobs",),
     "experiment.experiment": ("Experiment",),
     "experiment.planning": ("plan",),
     "experiment.request": ("ComparisonRequest",),

@@ -143,6 +143,11 @@ class Workload:
         return Job(choice, scenario, tuple(taken))
 
 
+def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]], workers: int) -> Iterator[Job]:
+    """Yield the episodes that are not finished, in jobs of one policy and one scenario for a number of workers."""
+    return iter(Workload(experiment, finished, workers))
+
+
 def _size(scenario: Scenario, seed: int) -> _Size:
     cells = draw_floorplan(scenario, seed).truth.size
     steps = scenario.budget_for(cells) * scenario.team
