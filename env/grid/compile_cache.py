@@ -147,6 +147,21 @@ def cache_folder() -> Path | None:
     return None
 
 
+def compiling_since(moment: float) -> list[str]:
+    """Return the functions that processes of this user began to compile since a time and have not finished, by entry.
+
+    Args:
+        moment: Seconds of the epoch.
+
+    """
+    folder, found = cache_folder(), []
+    for lock in folder.glob("*/*.lock") if folder is not None else ():
+        with contextlib.suppress(OSError):  # finished meanwhile
+            if lock.stat().st_mtime >= moment:
+                found.append(lock.stem)
+    return found
+
+
 def _user() -> str:
     return str(os.getuid()) if hasattr(os, "getuid") else platform.node()
 

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 from rich.text import Text
 
+from indoor_explorers.evaluation.cli.compile_status import CompileStatus
 from indoor_explorers.evaluation.cli.running_means import RunningMeans
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.report.style.formatting import counted
@@ -29,6 +30,7 @@ class ProgressBar:
         self._console = console
         self._thresholds = thresholds or {}
         self._means = RunningMeans()
+        self._compiling = CompileStatus()
         self._begun = False
         self._bar = Progress(
             TextColumn("flying"),
@@ -95,8 +97,10 @@ class ProgressBar:
     def _shown(self) -> Group:
         if self._begun and self._flown >= self._missing:
             return Group(Text("writing the report"))
+        compiling = self._compiling.line()
+        above = [self._bar, Text(compiling, "dim", overflow="ellipsis", no_wrap=True)] if compiling else [self._bar]
         if not self._means.episodes:
-            return Group(self._bar)
+            return Group(*above)
         tasks = counted(self._means.tasks, "task")
         caption = f"means over the {tasks} that all of these have flown" if self._means.tasks else None
         table = Table(box=None, header_style="dim", pad_edge=False, caption=caption, caption_justify="left")
@@ -107,4 +111,4 @@ class ProgressBar:
             cells = (f"{mean.auc:.3f}", f"{mean.coverage:.1%}", f"{mean.reached:.0%}") if mean else ()
             failed = self._means.failed[policy]
             table.add_row(Text(policy), str(self._means.episodes[policy]), str(failed) if failed else "", *cells)
-        return Group(self._bar, table)
+        return Group(*above, table)

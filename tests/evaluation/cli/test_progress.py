@@ -1,13 +1,15 @@
 """What a run says about itself while it goes on."""
 
 import io
+import os
 from dataclasses import replace
 
 import pytest
 from rich.console import Console
 
 from indoor_explorers.env import PRESETS
-from indoor_explorers.evaluation.cli import progress
+from indoor_explorers.env.grid import compile_cache
+from indoor_explorers.evaluation.cli import compile_status, progress
 from indoor_explorers.evaluation.cli.progress import ProgressBar
 from indoor_explorers.evaluation.cli.running_means import RunningMeans
 from indoor_explorers.evaluation.episodes.runner import fly
@@ -79,6 +81,25 @@ def test_a_terminal_sees_every_policy(records):
     assert "broken" in shown
     assert "episodes/s" in shown
     assert "writing the report" in shown
+
+
+def test_what_is_compiled_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(compile_cache, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(compile_status, "EVERY", 0.0)
+    (tmp_path / "ab").mkdir()
+    stale = tmp_path / "ab" / "left_behind-0.lock"
+    stale.touch()
+    os.utime(stale, (0, 0))
+    screen = io.StringIO()
+    bar = ProgressBar(Console(file=screen, width=100))
+    assert bar._compiling.line() == ""
+    lock = tmp_path / "ab" / "view_gain-1.lock"
+    lock.touch()
+    assert bar._compiling.line() == "compiling view_gain; 1 function so far, once per machine"
+    (tmp_path / "ab" / "beam-2.lock").touch()
+    lock.unlink()
+    Console(file=screen, width=100).print(bar._shown())
+    assert "compiling beam; 2 functions so far" in screen.getvalue()
 
 
 def test_a_log_file_gets_lines(records, monkeypatch):
