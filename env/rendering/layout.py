@@ -33,7 +33,7 @@ class Box(NamedTuple):
     width: int
 
 
-class Layout(NamedTuple):
+class FrameLayout(NamedTuple):
     """The places of a picture's parts."""
 
     height: int
@@ -58,7 +58,7 @@ class _Grid(NamedTuple):
 
 
 @lru_cache(maxsize=32)
-def layout_of(shape: tuple[int, int], team: int) -> Layout:
+def layout_of(shape: tuple[int, int], team: int) -> FrameLayout:
     """Return the layout for a map of (H, W) cells and a team; a lone UAV has no panel, its map is the team's."""
     size = _main_size(shape)
     count = min(team, PANELS) if team > 1 else 0
@@ -112,11 +112,11 @@ def _panels(main: Box, shape: tuple[int, int], grid: _Grid, count: int) -> Itera
         yield Box(top + row * down, left + col * across, height, width)
 
 
-def _framed(main: Box, panels: tuple[Box, ...], missing: int) -> Layout:
+def _framed(main: Box, panels: tuple[Box, ...], missing: int) -> FrameLayout:
     """Put margins around, and centre what is narrower than a caption."""
     boxes = (main, *panels)
     width = max(box.left + box.width for box in boxes) + MARGIN
     height = max(box.top + box.height for box in boxes) + (FOOTER if missing else 0) + MARGIN
     shift = max(0, NARROWEST - width) // 2
     main, *rest = (box._replace(left=box.left + shift) for box in boxes)
-    return Layout(height, max(width, NARROWEST), main, tuple(rest), missing)
+    return FrameLayout(height, max(width, NARROWEST), main, tuple(rest), missing)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.rendering import overlays
-from indoor_explorers.env.rendering.layout import CAPTION, FOOTER, MARGIN, Box, Layout, layout_of
+from indoor_explorers.env.rendering.layout import CAPTION, FOOTER, MARGIN, Box, FrameLayout, layout_of
 from indoor_explorers.env.rendering.overlays import OVERHANG, Chart
 from indoor_explorers.env.rendering.palette import (
     BAR,
@@ -84,7 +84,7 @@ def percent(share: float) -> str:
     return f"{np.floor(1000 * share + 1e-9) / 10:.1f}%"
 
 
-def _caption(canvas: Canvas, layout: Layout, scene: Scene) -> None:
+def _caption(canvas: Canvas, layout: FrameLayout, scene: Scene) -> None:
     """Write title, step and coverage above a bar of the coverage."""
     left, right = MARGIN, layout.width - MARGIN
     ends = {End(int(end)) for end in scene.ends}

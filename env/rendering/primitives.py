@@ -2,6 +2,9 @@
 
 Images are (h, w, 3) uint8, changed in place, and may be a window on a larger one; what lies outside is cut off.
 Places are (x, y) in pixels from the upper left corner, so that the centre of the first pixel is (0.5, 0.5).
+
+The drawing is compiled: Pillow's ImageDraw at four times the size, reduced, needs 51 instead of 6 ms for a frame of
+four UAVs with their own maps, and 28 instead of 3 ms for one of ``office``.
 """
 
 from __future__ import annotations

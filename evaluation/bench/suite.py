@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.policies.registry import policy_entry_points
-from indoor_explorers.evaluation.bench import ancestor, deciding, decisions, exploring, faces, growth, worlds
+from indoor_explorers.evaluation.bench import (
+    ancestor,
+    deciding,
+    decisions,
+    exploring,
+    growth,
+    interfaces,
+    starts,
+    worlds,
+)
 from indoor_explorers.evaluation.bench.figure import Benchmark
 from indoor_explorers.evaluation.bench.worlds import STEPS, WORLDS
 
@@ -21,7 +30,7 @@ SPEED = "agent-steps/s"
 
 def measures(*, everything: bool = False, growing: bool = False) -> list[Benchmark]:
     """Return what ``bench`` measures; ``growing`` adds how speeds grow, ``everything`` that and what takes minutes."""
-    found = [*_world(), *_memory(), *_starts(), *_faces(), *_lidar(), *_decisions(), *_harness(everything)]
+    found = [*_world(), *_memory(), *_starts(), *_interfaces(), *_lidar(), *_decisions(), *_harness(everything)]
     if growing or everything:
         found += [Benchmark("Growth", name, SPEED, take) for name, take in growth.growth().items()]
         found += [Benchmark("Growth", name, "us", take) for name, take in deciding.growth().items()]
@@ -69,22 +78,22 @@ def _memory() -> Iterator[Benchmark]:
 
 
 def _starts() -> Iterator[Benchmark]:
-    yield Benchmark("Starts", "first-compile", "s", faces.first_compile)
-    yield Benchmark("Starts", "first-step", "s", faces.first_step)
+    yield Benchmark("Starts", "first-compile", "s", starts.first_compile)
+    yield Benchmark("Starts", "first-step", "s", starts.first_step)
     for side, (task, _) in ((16, WORLDS["world-16x16-lidar3-team1"]), (250, WORLDS["world-250x250-lidar35-team2"])):
         yield Benchmark("Starts", f"reset-{side}x{side}", "us", partial(worlds.reset_time, task))
 
 
-def _faces() -> Iterator[Benchmark]:
-    yield Benchmark("Faces", "gym-step", "us", faces.gymnasium_step)
+def _interfaces() -> Iterator[Benchmark]:
+    yield Benchmark("Interfaces", "gym-step", "us", interfaces.gymnasium_step)
     if importlib.util.find_spec("pettingzoo"):
-        yield Benchmark("Faces", "pettingzoo-step-team4", "us", faces.pettingzoo_step)
-    yield Benchmark("Faces", "vector-channels-256", "env-steps/s", partial(faces.vector_speed, 256))
+        yield Benchmark("Interfaces", "pettingzoo-step-team4", "us", interfaces.pettingzoo_step)
+    yield Benchmark("Interfaces", "vector-channels-256", "env-steps/s", partial(interfaces.vector_speed, 256))
 
 
 def _lidar() -> Iterator[Benchmark]:
     for cells in (3, 10, 35):
-        yield Benchmark("Lidar", f"lidar-range{cells}", "us", partial(faces.scan_time, float(cells)))
+        yield Benchmark("Lidar", f"lidar-range{cells}", "us", partial(worlds.scan_time, float(cells)))
 
 
 def _decisions() -> Iterator[Benchmark]:

@@ -1,4 +1,4 @@
-"""How fast the world is, and how large: agent-steps a second and bytes an episode."""
+"""How fast the world is, and how large: agent-steps a second, scans, and bytes an episode."""
 
 from __future__ import annotations
 
@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import Scenario, World
+from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.maps.sources import ThesisMaps
 from indoor_explorers.env.observations.incremental import LivePlanes
 from indoor_explorers.env.scenarios.scenario import Lidar, Radio
-from indoor_explorers.evaluation.bench.figure import median_of
+from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
+from indoor_explorers.evaluation.bench.figure import median_of, seconds_of
 
 #: Steps of a repetition, and of an episode that does not reach its goal.
 STEPS = 400
@@ -120,3 +123,22 @@ def reset_time(task: Scenario, episodes: int = 50) -> float:
         world.restart([0], [seed])
         seconds.append(time.perf_counter() - start)
     return float(np.median(seconds[1:])) * 1e6
+
+
+@kernel()
+def _scan_all(truth: np.ndarray, places: np.ndarray, lidar: LidarModel, work: Scan) -> int:
+    """Scan from each of the places (K, 2); return the cells seen."""
+    seen = 0
+    for k in range(places.shape[0]):
+        seen += visible_cells(truth, places[k, 0], places[k, 1], lidar, work)
+    return seen
+
+
+def scan_time(lidar_range: float, scans: int = 1000) -> float:
+    """Return the microseconds of a scan from random free cells of a room of 250x250 with obstacles."""
+    world = World(square(250, lidar_range, 1))
+    world.reset([0])
+    truth, lidar = world.state.truth[0], lidar_model(lidar_range)
+    places = np.random.default_rng(0).permutation(np.argwhere(truth == FREE))[:scans]
+    work = new_scan(lidar)
+    return median_of(lambda: seconds_of(lambda: _scan_all(truth, places, lidar, work))) / len(places) * 1e6

@@ -10,7 +10,7 @@ from indoor_explorers.env import PRESETS, InputError, World, make_policy, policy
 from indoor_explorers.env.grid.randomness import shuffled
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation import bench
-from indoor_explorers.evaluation.bench import deciding, exploring, faces, growth, worlds
+from indoor_explorers.evaluation.bench import deciding, exploring, growth, interfaces, worlds
 from indoor_explorers.evaluation.bench.ancestor import ancestor_speed, of_world
 from indoor_explorers.evaluation.bench.figure import Benchmark, Figure
 from indoor_explorers.evaluation.bench.table import human, line_of
@@ -137,10 +137,10 @@ def test_measuring_measures():
         assert worlds.world_speed(task, 3, 12, threads=2, moves=moves, resets=resets) > 0
     assert worlds.reset_time(task, 2) > 0
     assert ancestor_speed(task, 2) > 0
-    assert faces.gymnasium_step(20) > 0
-    assert faces.pettingzoo_step(20) > 0
-    assert faces.vector_speed(2, 5) > 0
-    assert faces.scan_time(3.0, 5) > 0
+    assert interfaces.gymnasium_step(20) > 0
+    assert interfaces.pettingzoo_step(20) > 0
+    assert interfaces.vector_speed(2, 5) > 0
+    assert worlds.scan_time(3.0, 5) > 0
 
 
 @pytest.mark.parametrize("policy", policy_names())
