@@ -30,7 +30,7 @@ from indoor_explorers.learners.sessions.record import RECORD, read_record
 
 
 @dataclass(frozen=True)
-class Trained:
+class TrainedModel:
     """What a folder of a training holds, as far as flying it needs."""
 
     record: BaselineRecord
@@ -82,7 +82,7 @@ class TrainedPolicy(Policy):
 
     @staticmethod
     @abstractmethod
-    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
+    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> TrainedModel:
         """Open a training's model; what it returns may be kept as long as the files have not ``changed``.
 
         Raises:
@@ -94,7 +94,7 @@ class TrainedPolicy(Policy):
         """Return the path of the model."""
         return folder_and_model(self.path, self.MODEL)[1]
 
-    def trained(self) -> Trained:
+    def trained(self) -> TrainedModel:
         """Return what the path holds."""
         folder, model = folder_and_model(self.path, self.MODEL)
         return self.opened(folder, model, changed(folder / RECORD, model))

@@ -16,7 +16,7 @@ from safetensors import SafetensorError
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.baselines.acting import (
     DAMAGE,
-    Trained,
+    TrainedModel,
     TrainedPolicy,
     read_training,
 )
@@ -34,7 +34,7 @@ class Rllib(TrainedPolicy):
 
     @staticmethod
     @lru_cache(maxsize=8)
-    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
+    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> TrainedModel:
         """Open a training's model."""
         from safetensors.torch import load_file  # torch loads when it is used, and not to list the policies
 
@@ -48,4 +48,4 @@ class Rllib(TrainedPolicy):
                 f"{model}: expected the weights that {record.learner} trained with this {RECORD}, got something else "
                 f"({error!r:.200})"
             ) from error
-        return Trained(record, config, partial(config.rate, module))
+        return TrainedModel(record, config, partial(config.rate, module))

@@ -17,7 +17,7 @@ from zipfile import ZipFile
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.baselines.acting import (
     DAMAGE,
-    Trained,
+    TrainedModel,
     TrainedPolicy,
     read_training,
 )
@@ -37,7 +37,7 @@ class StableBaselines(TrainedPolicy):
 
     @staticmethod
     @lru_cache(maxsize=8)
-    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> Trained:
+    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> TrainedModel:
         """Open a training's model."""
         record, module, config = read_training(folder, LEARNERS)
         policy = module.KIND.untrained(config, record.inputs)
@@ -49,7 +49,7 @@ class StableBaselines(TrainedPolicy):
                 f"else ({error!r:.200})"
             ) from error
         policy.set_training_mode(False)
-        return Trained(record, config, partial(module.KIND.rate, policy))
+        return TrainedModel(record, config, partial(module.KIND.rate, policy))
 
 
 def _weights(model: Path) -> dict[str, Any]:

@@ -14,12 +14,12 @@ from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.baselines.config import BaselineConfig
 from indoor_explorers.learners.baselines.evaluation import evaluate
-from indoor_explorers.learners.sessions.record import Record, record_facts
+from indoor_explorers.learners.sessions.record import TrainingRecord, record_facts
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds
-from indoor_explorers.learners.sessions.session import Status, Trainee
+from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus
 
 
-class BaselineRecord(Record):
+class BaselineRecord(TrainingRecord):
     """How a library's model in a folder was made."""
 
     shape: tuple[int, int]
@@ -67,9 +67,9 @@ class BaselineTrainee(Trainee):
     def scores(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return (B, 5) numbers, the higher the better, for observations (B, D)."""
 
-    def status(self) -> Status:
+    def status(self) -> TrainingStatus:
         """Return what to report."""
-        return Status(total_steps=self.config.total_steps, epsilon=self.epsilon, loss=self.loss)
+        return TrainingStatus(total_steps=self.config.total_steps, epsilon=self.epsilon, loss=self.loss)
 
     def evaluate(self) -> dict[str, int | float]:
         """Evaluate the model."""

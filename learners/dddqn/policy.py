@@ -19,10 +19,11 @@ from indoor_explorers.env.search.bitsets import ROOM
 from indoor_explorers.learners.dddqn.network.inference import q_values
 from indoor_explorers.learners.dddqn.observation.config import WIDEST
 from indoor_explorers.learners.dddqn.observation.frame_stack import stacked
+from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT
 from indoor_explorers.learners.dddqn.observation.map_prior import prior_from
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
-from indoor_explorers.learners.dddqn.observation.observe import Known, eyes, observe
+from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE
 from indoor_explorers.learners.dddqn.weights import Loaded, load_weights, shipped
 from indoor_explorers.learners.guard import Guard
@@ -160,15 +161,17 @@ class DddqnPilot(Pilot):
 
     def __init__(self, policy: Dddqn, briefing: Briefing, loaded: Loaded) -> None:
         self._loaded, self._team = loaded, briefing.team
-        plan = loaded.layout
-        self._eyes = eyes(loaded.observation, briefing.shape, briefing.scenario, prior_from(loaded.prior))
+        layout = loaded.layout
+        self._context = observation_context(
+            loaded.observation, briefing.shape, briefing.scenario, prior_from(loaded.prior)
+        )
         self._memory = new_memory(1, briefing.shape, loaded.observation)
-        self._scene = np.zeros((1, plan.scene), np.uint8)
-        self.scenes = np.zeros((1, plan.inputs), np.uint8)
-        self.moves = np.zeros((1, 4, plan.features), np.float32)
+        self._scene = np.zeros((1, layout.scene), np.uint8)
+        self.scenes = np.zeros((1, layout.inputs), np.uint8)
+        self.moves = np.zeros((1, 4, layout.features), np.float32)
         self._mates = np.zeros((1, self._team, 2), np.int64)
         self._ages = np.full((1, self._team), -1)
-        self._facts = np.array([[float(briefing.agent), 0.0]])
+        self._agent, self._flown = np.array([briefing.agent]), np.zeros(1)
         self._cell = np.zeros((1, 2), np.int64)
         self._q = np.zeros((1, 4), np.float32)
         self._guard = Guard(briefing.shape, briefing.rng) if policy.guard else None
@@ -194,11 +197,11 @@ class DddqnPilot(Pilot):
 
     def _observe(self, view: View) -> None:
         self._cell[0] = view.cell
-        self._facts[0, 1] = view.step / view.budget
+        self._flown[0] = view.step / view.budget
         for mate in view.mates:
             self._mates[0, mate.agent], self._ages[0, mate.agent] = mate.cell, mate.age
-        known = Known(view.belief[None], self._cell, self._mates, self._ages, self._facts)
-        observe(known, self._memory, _ONLY, self._eyes, self._scene, self.moves)
+        known = Known(view.belief[None], self._cell, self._mates, self._ages, self._agent, self._flown)
+        observe(known, self._memory, _ONLY, self._context, self._scene, self.moves)
         self.scenes = stacked(self._scene, self.scenes, np.array([view.step == 0]))
 
     def tally(self) -> dict[str, float]:

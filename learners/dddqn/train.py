@@ -13,7 +13,7 @@ from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.presets import PRESETS
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.process import one_thread
-from indoor_explorers.learners.sessions.record import Record, record_facts
+from indoor_explorers.learners.sessions.record import TrainingRecord, record_facts
 from indoor_explorers.learners.sessions.session import Progress, Session
 from indoor_explorers.learners.sessions.tensors import WEIGHTS
 
@@ -56,7 +56,7 @@ def train(
         if report is not None:
             report(progress)
 
-    record = Record(**record_facts("dddqn", (), config, scenario, config.tasks(scenario), seed))
+    record = TrainingRecord(**record_facts("dddqn", (), config, scenario, config.tasks(scenario), seed))
     session = Session(record, config, out, CHECKPOINT, resume=resume, report=tell)
     with one_thread(), scalars:
         training = Training(config, scenario, seed, session.checkpoint)

@@ -18,9 +18,9 @@ from pydantic import ValidationError
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
-from indoor_explorers.learners.dddqn.network.inference import Weights, shapes, weights_from
+from indoor_explorers.learners.dddqn.network.inference import NetworkWeights, shapes, weights_from
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.layout import Layout, layout
+from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, observation_layout
 from indoor_explorers.learners.dddqn.observation.map_prior import INPUTS
 from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
 
@@ -38,8 +38,8 @@ class Loaded(NamedTuple):
 
     observation: ObservationConfig
     network: NetworkConfig
-    layout: Layout
-    weights: Weights
+    layout: ObservationLayout
+    weights: NetworkWeights
     prior: dict[str, NDArray[np.float32]]
     """The map prior's arrays, by name; empty when the observation does without."""
 
@@ -82,14 +82,14 @@ def load_weights(path: Path) -> Loaded:
 def _read_once(path: Path, changed: int) -> Loaded:
     found, metadata = read_tensors(path, MOST_BYTES)
     observation, network = _described(path, metadata)
-    plan = layout(observation)
+    layout = observation_layout(observation)
     prior = {name: array for name, array in found.items() if name.startswith("prior.")}
     own = {name: array for name, array in found.items() if name not in prior}
-    _refuse_others(path, own, shapes(plan, network))
+    _refuse_others(path, own, shapes(layout, network))
     if prior:
         _refuse_others(path, prior, _prior_shapes(len(prior.get("prior.hidden_bias", ()))))
     prior = {name: np.ascontiguousarray(array, np.float32) for name, array in prior.items()}
-    return Loaded(observation, network, plan, weights_from(own, plan, network), prior)
+    return Loaded(observation, network, layout, weights_from(own, layout, network), prior)
 
 
 def _prior_shapes(units: int) -> dict[str, tuple[int, ...]]:

@@ -21,7 +21,7 @@ RECORD = "training.json"
 PACKAGES = ("indoor-explorers", "numpy", "numba", "torch")
 
 
-class Record(BaseModel):
+class TrainingRecord(BaseModel):
     """How the network in a folder was made."""
 
     model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
@@ -53,7 +53,7 @@ class Record(BaseModel):
     evaluations: tuple[dict[str, int | float], ...] = ()
     """Figures of each evaluation, oldest first."""
 
-    def resumed(self, before: Record, path: Path) -> dict[str, Any]:
+    def resumed(self, before: TrainingRecord, path: Path) -> dict[str, Any]:
         """Return what the record of a training that is resumed takes over from the one ``before``.
 
         Raises:
@@ -76,7 +76,7 @@ class Record(BaseModel):
         return {**kept, "commits": commits}
 
 
-Kind = TypeVar("Kind", bound=Record)
+Kind = TypeVar("Kind", bound=TrainingRecord)
 
 
 def record_facts(
@@ -87,7 +87,7 @@ def record_facts(
     tasks: Sequence[Scenario],
     seed: int,
 ) -> dict[str, Any]:
-    """Return the fields of the :class:`Record` of a training that begins.
+    """Return the fields of the :class:`TrainingRecord` of a training that begins.
 
     Args:
         learner: Name of the learner.
@@ -112,7 +112,7 @@ def record_facts(
     }
 
 
-def write_record(record: Record, folder: Path, results: Mapping[str, Any]) -> None:
+def write_record(record: TrainingRecord, folder: Path, results: Mapping[str, Any]) -> None:
     """Write a record, and ``results`` of the learner's own, into the folder of a training in one go."""
     facts = {**record.model_dump(mode="json"), **results}
     with written_whole(folder / RECORD) as partial:

@@ -18,14 +18,14 @@ from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.sessions.process import deferred_interrupt, one_thread
-from indoor_explorers.learners.sessions.record import RECORD, Record, read_record, write_record
+from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, read_record, write_record
 
 #: Seconds between two reports.
 REPORT_EVERY = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Status:
+class TrainingStatus:
     """What a learner tells of itself."""
 
     total_steps: int
@@ -41,7 +41,7 @@ class Status:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Progress(Status):
+class Progress(TrainingStatus):
     """How far a training is."""
 
     steps: int
@@ -69,7 +69,7 @@ class Trainee(ABC):
         """Tell whether the training has come to its end."""
 
     @abstractmethod
-    def status(self) -> Status:
+    def status(self) -> TrainingStatus:
         """Return what to report."""
 
     @abstractmethod
@@ -108,7 +108,7 @@ class Schedule(Protocol):
         """The same between two checkpoints."""
 
 
-Kind = TypeVar("Kind", bound=Record)
+Kind = TypeVar("Kind", bound=TrainingRecord)
 
 
 class Session(Generic[Kind]):

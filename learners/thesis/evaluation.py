@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.learners.sessions.evaluation import T90
-from indoor_explorers.learners.thesis.vector_flight import Fleet
+from indoor_explorers.learners.thesis.vector_flight import ImageFlight
 
 
 class GreedyFigures(NamedTuple):
@@ -50,16 +50,16 @@ def evaluate(
     """
     seeds = iter(range(first_seed, first_seed + episodes))
     team = range(task.team)
-    fleet = Fleet(task, episodes, lambda: next(seeds), frames=frames, identity=identity, pilots=team)
-    world, score = fleet.world, np.zeros(fleet.columns)
+    flight = ImageFlight(task, episodes, lambda: next(seeds), frames=frames, identity=identity, pilots=team)
+    world, score = flight.world, np.zeros(flight.columns)
     curve = [world.team_coverage]
-    while len(flying := np.flatnonzero(fleet.end == End.FLYING)):
-        actions = np.zeros(fleet.columns, np.int64)
-        actions[flying] = choose(fleet.images[flying])
-        fleet.step(actions, flying)
+    while len(flying := np.flatnonzero(flight.end == End.FLYING)):
+        actions = np.zeros(flight.columns, np.int64)
+        actions[flying] = choose(flight.images[flying])
+        flight.step(actions, flying)
         score += world.state.reward.ravel()
         curve.append(world.team_coverage)
-    figures = _figures(np.array(curve), world.state.budget, score, fleet.end, trained)
+    figures = _figures(np.array(curve), world.state.budget, score, flight.end, trained)
     return figures, [round(float(share), 4) for share in np.mean(curve, axis=1)]
 
 

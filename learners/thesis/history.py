@@ -33,21 +33,21 @@ class History:
         self.flown = np.zeros(0, np.int64)
         """(T,) how many those were."""
 
-    def note_step(self, reward: NDArray[np.float64], step: NDArray[np.int64], coverage: NDArray[np.float64]) -> None:
-        """Note (B,) the first UAV's rewards, the steps flown by now, and the coverage after them."""
+    def record_step(self, reward: NDArray[np.float64], step: NDArray[np.int64], coverage: NDArray[np.float64]) -> None:
+        """Record (B,) the first UAV's rewards, the steps flown by now, and the coverage after them."""
         self.running += reward
         size = max(len(self.flown), int(step.max()))
         self.covered = _padded(self.covered, size) + np.bincount(step - 1, coverage, size)
         self.flown = _padded(self.flown, size) + np.bincount(step - 1, minlength=size)
 
-    def note_ends(
+    def record_ends(
         self,
         episodes: NDArray[np.int64],
         step: NDArray[np.int64],
         coverage: NDArray[np.float64],
         end: NDArray[np.uint8],
     ) -> None:
-        """Note episodes that are over: (B,) steps, coverage and the first UAV's end, of all of them."""
+        """Record episodes that are over: (B,) steps, coverage and the first UAV's end, of all of them."""
         for b in episodes.tolist():
             self.rows.append((float(self.running[b]), int(step[b]), float(coverage[b]), int(end[b])))
         self.running[episodes] = 0.0

@@ -17,7 +17,7 @@ from indoor_explorers.env.grid.compiled import kernel
 Array = NDArray[np.float32]
 
 
-class Weights(NamedTuple):
+class ThesisWeights(NamedTuple):
     """The network's arrays; kernels are (rows, columns, inputs, filters), matrices (inputs, outputs)."""
 
     near: Array
@@ -36,7 +36,7 @@ class Weights(NamedTuple):
     advantage_bias: Array
 
 
-def weights_from(arrays: Mapping[str, NDArray[Any]], view: tuple[int, int]) -> Weights:
+def weights_from(arrays: Mapping[str, NDArray[Any]], view: tuple[int, int]) -> ThesisWeights:
     """Arrange a network's arrays as torch stores them; ``view`` is what its convolutions leave of the image."""
     found = []
     for layer in ("convolutions.0", "convolutions.1", "convolutions.2", "first", "second", "value", "advantage"):
@@ -45,7 +45,7 @@ def weights_from(arrays: Mapping[str, NDArray[Any]], view: tuple[int, int]) -> W
             weight = weight.reshape(len(weight), -1, *view).transpose(0, 2, 3, 1).reshape(len(weight), -1)
         weight = weight.transpose(2, 3, 1, 0) if weight.ndim == 4 else weight.T
         found += [np.ascontiguousarray(weight, np.float32), np.ascontiguousarray(bias, np.float32)]
-    return Weights(*found)
+    return ThesisWeights(*found)
 
 
 @kernel()
@@ -83,7 +83,7 @@ def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray) -> np.ndarray:
 
 
 @kernel()
-def q_values(images: np.ndarray, levels: np.ndarray, weights: Weights, q: np.ndarray) -> None:
+def q_values(images: np.ndarray, levels: np.ndarray, weights: ThesisWeights, q: np.ndarray) -> None:
     """Write the values ``q`` (B, 4) of images (B, K, H, W) of codes; ``levels`` (256,) are what codes look like.
 
     The mean advantage is the actions', however the network was trained: what is best is the same either way.

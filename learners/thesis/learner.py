@@ -16,7 +16,7 @@ from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.network import ThesisNetwork, new_network
 from indoor_explorers.learners.thesis.observation import LEVELS
 from indoor_explorers.learners.thesis.replay import Batch
-from indoor_explorers.learners.thesis.sizes import Eye
+from indoor_explorers.learners.thesis.sizes import ImageFormat
 
 #: Of Adam, as the thesis's library has it; torch's own is 1e-8.
 ADAM_EPSILON = 1e-7
@@ -25,9 +25,9 @@ ADAM_EPSILON = 1e-7
 class Learner:
     """Hold the network, the target network and the optimiser."""
 
-    def __init__(self, config: TrainingConfig, eye: Eye, seed: int) -> None:
+    def __init__(self, config: TrainingConfig, image_format: ImageFormat, seed: int) -> None:
         self.config = config
-        self.online = new_network(eye, config.advantage_mean, seed)
+        self.online = new_network(image_format, config.advantage_mean, seed)
         self.target = copy.deepcopy(self.online).requires_grad_(False)
         parameters, rate = self.online.parameters(), config.learning_rate
         self.optimiser = torch.optim.Adam(parameters, lr=rate, eps=ADAM_EPSILON, fused=True)

@@ -10,17 +10,17 @@ from typing import Literal
 import torch
 from torch import Tensor, nn
 
-from indoor_explorers.learners.thesis.sizes import CONVOLUTIONS, DENSE, MOVES, Eye
+from indoor_explorers.learners.thesis.sizes import CONVOLUTIONS, DENSE, MOVES, ImageFormat
 
 
 class ThesisNetwork(nn.Module):
     """Map images to the values of the four moves; 665,765 parameters on one image of 16x16."""
 
-    def __init__(self, eye: Eye, advantage_mean: Literal["batch", "actions"]) -> None:
+    def __init__(self, image_format: ImageFormat, advantage_mean: Literal["batch", "actions"]) -> None:
         super().__init__()
         self.advantage_mean = advantage_mean
-        rows, cols = eye.view()
-        layers, channels = [], eye.frames
+        rows, cols = image_format.view()
+        layers, channels = [], image_format.frames
         for filters, side, stride in CONVOLUTIONS:
             layers.append(nn.Conv2d(channels, filters, side, stride))
             channels = filters
@@ -58,8 +58,8 @@ def duel(value_B1: Tensor, advantage_BA: Tensor, mean: Literal["batch", "actions
     return value_B1 + advantage_BA - advantage_BA.mean(dim=1, keepdim=True)
 
 
-def new_network(eye: Eye, advantage_mean: Literal["batch", "actions"], seed: int) -> ThesisNetwork:
+def new_network(image_format: ImageFormat, advantage_mean: Literal["batch", "actions"], seed: int) -> ThesisNetwork:
     """Return a network initialised from ``seed`` alone; torch's global generator is left as it was."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
-        return ThesisNetwork(eye, advantage_mean)
+        return ThesisNetwork(image_format, advantage_mean)

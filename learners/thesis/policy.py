@@ -15,7 +15,7 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.thesis.inference import q_values
 from indoor_explorers.learners.thesis.observation import LEVELS, painted, window
-from indoor_explorers.learners.thesis.sizes import MOVES, Eye
+from indoor_explorers.learners.thesis.sizes import MOVES, ImageFormat
 from indoor_explorers.learners.thesis.weights import SHIPPED, trained
 
 
@@ -47,9 +47,9 @@ class DddqnThesis(Policy):
         return SHIPPED if self.weights is None else Path(self.weights)
 
     @property
-    def eye(self) -> Eye:
+    def image_format(self) -> ImageFormat:
         """What the network sees."""
-        return trained(self.path).eye
+        return trained(self.path).image_format
 
     def provenance(self) -> dict[str, str]:
         """Return the hash of the weights."""
@@ -66,9 +66,9 @@ class DddqnThesisPilot(WatchedPilot):
     def __init__(self, policy: DddqnThesis, briefing: Briefing) -> None:
         super().__init__(briefing, guard=policy.guard)
         self._trained, self._mask, self._agent = trained(policy.path), policy.mask, briefing.agent
-        eye = self._trained.eye
-        self._past: deque[NDArray[np.uint8]] = deque(maxlen=eye.frames)
-        self._images_BKHW = np.empty((1, eye.frames, eye.height, eye.width), np.uint8)
+        image_format = self._trained.image_format
+        self._past: deque[NDArray[np.uint8]] = deque(maxlen=image_format.frames)
+        self._images_BKHW = np.empty((1, image_format.frames, image_format.height, image_format.width), np.uint8)
         self._q_BA = np.empty((1, MOVES), np.float32)
 
     def act(self, view: View) -> int:
@@ -82,8 +82,8 @@ class DddqnThesisPilot(WatchedPilot):
 
     def perceive(self, view: View, out: NDArray[np.uint8]) -> None:
         """Write the latest images into ``out`` (K, H, W); before the first move, the first one K times."""
-        eye = self._trained.eye
-        self._past.append(painted(view, self._agent, identity=eye.identity))
-        while len(self._past) < eye.frames:
+        image_format = self._trained.image_format
+        self._past.append(painted(view, self._agent, identity=image_format.identity))
+        while len(self._past) < image_format.frames:
             self._past.append(self._past[-1])
         window(self._past, view.cell, out.shape[1:], out)

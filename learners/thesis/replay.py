@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from indoor_explorers.learners.thesis.observation import LEVELS
-from indoor_explorers.learners.thesis.sizes import Eye
+from indoor_explorers.learners.thesis.sizes import ImageFormat
 
 
-class Places(NamedTuple):
+class Transitions(NamedTuple):
     """What the memory holds of M transitions."""
 
     images: NDArray[np.uint8]
@@ -39,9 +39,9 @@ class Batch(NamedTuple):
 class Replay:
     """Keep the last ``places`` transitions."""
 
-    def __init__(self, places: int, eye: Eye) -> None:
-        self.data = Places(
-            images=np.zeros((places, eye.frames + 1, eye.height, eye.width), np.uint8),
+    def __init__(self, places: int, image_format: ImageFormat) -> None:
+        self.data = Transitions(
+            images=np.zeros((places, image_format.frames + 1, image_format.height, image_format.width), np.uint8),
             action=np.zeros(places, np.int64),
             reward=np.zeros(places, np.float32),
             terminal=np.zeros(places, np.bool_),
@@ -53,7 +53,7 @@ class Replay:
         """Places that hold something."""
         return min(self.written, len(self.data.action))
 
-    def add(self, new: Places) -> None:
+    def add(self, new: Transitions) -> None:
         """Write transitions over the oldest ones."""
         for i in range(len(new.action)):
             at = self.written % len(self.data.action)

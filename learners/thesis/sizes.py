@@ -14,7 +14,7 @@ DENSE = (1024, 512)
 MOVES = 4
 
 
-class Eye(NamedTuple):
+class ImageFormat(NamedTuple):
     """What a network sees; it fits no other observation."""
 
     height: int

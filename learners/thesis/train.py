@@ -8,7 +8,7 @@ from pathlib import Path
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.process import one_thread
-from indoor_explorers.learners.sessions.record import Record, record_facts
+from indoor_explorers.learners.sessions.record import TrainingRecord, record_facts
 from indoor_explorers.learners.sessions.session import Progress, Session
 from indoor_explorers.learners.sessions.tensors import WEIGHTS
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
@@ -38,7 +38,7 @@ def train(
         InputError: ``out`` holds another training, or one that was not asked to be resumed.
 
     """
-    record = Record(**record_facts("dddqn-thesis", (), config, scenario, [config.task(scenario)], seed))
+    record = TrainingRecord(**record_facts("dddqn-thesis", (), config, scenario, [config.task(scenario)], seed))
     session = Session(record, config, out, CHECKPOINT, resume=resume, report=report)
     with one_thread():
         training = Training(config, scenario, seed, session.checkpoint)

@@ -14,15 +14,15 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds, training_seeds
-from indoor_explorers.learners.sessions.session import Status, Trainee, crossed_multiple
+from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus, crossed_multiple
 from indoor_explorers.learners.sessions.tensors import WEIGHTS
 from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.evaluation import evaluate
 from indoor_explorers.learners.thesis.history import History
 from indoor_explorers.learners.thesis.learner import Learner, greedy
-from indoor_explorers.learners.thesis.replay import Places, Replay
-from indoor_explorers.learners.thesis.sizes import MOVES, Eye
-from indoor_explorers.learners.thesis.vector_flight import Fleet
+from indoor_explorers.learners.thesis.replay import Replay, Transitions
+from indoor_explorers.learners.thesis.sizes import MOVES, ImageFormat
+from indoor_explorers.learners.thesis.vector_flight import ImageFlight
 from indoor_explorers.learners.thesis.weights import load_weights, write_weights
 
 EPISODES = "episodes.csv"
@@ -45,10 +45,10 @@ class Training(Trainee):
         self.rng = np.random.default_rng(np.random.SeedSequence(seed))
         pilots = range(self.task.team if config.mates == "learn" else 1)
         looks: dict[str, Any] = {"frames": config.frame_stack, "identity": config.identity}
-        self.fleet = Fleet(self.task, config.environments, self._next_seed, pilots=pilots, **looks)
-        self.eye = Eye(*self.fleet.shape, **looks)
-        self.learner = Learner(config, self.eye, seed)
-        self.replay = Replay(config.memory, self.eye)
+        self.flight = ImageFlight(self.task, config.environments, self._next_seed, pilots=pilots, **looks)
+        self.image_format = ImageFormat(*self.flight.shape, **looks)
+        self.learner = Learner(config, self.image_format, seed)
+        self.replay = Replay(config.memory, self.image_format)
         self.history = History(config.environments)
         if config.initial_weights is not None:
             self.learner.start_from(self._weights(Path(config.initial_weights)))
@@ -56,9 +56,11 @@ class Training(Trainee):
             self._restore(checkpoint)
 
     def _weights(self, path: Path) -> dict[str, NDArray[np.float32]]:
-        eye, arrays = load_weights(path)
-        if eye != self.eye:
-            raise InputError(f"{path}: expected weights of a network that sees {self.eye}, got {eye}; give others")
+        image_format, arrays = load_weights(path)
+        if image_format != self.image_format:
+            raise InputError(
+                f"{path}: expected weights of a network that sees {self.image_format}, got {image_format}; give others"
+            )
         return arrays
 
     def _next_seed(self) -> int:
@@ -77,33 +79,35 @@ class Training(Trainee):
 
     def update(self) -> None:
         """Make one move of every UAV, remember it, learn, and begin new episodes where due."""
-        fleet, state = self.fleet, self.fleet.world.state
-        pupils = fleet.columns_of(np.arange(self.config.environments))
-        pupils = pupils[fleet.end[pupils] == End.FLYING]
-        actions = self._choose(pupils)
-        seen = fleet.step(actions, pupils)
-        coverage = fleet.world.team_coverage
-        self.history.note_step(state.reward[:, 0], state.step, coverage)
+        flight, state = self.flight, self.flight.world.state
+        learning = flight.columns_of(np.arange(self.config.environments))
+        learning = learning[flight.end[learning] == End.FLYING]
+        actions = self._choose(learning)
+        seen = flight.step(actions, learning)
+        coverage = flight.world.team_coverage
+        self.history.record_step(state.reward[:, 0], state.step, coverage)
         self.replay.add(
-            Places(seen, actions[pupils], state.reward.ravel()[pupils].astype(np.float32), self._terminal(pupils))
+            Transitions(
+                seen, actions[learning], state.reward.ravel()[learning].astype(np.float32), self._terminal(learning)
+            )
         )
-        self._learn(len(pupils))
-        over = np.flatnonzero(fleet.over)
+        self._learn(len(learning))
+        over = np.flatnonzero(flight.over)
         if len(over):
-            self.history.note_ends(over, state.step, coverage, state.end[:, 0])
-            fleet.restart(over)
+            self.history.record_ends(over, state.step, coverage, state.end[:, 0])
+            flight.restart(over)
 
-    def _choose(self, pupils: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return moves (C,): those of ``pupils`` epsilon-greedily, all others at random."""
-        actions = self.rng.integers(MOVES, size=self.fleet.columns)
-        epsilon = [self.config.epsilon(self.steps + k) for k in range(len(pupils))]
-        sure = pupils[self.rng.random(len(pupils)) >= epsilon]
+    def _choose(self, learning: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return moves (C,): those of the ``learning`` columns epsilon-greedily, all others at random."""
+        actions = self.rng.integers(MOVES, size=self.flight.columns)
+        epsilon = [self.config.epsilon(self.steps + k) for k in range(len(learning))]
+        sure = learning[self.rng.random(len(learning)) >= epsilon]
         if len(sure):
-            actions[sure] = greedy(self.learner.online, self.fleet.images[sure])
+            actions[sure] = greedy(self.learner.online, self.flight.images[sure])
         return actions
 
-    def _terminal(self, pupils: NDArray[np.int64]) -> NDArray[np.bool_]:
-        end = self.fleet.end[pupils]
+    def _terminal(self, learning: NDArray[np.int64]) -> NDArray[np.bool_]:
+        end = self.flight.end[learning]
         return np.asarray((end != End.FLYING) & (self.config.budget_terminal | (end != End.BUDGET)))
 
     def _learn(self, moves: int) -> None:
@@ -138,12 +142,12 @@ class Training(Trainee):
     def keep(self, folder: Path) -> None:
         """Keep nothing: :meth:`save` writes the network as it is."""
 
-    def status(self) -> Status:
+    def status(self) -> TrainingStatus:
         """Return what to report; the steps to come are a guess, since the number of episodes is what is fixed."""
         loss = float(np.mean(self.losses)) if self.losses else float("nan")
         self.losses.clear()
         share = min(max(self.episodes, 1) / self.config.episodes, 1.0)
-        return Status(
+        return TrainingStatus(
             total_steps=max(int(self.steps / share), 1),
             epsilon=self.config.epsilon(self.steps),
             loss=loss,
@@ -168,9 +172,9 @@ class Training(Trainee):
             "greedy_curve": self.greedy_curve,
             "rng": self.rng.bit_generator.state,
         }
-        tensors = self.learner.tensors() | self.fleet.tensors() | self.history.tensors() | data
+        tensors = self.learner.tensors() | self.flight.tensors() | self.history.tensors() | data
         write_checkpoint(folder, tensors, state)
-        write_weights(folder / WEIGHTS, self.learner.arrays(), self.eye)
+        write_weights(folder / WEIGHTS, self.learner.arrays(), self.image_format)
         self.history.write(folder / EPISODES, self.config.episodes)
 
     def _restore(self, path: Path) -> None:
@@ -182,7 +186,7 @@ class Training(Trainee):
         """
         tensors, state = read_checkpoint(path)
         with reporting_damage(path):
-            for part in (self.learner, self.fleet, self.history):
+            for part in (self.learner, self.flight, self.history):
                 part.restore(tensors)
             for name, array in self.replay.data._asdict().items():
                 array[: len(tensors[f"replay/{name}"])] = tensors[f"replay/{name}"]

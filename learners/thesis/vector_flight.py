@@ -1,4 +1,4 @@
-"""UAVs in training or evaluation: a batch of episodes with the latest images of each UAV that is looked at."""
+"""Vectorised flight: a batch of episodes with the latest images of each UAV that the network flies."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from indoor_explorers.learners.sessions.worlds import begin, restore_world, worl
 from indoor_explorers.learners.thesis.observation import paint_all
 
 
-class Fleet:
+class ImageFlight:
     """Fly ``episodes`` episodes side by side; column b * team + n is UAV n of episode b, C columns in all."""
 
     def __init__(

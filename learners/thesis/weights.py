@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
-from indoor_explorers.learners.thesis.inference import Weights, weights_from
-from indoor_explorers.learners.thesis.sizes import Eye
+from indoor_explorers.learners.thesis.inference import ThesisWeights, weights_from
+from indoor_explorers.learners.thesis.sizes import ImageFormat
 
 #: The weights that ship: of 4,000 episodes of the thesis's best setting, reward scenario 1 with its stuck rule 2.
 SHIPPED = Path(__file__).parent / "weights" / "rewards-1-stuck-2.safetensors"
@@ -22,20 +22,20 @@ SHIPPED = Path(__file__).parent / "weights" / "rewards-1-stuck-2.safetensors"
 MOST_BYTES = 64_000_000
 
 
-class Trained(NamedTuple):
+class TrainedNetwork(NamedTuple):
     """A network as it acts."""
 
-    eye: Eye
-    weights: Weights
+    image_format: ImageFormat
+    weights: ThesisWeights
 
 
-def write_weights(path: Path, arrays: Mapping[str, NDArray[Any]], eye: Eye) -> None:
+def write_weights(path: Path, arrays: Mapping[str, NDArray[Any]], image_format: ImageFormat) -> None:
     """Write a network's arrays in half precision, which rounds them to three digits."""
     halves = {name: array.astype(np.float16) for name, array in arrays.items()}
-    write_tensors(path, halves, {"eye": json.dumps(eye._asdict())})
+    write_tensors(path, halves, {"eye": json.dumps(image_format._asdict())})
 
 
-def load_weights(path: Path) -> tuple[Eye, dict[str, NDArray[np.float32]]]:
+def load_weights(path: Path) -> tuple[ImageFormat, dict[str, NDArray[np.float32]]]:
     """Return what a network sees and its arrays, float32 by name.
 
     Raises:
@@ -44,8 +44,8 @@ def load_weights(path: Path) -> tuple[Eye, dict[str, NDArray[np.float32]]]:
     """
     found, metadata = read_tensors(path, MOST_BYTES)
     try:
-        eye = Eye(**json.loads(metadata["eye"]))
-        expected = eye.shapes()
+        image_format = ImageFormat(**json.loads(metadata["eye"]))
+        expected = image_format.shapes()
     except (KeyError, TypeError, json.JSONDecodeError) as error:
         raise InputError(
             f"{path}: expected weights of the thesis's network, got others; give weights that train --learner "
@@ -53,10 +53,10 @@ def load_weights(path: Path) -> tuple[Eye, dict[str, NDArray[np.float32]]]:
         ) from error
     if {name: array.shape for name, array in found.items()} != expected:
         raise InputError(f"{path}: expected the arrays of the thesis's network, got others; train again")
-    return eye, {name: array.astype(np.float32) for name, array in found.items()}
+    return image_format, {name: array.astype(np.float32) for name, array in found.items()}
 
 
-def trained(path: Path) -> Trained:
+def trained(path: Path) -> TrainedNetwork:
     """Return a network arranged for acting; read once in each process, unless the file changes.
 
     Raises:
@@ -67,6 +67,6 @@ def trained(path: Path) -> Trained:
 
 
 @lru_cache(maxsize=8)
-def _read_once(path: Path, changed: int) -> Trained:
-    eye, arrays = load_weights(path)
-    return Trained(eye, weights_from(arrays, eye.view()))
+def _read_once(path: Path, changed: int) -> TrainedNetwork:
+    image_format, arrays = load_weights(path)
+    return TrainedNetwork(image_format, weights_from(arrays, image_format.view()))

@@ -16,7 +16,7 @@ from indoor_explorers.learners.dddqn.policy import Dddqn
 from indoor_explorers.learners.guard import Guard, nearest_frontier
 from indoor_explorers.learners.thesis.policy import DddqnThesis
 from tests.learners.dddqn.rooms import fly, maze
-from tests.learners.thesis.rooms import MENDED_EYE, write_network
+from tests.learners.thesis.rooms import MENDED_FORMAT, write_network
 
 
 class Stubborn(Policy):
@@ -63,7 +63,7 @@ def test_an_untrained_network_finishes_mazes(untrained: str, seed: int, lidar: f
 @pytest.mark.parametrize("mask", [True, False])
 @pytest.mark.parametrize("seed", range(3))
 def test_a_network_that_flies_into_walls_finishes_mazes_with_the_guard(mask: bool, seed: int, tmp_path: Path) -> None:
-    weights = write_network(tmp_path / "untrained.safetensors", 3, MENDED_EYE)
+    weights = write_network(tmp_path / "untrained.safetensors", 3, MENDED_FORMAT)
     free = maze(np.random.default_rng(200 + seed))
     scenario = task(2).with_settings({"on_collision": "block"})
     lost = fly(DddqnThesis(weights=weights, mask=mask), scenario.with_settings({"budget": 2_000}), seed, free)

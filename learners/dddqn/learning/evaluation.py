@@ -7,7 +7,7 @@ import numpy as np
 from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.dddqn.learning.learner import Learner
-from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior
 from indoor_explorers.learners.sessions.evaluation import Evaluation, evaluate_world
 
@@ -17,13 +17,13 @@ def evaluate(
 ) -> Evaluation:
     """Fly ``episodes`` episodes of the task with seeds from ``first_seed`` on, after ``steps`` moves of training."""
     seeds = iter(range(first_seed, first_seed + episodes))
-    flock = Flock(task, learner.config.observation, prior, episodes, lambda: next(seeds))
+    flight = VectorFlight(task, learner.config.observation, prior, episodes, lambda: next(seeds))
 
     def act() -> None:
-        flying = np.flatnonzero(~flock.over)
-        flock.observe(flying)
-        action = np.full(flock.columns, int(Action.STAY))
-        action[flying] = learner.greedy(learner.average, flock.scenes[flying], flock.moves[flying], mask=True)
-        flock.step(action)
+        flying = np.flatnonzero(~flight.over)
+        flight.observe(flying)
+        action = np.full(flight.columns, int(Action.STAY))
+        action[flying] = learner.greedy(learner.average, flight.scenes[flying], flight.moves[flying], mask=True)
+        flight.step(action)
 
-    return evaluate_world(flock.world, act, steps)
+    return evaluate_world(flight.world, act, steps)

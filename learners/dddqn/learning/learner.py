@@ -17,7 +17,7 @@ from indoor_explorers.learners.dddqn.learning.replay import Batch
 from indoor_explorers.learners.dddqn.learning.targets import masked, q_target, shortfall
 from indoor_explorers.learners.dddqn.network.model import DuelingNetwork, new_network
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, layout, tour_costs
+from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, observation_layout, tour_costs
 from indoor_explorers.learners.sessions.networks import learner_tensors, restore_learner
 
 #: Instructions of a processor that make bfloat16 matrices faster than float32 ones.
@@ -41,14 +41,14 @@ class Learner:
         self.device = _device(config.device)
         self.mixed = config.precision == "mixed" or (config.precision == "auto" and _fast_bfloat16(self.device))
         self.updates = 0
-        self.online = new_network(layout(observation), config.network, seed).to(self.device)
+        self.online = new_network(observation_layout(observation), config.network, seed).to(self.device)
         self.target = copy.deepcopy(self.online).requires_grad_(False)
         self.acting = copy.deepcopy(self.target)
         self.average = copy.deepcopy(self.target).eval()
         self.best = copy.deepcopy(self.average)
         self.optimiser = torch.optim.Adam(self.online.parameters(), lr=config.learning_rate, fused=True)
         self._noise = torch.Generator().manual_seed(seed)
-        pull = tour_costs(layout(observation), config.network.tour_pull, 0.0)
+        pull = tour_costs(observation_layout(observation), config.network.tour_pull, 0.0)
         self._pull = None if pull is None else torch.from_numpy(pull).to(self.device)
 
     def refresh(self) -> None:

@@ -1,4 +1,4 @@
-"""Several scenarios flown side by side by one network: a flock for each, which together look like one."""
+"""Multi-task flight: several scenarios side by side, a vectorised flight for each, which together look like one."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior
 
@@ -24,8 +24,8 @@ def shares(environments: int, tasks: int) -> list[int]:
     return [max(environments * (k + 1) // tasks - environments * k // tasks, LEAST) for k in range(tasks)]
 
 
-class Flocks:
-    """Fly the tasks' episodes side by side; the columns of the first task's flock come first, C in all.
+class MultiTaskFlight:
+    """Fly the tasks' episodes side by side; the columns of the first task's flight come first, C in all.
 
     Maps, lidars, teams and radios may differ from task to task: an observation has one size for all of them.
     """
@@ -39,76 +39,76 @@ class Flocks:
         next_seed: Callable[[], int],
     ) -> None:
         counts = shares(environments, len(tasks))
-        self.flocks = [
-            Flock(task, observation, prior, count, next_seed) for task, count in zip(tasks, counts, strict=True)
+        self.flights = [
+            VectorFlight(task, observation, prior, count, next_seed) for task, count in zip(tasks, counts, strict=True)
         ]
-        self.columns = sum(flock.columns for flock in self.flocks)
-        self._ends = np.cumsum([flock.columns for flock in self.flocks])[:-1]
-        self.scene = np.concatenate([flock.scene for flock in self.flocks])
+        self.columns = sum(flight.columns for flight in self.flights)
+        self._ends = np.cumsum([flight.columns for flight in self.flights])[:-1]
+        self.scene = np.concatenate([flight.scene for flight in self.flights])
         """(C, S) as last observed."""
-        self.scenes = np.concatenate([flock.scenes for flock in self.flocks])
+        self.scenes = np.concatenate([flight.scenes for flight in self.flights])
         """(C, I) the latest scenes, latest first."""
-        self.moves = np.concatenate([flock.moves for flock in self.flocks])
+        self.moves = np.concatenate([flight.moves for flight in self.flights])
         """(C, 4, F) as last observed."""
         self._share_views()
 
     def _share_views(self) -> None:
-        """Let each flock observe into its own columns of the common arrays, so that nothing is copied in a tick."""
+        """Let each flight observe into its own columns of the common arrays, so that nothing is copied in a tick."""
         parts = (np.split(array, self._ends) for array in (self.scene, self.scenes, self.moves))
-        for flock, scene, scenes, moves in zip(self.flocks, *parts, strict=True):
-            flock.scene, flock.scenes, flock.moves = scene, scenes, moves
+        for flight, scene, scenes, moves in zip(self.flights, *parts, strict=True):
+            flight.scene, flight.scenes, flight.moves = scene, scenes, moves
 
     @property
     def over(self) -> Mask:
         """(C,) UAVs whose episode has ended."""
-        return np.concatenate([flock.over for flock in self.flocks])
+        return np.concatenate([flight.over for flight in self.flights])
 
     @property
     def terminal(self) -> Mask:
         """(C,) UAVs whose episode has ended for good, not for lack of steps."""
-        return np.concatenate([flock.terminal for flock in self.flocks])
+        return np.concatenate([flight.terminal for flight in self.flights])
 
     @property
     def age(self) -> NDArray[np.int64]:
         """(C,) steps since each UAV's episode began."""
-        return np.concatenate([flock.age for flock in self.flocks])
+        return np.concatenate([flight.age for flight in self.flights])
 
     @property
     def coverage(self) -> NDArray[np.float64]:
         """(C,) share of the reachable cells that each UAV's team knows."""
-        return np.concatenate([flock.coverage for flock in self.flocks])
+        return np.concatenate([flight.coverage for flight in self.flights])
 
     def observe(self) -> None:
         """Refresh what all UAVs observe; once a step."""
-        for flock in self.flocks:
-            flock.observe(np.arange(flock.columns))
+        for flight in self.flights:
+            flight.observe(np.arange(flight.columns))
 
     def step(self, actions: NDArray[np.int64]) -> NDArray[np.float64]:
         """Make one move (C,) each; return the rewards (C,)."""
         parts = np.split(actions, self._ends)
-        return np.concatenate([flock.step(part) for flock, part in zip(self.flocks, parts, strict=True)])
+        return np.concatenate([flight.step(part) for flight, part in zip(self.flights, parts, strict=True)])
 
     def repeat(self, values: Sequence[float]) -> NDArray[np.float64]:
         """Return one value for each task as one for each UAV (C,)."""
-        return np.repeat(np.array(values), [flock.columns for flock in self.flocks])
+        return np.repeat(np.array(values), [flight.columns for flight in self.flights])
 
     def renew(self, over: Mask) -> list[int]:
         """Begin new episodes in place of those whose UAVs are all ``over`` (C,); return the steps that they took."""
         ended: list[int] = []
-        for flock, part in zip(self.flocks, np.split(over, self._ends), strict=True):
-            episodes = np.flatnonzero(part.reshape(flock.world.state.end.shape).all(axis=1))
-            ended += flock.world.state.step[episodes].tolist()
-            flock.restart(episodes)
+        for flight, part in zip(self.flights, np.split(over, self._ends), strict=True):
+            episodes = np.flatnonzero(part.reshape(flight.world.state.end.shape).all(axis=1))
+            ended += flight.world.state.step[episodes].tolist()
+            flight.restart(episodes)
         return ended
 
     def tensors(self) -> dict[str, NDArray[np.generic]]:
         """Return everything that :meth:`restore` needs, by name."""
-        parts = [(f"{place}/", flock.tensors()) for place, flock in enumerate(self.flocks)]
+        parts = [(f"{place}/", flight.tensors()) for place, flight in enumerate(self.flights)]
         return {prefix + name: array for prefix, tensors in parts for name, array in tensors.items()}
 
     def restore(self, tensors: dict[str, NDArray[np.generic]]) -> None:
         """Go on exactly where :meth:`tensors` was taken."""
-        for place, flock in enumerate(self.flocks):
+        for place, flight in enumerate(self.flights):
             prefix = f"{place}/"
             own = {name.removeprefix(prefix): array for name, array in tensors.items() if name.startswith(prefix)}
-            flock.restore(own)
+            flight.restore(own)

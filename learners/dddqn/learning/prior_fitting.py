@@ -17,7 +17,7 @@ from torch import nn
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import GAINS
 from indoor_explorers.learners.dddqn.observation.map_prior import (
@@ -66,20 +66,20 @@ def collect(scenario: Scenario, first_seed: int, most: int) -> Notes:
     """Fly to the nearest gain on maps of seeds from ``first_seed`` on and note up to ``most`` cells."""
     seeds = iter(range(first_seed, first_seed + 2**30))
     sight = ObservationConfig(layers=("unknown",), coarse=0, sides=False, visits=False, tours=False)
-    flock = Flock(scenario, sight, no_prior(), 1, lambda: next(seeds))
-    episodes = min(max(CELLS // (flock.shape[0] * flock.shape[1]), FEWEST), EPISODES)
-    flock = Flock(scenario, sight, no_prior(), episodes, lambda: next(seeds))
+    flight = VectorFlight(scenario, sight, no_prior(), 1, lambda: next(seeds))
+    episodes = min(max(CELLS // (flight.shape[0] * flight.shape[1]), FEWEST), EPISODES)
+    flight = VectorFlight(scenario, sight, no_prior(), episodes, lambda: next(seeds))
     patch, label, found = np.zeros((most, PATCH * PATCH), np.uint8), np.zeros(most, np.bool_), 0
-    state, team = flock.world.state, scenario.team
+    state, team = flight.world.state, scenario.team
     nearest = 1 + GAINS.index("distance to the nearest gain")
     for tick in range(1, TICKS):
-        flock.observe(np.arange(flock.columns))
-        flock.step(np.where(flock.over, 4, flock.moves[:, :, nearest].argmin(axis=1)))
+        flight.observe(np.arange(flight.columns))
+        flight.step(np.where(flight.over, 4, flight.moves[:, :, nearest].argmin(axis=1)))
         if tick % EVERY == 0:
-            for column in np.flatnonzero(~flock.over).tolist():
+            for column in np.flatnonzero(~flight.over).tolist():
                 episode, agent = divmod(column, team)
                 found = _note(state.belief[episode, agent], state.counts[episode], patch, label, found)
-        flock.restart(np.flatnonzero(flock.over.reshape(state.end.shape).all(axis=1)))
+        flight.restart(np.flatnonzero(flight.over.reshape(state.end.shape).all(axis=1)))
         if found == most or (found == 0 and tick == PATIENCE):
             break
     return Notes(patch[:found], label[:found])

@@ -17,7 +17,12 @@ from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.learners.dddqn.learning.sum_tree import SumTree
 from indoor_explorers.learners.dddqn.learning.targets import look_forward
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.layout import SYMMETRIES, Layout, layout, symmetries
+from indoor_explorers.learners.dddqn.observation.layout import (
+    SYMMETRIES,
+    ObservationLayout,
+    observation_layout,
+    symmetries,
+)
 
 #: Added to errors, so that a transition without one may be drawn again.
 LEAST_ERROR = 1e-3
@@ -63,11 +68,11 @@ class Batch(NamedTuple):
     """(B,) where each is kept, counted from the first ever; for :meth:`Replay.reprioritise`."""
 
 
-def _empty(slots: int, columns: int, plan: Layout) -> Slots:
+def _empty(slots: int, columns: int, layout: ObservationLayout) -> Slots:
     place = (slots, columns)
     return Slots(
-        scene=np.zeros((*place, plan.scene), np.uint8),
-        moves=np.zeros((*place, 4, plan.features), np.float16),
+        scene=np.zeros((*place, layout.scene), np.uint8),
+        moves=np.zeros((*place, 4, layout.features), np.float16),
         action=np.zeros(place, np.uint8),
         reward=np.zeros(place, np.float32),
         terminal=np.zeros(place, np.bool_),
@@ -107,7 +112,7 @@ class Replay:
     def __init__(
         self, slots: int, columns: int, observation: ObservationConfig, *, prioritised: float, symmetries: bool
     ) -> None:
-        self.data = _empty(slots, columns, layout(observation))
+        self.data = _empty(slots, columns, observation_layout(observation))
         self.written = 0
         self._observation, self._alpha, self._turns = observation, prioritised, SYMMETRIES if symmetries else 1
         self._tree = SumTree(slots * columns) if prioritised else None
@@ -234,7 +239,7 @@ class Replay:
         self, slot: NDArray[np.int64], column: NDArray[np.int64], turn: NDArray[np.int64]
     ) -> tuple[Tensor, Tensor]:
         tables = symmetries(self._observation)
-        scenes = np.empty((len(slot), layout(self._observation).inputs), np.float32)
+        scenes = np.empty((len(slot), observation_layout(self._observation).inputs), np.float32)
         _stacked_scenes(self.data.scene, self.data.age, slot, column, tables.scene, turn, scenes)
         moves = self.data.moves[slot[:, None], column[:, None], tables.moves[turn]].astype(np.float32)
         return torch.from_numpy(scenes), torch.from_numpy(moves)

@@ -16,7 +16,7 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
-from indoor_explorers.learners.dddqn.learning.multi_task_flight import Flocks
+from indoor_explorers.learners.dddqn.learning.multi_task_flight import MultiTaskFlight
 from indoor_explorers.learners.dddqn.learning.prior_fitting import collect_all, fit_prior
 from indoor_explorers.learners.dddqn.learning.replay import Replay
 from indoor_explorers.learners.dddqn.network.model import arrays
@@ -26,12 +26,12 @@ from indoor_explorers.learners.dddqn.weights import write_weights
 from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
 from indoor_explorers.learners.sessions.evaluation import T90, mean_evaluation
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds, prior_seeds, training_seeds
-from indoor_explorers.learners.sessions.session import Status, Trainee
+from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus
 from indoor_explorers.learners.sessions.tensors import WEIGHTS
 
 
-class Flown(NamedTuple):
-    """What one tick of all C UAVs was like, as the replay keeps it."""
+class Tick(NamedTuple):
+    """One tick of all C UAVs, as the replay stores it."""
 
     scene: NDArray[np.uint8]
     moves: NDArray[np.float32]
@@ -65,11 +65,11 @@ class Training(Trainee):
             np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(2)
         )
         self.learner = Learner(config.observation, config, seed)
-        self.flock = Flocks(self.tasks, config.observation, self.prior, config.environments, self._next_seed)
-        self._early_steps = self.flock.repeat([config.early_step(task) for task in self.tasks])
+        self.flight = MultiTaskFlight(self.tasks, config.observation, self.prior, config.environments, self._next_seed)
+        self._early_steps = self.flight.repeat([config.early_step(task) for task in self.tasks])
         self.replay = Replay(
             self._slots(),
-            self.flock.columns,
+            self.flight.columns,
             config.observation,
             prioritised=config.prioritised,
             symmetries=config.symmetries,
@@ -85,11 +85,11 @@ class Training(Trainee):
         return fit_prior(collect_all(self.tasks, prior_seeds(self.seed), self.config.prior_notes), self.seed)
 
     def _slots(self) -> int:
-        slots = self.config.replay_steps // self.flock.columns
+        slots = self.config.replay_steps // self.flight.columns
         least = 2 * self.config.return_steps + self.config.observation.frames
         if slots <= least:
             raise InputError(
-                f"expected replay_steps of more than {least} times the {self.flock.columns} "
+                f"expected replay_steps of more than {least} times the {self.flight.columns} "
                 f"UAVs in training, got {self.config.replay_steps}; raise replay_steps or lower environments"
             )
         return slots
@@ -117,22 +117,22 @@ class Training(Trainee):
         flown = flying.result()
         self.replay.add(*flown)
         self.steps += int((~flown.over).sum())
-        self.ended += self.flock.renew(flown.over)
+        self.ended += self.flight.renew(flown.over)
 
-    def _fly(self) -> Flown:
-        flock = self.flock
-        over, age = flock.over, flock.age
-        flock.observe()
+    def _fly(self) -> Tick:
+        flight = self.flight
+        over, age = flight.over, flight.age
+        flight.observe()
         action, explored = self._choose()
-        reward = flock.step(action) + self._early_steps * (flock.coverage < T90)
-        return Flown(flock.scene, flock.moves, action, reward, flock.terminal & ~over, explored, over, age)
+        reward = flight.step(action) + self._early_steps * (flight.coverage < T90)
+        return Tick(flight.scene, flight.moves, action, reward, flight.terminal & ~over, explored, over, age)
 
     def _choose(self) -> tuple[NDArray[np.int64], Mask]:
         """Choose epsilon-greedily; return the moves (C,) and which were drawn at random."""
-        flock, mask = self.flock, self.config.mask
-        explored = self.flying_rng.random(flock.columns) < self.config.epsilon(self.share)
-        lots = self.flying_rng.random((flock.columns, 4)) - (flock.moves[:, :, BLOCKED_AT] if mask else 0.0)
-        best = self.learner.greedy(self.learner.acting, flock.scenes, flock.moves, mask=mask)
+        flight, mask = self.flight, self.config.mask
+        explored = self.flying_rng.random(flight.columns) < self.config.epsilon(self.share)
+        lots = self.flying_rng.random((flight.columns, 4)) - (flight.moves[:, :, BLOCKED_AT] if mask else 0.0)
+        best = self.learner.greedy(self.learner.acting, flight.scenes, flight.moves, mask=mask)
         return np.where(explored, lots.argmax(axis=1), best), explored
 
     def _learn(self) -> float:
@@ -158,12 +158,12 @@ class Training(Trainee):
         """Keep the averaged weights as the best; :meth:`save` writes them."""
         self.learner.best.load_state_dict(self.learner.average.state_dict())
 
-    def status(self) -> Status:
+    def status(self) -> TrainingStatus:
         """Return what to report; begin the means anew."""
         loss, episode_steps = (float(np.mean(past)) if past else float("nan") for past in (self.losses, self.ended))
         self.losses.clear()
         self.ended.clear()
-        return Status(
+        return TrainingStatus(
             total_steps=self.config.total_steps,
             epsilon=self.config.epsilon(self.share),
             loss=loss,
@@ -183,7 +183,7 @@ class Training(Trainee):
             "flying_rng": self.flying_rng.bit_generator.state,
             "learning_rng": self.learning_rng.bit_generator.state,
         }
-        tensors = self.learner.tensors() | self.flock.tensors() | self.replay.tensors() | prior_arrays(self.prior)
+        tensors = self.learner.tensors() | self.flight.tensors() | self.replay.tensors() | prior_arrays(self.prior)
         write_checkpoint(folder, tensors, state)
         write_weights(
             folder / WEIGHTS,
@@ -196,7 +196,7 @@ class Training(Trainee):
     def _restore(self, tensors: dict[str, NDArray[Any]], state: dict[str, Any], path: Path) -> None:
         """Go on exactly where :meth:`save` left off."""
         with reporting_damage(path):
-            for part in (self.learner, self.flock, self.replay):
+            for part in (self.learner, self.flight, self.replay):
                 part.restore(tensors)
             self.steps, self.episodes = state["steps"], state["episodes"]
             self.flying_rng.bit_generator.state = state["flying_rng"]

@@ -1,4 +1,4 @@
-"""UAVs that learn: the columns of a world's batch, with what each must remember to observe."""
+"""Vectorised flight: the UAVs of a world's batch as columns, with what each must remember to observe."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from indoor_explorers.env.simulation.state import End
 from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.frame_stack import stacked
-from indoor_explorers.learners.dddqn.observation.layout import layout
+from indoor_explorers.learners.dddqn.observation.known import Known
+from indoor_explorers.learners.dddqn.observation.layout import observation_layout
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior
 from indoor_explorers.learners.dddqn.observation.memory import new_memory
-from indoor_explorers.learners.dddqn.observation.observe import Known, eyes, observe
+from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
 from indoor_explorers.learners.sessions.worlds import begin, restore_world, world_tensors
 
 
-class Flock:
+class VectorFlight:
     """Fly ``episodes`` episodes side by side; column b * team + n is UAV n of episode b, C columns in all."""
 
     def __init__(
@@ -31,21 +32,21 @@ class Flock:
         episodes: int,
         next_seed: Callable[[], int],
     ) -> None:
-        plan = layout(observation)
+        layout = observation_layout(observation)
         self.world = World(scenario, episodes)
         self.columns = episodes * scenario.team
-        self.scene = np.zeros((self.columns, plan.scene), np.uint8)
+        self.scene = np.zeros((self.columns, layout.scene), np.uint8)
         """(C, S) as last observed."""
-        self.scenes = np.zeros((self.columns, plan.inputs), np.uint8)
+        self.scenes = np.zeros((self.columns, layout.inputs), np.uint8)
         """(C, I) the latest scenes, latest first; a young episode repeats its first."""
-        self.moves = np.zeros((self.columns, 4, plan.features), np.float32)
+        self.moves = np.zeros((self.columns, 4, layout.features), np.float32)
         """(C, 4, F) as last observed."""
         self._next_seed = next_seed
         self._begin(list(range(episodes)))
         self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
         self.memory = new_memory(self.columns, self.shape, observation)
-        self._eyes = eyes(observation, self.shape, scenario, prior)
-        self._agent = np.tile(np.arange(scenario.team, dtype=np.float64), episodes)
+        self._context = observation_context(observation, self.shape, scenario, prior)
+        self._agent = np.tile(np.arange(scenario.team), episodes)
 
     def _begin(self, episodes: list[int]) -> None:
         """Begin episodes; those on files of maps one by one, each on the next map."""
@@ -86,12 +87,13 @@ class Flock:
             state.cell.reshape(self.columns, 2),
             state.last_received_cell.reshape(self.columns, team, 2),
             np.where(heard >= 0, steps[:, None] - heard, -1),
-            np.stack([self._agent, steps / np.repeat(state.budget, team)], axis=1),
+            self._agent,
+            steps / np.repeat(state.budget, team),
         )
 
     def observe(self, columns: NDArray[np.int64]) -> None:
         """Refresh ``scene``, ``scenes`` and ``moves`` of some columns; once a step."""
-        observe(self._known(), self.memory, columns, self._eyes, self.scene, self.moves)
+        observe(self._known(), self.memory, columns, self._context, self.scene, self.moves)
         self.scenes[columns] = stacked(self.scene[columns], self.scenes[columns], self.age[columns] == 0)
 
     def step(self, actions: NDArray[np.int64]) -> NDArray[np.float64]:

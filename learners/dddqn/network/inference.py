@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
-from indoor_explorers.learners.dddqn.observation.layout import Layout, tour_costs
+from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, tour_costs
 
 Array = NDArray[np.float32]
 
 
-class Weights(NamedTuple):
+class NetworkWeights(NamedTuple):
     """The network's arrays; matrices are (inputs, outputs). Arrays of parts that are switched off are empty."""
 
     look: Array
@@ -45,7 +45,7 @@ class Weights(NamedTuple):
     dueling: bool
 
 
-def shapes(layout: Layout, config: NetworkConfig) -> dict[str, tuple[int, ...]]:
+def shapes(layout: ObservationLayout, config: NetworkConfig) -> dict[str, tuple[int, ...]]:
     """Return names and shapes of the network's arrays as torch stores them: (outputs, inputs)."""
     joined = config.width + 4 * layout.features
     linear = {"look": (config.width, layout.inputs), "think": (config.width, joined)}
@@ -63,7 +63,9 @@ def shapes(layout: Layout, config: NetworkConfig) -> dict[str, tuple[int, ...]]:
     return found
 
 
-def weights_from(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: NetworkConfig) -> Weights:
+def weights_from(
+    arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config: NetworkConfig
+) -> NetworkWeights:
     """Arrange the arrays of :func:`shapes` for acting."""
     matrices = ("think", "value", "advantage", "move_hidden", "move_out")
     names = ["look.weight", "look.bias", "look_norm.weight", "look_norm.bias"]
@@ -73,10 +75,10 @@ def weights_from(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: Net
     there = shapes(layout, config)
     empty = {name: np.zeros((0, 0) if name == "value.weight" else 0, np.float32) for name in names if name not in there}
     found: list[Any] = [np.ascontiguousarray({**arrays, **empty}[name].T, np.float32) for name in names]
-    return Weights._make([*found, _tours(arrays, layout, config), config.layer_norm, config.dueling])
+    return NetworkWeights._make([*found, _tours(arrays, layout, config), config.layer_norm, config.dueling])
 
 
-def _tours(arrays: Mapping[str, NDArray[Any]], layout: Layout, config: NetworkConfig) -> Array:
+def _tours(arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config: NetworkConfig) -> Array:
     """Return what each feature of a move adds to its value by itself, (F,): learned, and the pull of the tours."""
     parts = [arrays["tours.weight"][0]] if "tours.weight" in arrays else []
     pull = tour_costs(layout, config.tour_pull, 0.0)
@@ -116,7 +118,7 @@ def _relu(x: np.ndarray) -> None:
 
 
 @kernel()
-def _own_values(moves: np.ndarray, weights: Weights, out: np.ndarray) -> None:
+def _own_values(moves: np.ndarray, weights: NetworkWeights, out: np.ndarray) -> None:
     """Add what each move's own features say."""
     hidden = np.empty(weights.move_hidden.shape[1], np.float32)
     for k in range(4):
@@ -130,7 +132,7 @@ def _own_values(moves: np.ndarray, weights: Weights, out: np.ndarray) -> None:
 
 
 @kernel()
-def q_values(scenes: np.ndarray, moves: np.ndarray, weights: Weights, q: np.ndarray) -> None:
+def q_values(scenes: np.ndarray, moves: np.ndarray, weights: NetworkWeights, q: np.ndarray) -> None:
     """Write the values ``q`` (B, 4) of scenes (B, inputs) uint8 and move features (B, 4, features) float32."""
     width = weights.look.shape[1]
     look, think = np.empty(width, np.float32), np.empty(width, np.float32)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
-from indoor_explorers.learners.dddqn.observation.layout import Layout, tour_costs
+from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, tour_costs
 
 #: Noise in each weight at the beginning, in units of the reciprocal root of its layer's inputs.
 SIGMA = 0.5
@@ -55,7 +55,7 @@ class DuelingNetwork(nn.Module):
     flies the tours, and it learns what to put right. Runs under autocast as well.
     """
 
-    def __init__(self, layout: Layout, config: NetworkConfig) -> None:
+    def __init__(self, layout: ObservationLayout, config: NetworkConfig) -> None:
         super().__init__()
         width, features = config.width, layout.features
         last = NoisyLinear if config.noisy else nn.Linear
@@ -100,7 +100,7 @@ def duel(value_B1: Tensor, advantage_BA: Tensor) -> Tensor:
     return value_B1 + advantage_BA - advantage_BA.mean(dim=1, keepdim=True)
 
 
-def new_network(layout: Layout, config: NetworkConfig, seed: int) -> DuelingNetwork:
+def new_network(layout: ObservationLayout, config: NetworkConfig, seed: int) -> DuelingNetwork:
     """Return a network initialised from ``seed`` alone; torch's global generator is left as it was."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)

@@ -28,8 +28,13 @@ from indoor_explorers.learners.dddqn.observation.memory import LONGEST
 DEPTH = LONGEST
 #: Weight of a step without gain, and of a cell that is unseen for one step longer.
 PULL, DELAY = 0.02, 1e-4
-#: Steps that a tour which was not finished is reckoned to need for each unit of its last rank, and on top.
+#: The estimated steps of an unfinished tour are DEPTH + REST + PACE * rank.
 PACE, REST = 0.1, 4.0
+#: Columns of ``Beam.facts``: unseen cells, their pairs of neighbours, delay, rank, the step at which few enough were
+#: unseen (0 for not yet), steps since the last gain, and the state that this one follows.
+LEFT, PAIRS, UNSEEN_STEPS, RANK, HALFWAY, IDLE, PARENT = range(7)
+#: Columns of ``Beam.done``: delay, the step at which few enough were unseen, its last cell, and the state before that.
+DONE_DELAY, DONE_HALFWAY, DONE_CELL, DONE_PARENT = range(4)
 _ONE = np.uint64(1)
 
 
@@ -43,8 +48,7 @@ class Beam(NamedTuple):
     key: np.ndarray
     """(2, K) hash of the unseen set."""
     facts: np.ndarray
-    """(2, K, 7) unseen cells, pairs, delay, rank, step at which few enough were unseen, steps since the last gain, and
-    the state that it follows."""
+    """(2, K, 7) figures of each state: columns ``LEFT`` to ``PARENT``."""
     order: np.ndarray
     """(K,) candidates by rank."""
     met: np.ndarray
@@ -54,7 +58,7 @@ class Beam(NamedTuple):
     trail: np.ndarray
     """(D + 1, K, 2) for every step the cells of the states kept, and the states of the step before that they follow."""
     done: np.ndarray
-    """(4,) of the best finished tour: delay, step at which few enough were unseen, its last cell, what that follows."""
+    """(4,) of the best finished tour: columns ``DONE_DELAY`` to ``DONE_PARENT``."""
     path: np.ndarray
     """(D + 1,) the cells of the tour found last, if it is finished."""
 
@@ -115,18 +119,20 @@ def _write(
     beam.cell[bank, s], beam.key[bank, s] = cell, key
     unseen, numbers = beam.unseen[bank, s], beam.facts[bank, s]
     unseen[0], unseen[1], unseen[2], unseen[3] = words
-    numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5], numbers[6] = facts
+    left, near, delay, rank, halfway, idle, parent = facts
+    numbers[LEFT], numbers[PAIRS], numbers[UNSEEN_STEPS], numbers[RANK] = left, near, delay, rank
+    numbers[HALFWAY], numbers[IDLE], numbers[PARENT] = halfway, idle, parent
 
 
 @inner()
 def _place(beam: Beam, kept: int, rank: float) -> tuple[int, int]:
     """Make room among the candidates, sorted by rank; return where to write (-1 for nowhere) and how many are kept."""
     width, ranks = beam.order.shape[0], beam.facts[1]
-    if kept == width and rank >= ranks[beam.order[width - 1], 3]:
+    if kept == width and rank >= ranks[beam.order[width - 1], RANK]:
         return -1, kept
     free = beam.order[width - 1] if kept == width else kept
     j = min(kept, width - 1)
-    while j > 0 and ranks[beam.order[j - 1], 3] > rank:
+    while j > 0 and ranks[beam.order[j - 1], RANK] > rank:
         beam.order[j] = beam.order[j - 1]
         j -= 1
     beam.order[j] = free
@@ -156,18 +162,18 @@ def _expand(beam: Beam, states: int, step: int, views: np.ndarray, passages: np.
                 continue
             words = without(beam.unseen[0, s], views[cell])
             left = float(board_size(words))
-            gains = left < parent[0]
+            gains = left < parent[LEFT]
             key = board_hash(words) if gains else beam.key[0, s]
             if not is_new(beam.met, key ^ beam.cell_key[cell]):
                 continue
-            halfway = float(step) if parent[4] == 0 and left <= aim.halfway else parent[4]
-            delay = parent[2] + left
+            halfway = float(step) if parent[HALFWAY] == 0 and left <= aim.halfway else parent[HALFWAY]
+            delay = parent[UNSEEN_STEPS] + left
             if left <= aim.rest:
-                if delay < done[0]:
-                    done[0], done[1], done[2], done[3] = delay, halfway, cell, s
+                if delay < done[DONE_DELAY]:
+                    done[DONE_DELAY], done[DONE_HALFWAY], done[DONE_CELL], done[DONE_PARENT] = delay, halfway, cell, s
                 continue
-            near = float(neighbour_pairs(words)) if gains else parent[1]
-            idle = 0.0 if gains else parent[5] + 1
+            near = float(neighbour_pairs(words)) if gains else parent[PAIRS]
+            idle = 0.0 if gains else parent[IDLE] + 1
             rank = left * (1 + aim.isolation) - share * near + PULL * idle + DELAY * delay
             at, kept = _place(beam, kept, rank)
             if at >= 0:
@@ -185,14 +191,14 @@ def _advance(beam: Beam, kept: int, step: int) -> None:
             beam.unseen[0, s, k] = beam.unseen[1, o, k]
         for k in range(7):
             beam.facts[0, s, k] = beam.facts[1, o, k]
-        beam.trail[step, s, 0], beam.trail[step, s, 1] = beam.cell[1, o], int(beam.facts[1, o, 6])
+        beam.trail[step, s, 0], beam.trail[step, s, 1] = beam.cell[1, o], int(beam.facts[1, o, PARENT])
 
 
 @inner()
 def _trace(beam: Beam, steps: int) -> None:
     """Write the cells of the finished tour."""
-    beam.path[steps - 1] = int(beam.done[2])
-    state = int(beam.done[3])
+    beam.path[steps - 1] = int(beam.done[DONE_CELL])
+    state = int(beam.done[DONE_PARENT])
     for step in range(steps - 1, 0, -1):
         beam.path[step - 1] = beam.trail[step, state, 0]
         state = beam.trail[step, state, 1]
@@ -202,8 +208,9 @@ def _trace(beam: Beam, steps: int) -> None:
 def shortest_tour(cell: int, unseen: np.ndarray, views: np.ndarray, passages: np.ndarray, aim: Aim, beam: Beam) -> Tour:
     """Search for the shortest tour that begins with a step to ``cell`` and leaves ``aim.rest`` of ``unseen`` (4,).
 
-    ``views`` and ``passages`` are those of :class:`indoor_explorers.learners.dddqn.observation.memory.Memory`. Of the
-    tours of equal length it takes the one with the least delay among those it finds; ``beam.path`` gets its cells.
+    ``views`` and ``passages`` are those of
+    :class:`indoor_explorers.learners.dddqn.observation.memory.ObservationMemory`. Of tours of equal length it takes the
+    one with the least delay among those it finds; ``beam.path`` gets its cells.
     """
     left = _start(beam, cell, unseen, views, aim)
     beam.trail[1, 0, 0], beam.path[0] = cell, cell
@@ -212,17 +219,17 @@ def shortest_tour(cell: int, unseen: np.ndarray, views: np.ndarray, passages: np
     beam.met[:] = 0
     states = 1
     for step in range(2, DEPTH + 1):
-        beam.done[0] = np.inf
+        beam.done[DONE_DELAY] = np.inf
         kept = _expand(beam, states, step, views, passages, aim)
-        if beam.done[0] < np.inf:
+        if beam.done[DONE_DELAY] < np.inf:
             _trace(beam, step)
-            return Tour(True, float(step), beam.done[0], int(beam.done[1]))
+            return Tour(True, float(step), beam.done[DONE_DELAY], int(beam.done[DONE_HALFWAY]))
         if kept == 0:
             break
         _advance(beam, kept, step)
         states = kept
     best = beam.facts[0, 0]
-    return Tour(False, DEPTH + REST + PACE * best[3], best[2], int(best[4]))
+    return Tour(False, DEPTH + REST + PACE * best[RANK], best[UNSEEN_STEPS], int(best[HALFWAY]))
 
 
 @leaf()

@@ -1,6 +1,6 @@
 """The best places to look from next, on maps of any size: what a greedy planner would see behind each move.
 
-A prospect is a frontier cell. It is worth g^power e^(-rate d), with g what is in view of it, by the last survey, and d
+A prospect is a frontier cell. It is worth g^power e^(-rate d), with g what is in view of it, by the last flood, and d
 the way to it in lidar ranges (H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002, doi:10.1177/0278364902021010834). Of two
 kinds one counts all unknown cells alike and is greedy, the other counts isolated ones more and leaves fewer pockets
 behind. How far a move is behind the best one is the way, in steps at the reference range, that would make up for what
@@ -22,8 +22,10 @@ from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.compiled import leaf
 from indoor_explorers.env.search.bfs import flood
 from indoor_explorers.env.search.frontiers import touches_unknown
+from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND, PROSPECT, PROSPECTS
 from indoor_explorers.learners.dddqn.observation.map_image import HALF_DISTANCE
+from indoor_explorers.learners.dddqn.observation.memory import ObservationMemory
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE, Scratch, Sensor
 
 #: For each kind: exponent of what is in view, and discount of a lidar range on the way.
@@ -35,7 +37,7 @@ HEARD, THEIRS = 3.0, 0.05
 _THERE, _BEHIND, _BEST, _WAY, _VIEW = range(len(PROSPECT))
 
 
-class Outlook(NamedTuple):
+class CandidateScratch(NamedTuple):
     """Arrays that the search works in, for maps of one shape."""
 
     theirs: NDArray[np.int32]
@@ -48,10 +50,12 @@ class Outlook(NamedTuple):
     """(K, 4) flat."""
 
 
-def new_outlook(shape: tuple[int, int]) -> Outlook:
+def new_candidate_scratch(shape: tuple[int, int]) -> CandidateScratch:
     """Allocate the arrays for (H, W) maps."""
     best = (len(PROSPECTS), 4)
-    return Outlook(np.zeros(shape, np.int32), np.zeros(best), np.zeros(best, np.int64), np.zeros(best, np.int64))
+    return CandidateScratch(
+        np.zeros(shape, np.int32), np.zeros(best), np.zeros(best, np.int64), np.zeros(best, np.int64)
+    )
 
 
 @leaf()
@@ -71,70 +75,76 @@ def _spread_theirs(
 
 @leaf()
 def _offer(
-    kind: int, cell: int, steps: int, first: int, view: float, factor: float, lidar_range: float, outlook: Outlook
+    kind: int,
+    cell: int,
+    steps: int,
+    first: int,
+    view: float,
+    factor: float,
+    lidar_range: float,
+    candidates: CandidateScratch,
 ) -> None:
     """Let all moves have a prospect so many steps away, to which the moves ``first`` begin a shortest path."""
     here = factor * view ** POWERS[kind]
     for k in range(4):
         way = steps - 1 if first >> k & 1 else steps + 1
         worth = here * np.exp(-RATES[kind] * way / lidar_range)
-        if worth > outlook.worth[kind, k]:
-            outlook.worth[kind, k], outlook.steps[kind, k], outlook.cell[kind, k] = worth, way, cell
+        if worth > candidates.worth[kind, k]:
+            candidates.worth[kind, k], candidates.steps[kind, k], candidates.cell[kind, k] = worth, way, cell
 
 
 @leaf()
-def _write(kind: int, gain: np.ndarray, sensor: Sensor, blocked: np.ndarray, outlook: Outlook, out: np.ndarray) -> int:
+def _write(
+    kind: int, gain: np.ndarray, sensor: Sensor, blocked: np.ndarray, candidates: CandidateScratch, out: np.ndarray
+) -> int:
     """Write one kind's five features of each move into ``out`` (4, 5); return the best prospect's flat cell or -1."""
     best, most = -1, 0.0
     for k in range(4):
-        if blocked[k] == 0 and outlook.worth[kind, k] > most:
-            best, most = k, outlook.worth[kind, k]
+        if blocked[k] == 0 and candidates.worth[kind, k] > most:
+            best, most = k, candidates.worth[kind, k]
     for k in range(4):
-        worth, way = outlook.worth[kind, k], outlook.steps[kind, k] * sensor.rate
+        worth, way = candidates.worth[kind, k], candidates.steps[kind, k] * sensor.rate
         out[k, :] = 0.0
         if blocked[k] or worth <= 0.0:
             out[k, _BEHIND] = 1.0 if best >= 0 else 0.0
             continue
         behind = REFERENCE_RANGE * np.log(most / worth) / RATES[kind]
-        row, col = divmod(outlook.cell[kind, k], gain.shape[1])
+        row, col = divmod(candidates.cell[kind, k], gain.shape[1])
         out[k, _THERE], out[k, _BEHIND], out[k, _BEST] = 1.0, min(behind / BEYOND, 1.0), 1.0 if worth == most else 0.0
         out[k, _WAY], out[k, _VIEW] = way / (way + HALF_DISTANCE), np.sqrt(gain[row, col] / sensor.disc)
-    return int(outlook.cell[kind, best]) if best >= 0 else -1
+    return int(candidates.cell[kind, best]) if best >= 0 else -1
 
 
 @leaf()
-def look_for_prospects(
-    belief: np.ndarray,
-    mates: np.ndarray,
-    ages: np.ndarray,
-    gain: np.ndarray,
-    weight: np.ndarray,
-    kept: np.ndarray,
+def look_for_candidates(
+    known: Known,
+    memory: ObservationMemory,
+    i: int,
     sensor: Sensor,
     scratch: Scratch,
-    outlook: Outlook,
+    candidates: CandidateScratch,
     out: np.ndarray,
 ) -> None:
-    """Write the prospects of the four moves into ``out`` (4, 10), after a survey.
+    """Write the candidates of UAV ``i``'s four moves into ``out`` (4, 10), after the flood of the gains.
 
-    ``mates`` (M, 2) and ``ages`` (M,) tell where and how many steps ago others were heard, -1 for never; ``kept`` (2,)
-    are the flat cells of the best prospects of the last look, and are brought up to date.
+    The best ones of the last observation, ``memory.prospect``, are brought up to date.
     """
+    belief, gain, weight, kept = known.belief[i], memory.gain[i], memory.weight[i], memory.prospect[i]
     width, lidar_range = belief.shape[1], REFERENCE_RANGE / sensor.rate
-    _spread_theirs(belief, mates, ages, HEARD * lidar_range, scratch.queue, outlook.theirs)
-    outlook.worth[:] = 0.0
+    _spread_theirs(belief, known.mates[i], known.ages[i], HEARD * lidar_range, scratch.queue, candidates.theirs)
+    candidates.worth[:] = 0.0
     for row in range(belief.shape[0]):
         for col in range(width):
             steps, found = scratch.steps[row, col], gain[row, col]
             if steps < 0 or found <= 0 or not touches_unknown(belief, row, col):
                 continue
-            share = THEIRS if outlook.theirs[row, col] <= steps else 1.0
+            share = THEIRS if candidates.theirs[row, col] <= steps else 1.0
             for kind in range(len(POWERS)):
                 r, c = divmod(kept[kind], width)
                 held = kept[kind] >= 0 and max(abs(row - r), abs(col - c)) <= NEAR * lidar_range
                 view = float(found) if kind == 0 else float(weight[row, col])
                 factor = share * HOLD if held else share
-                _offer(kind, row * width + col, steps, scratch.first[row, col], view, factor, lidar_range, outlook)
+                _offer(kind, row * width + col, steps, scratch.first[row, col], view, factor, lidar_range, candidates)
     for kind in range(len(POWERS)):
         part = out[:, kind * len(PROSPECT) : (kind + 1) * len(PROSPECT)]
-        kept[kind] = _write(kind, gain, sensor, scratch.blocked, outlook, part)
+        kept[kind] = _write(kind, gain, sensor, scratch.blocked, candidates, part)

@@ -1,4 +1,4 @@
-"""What has become known since the last look, as boxes of cells, so that little has to be worked out anew."""
+"""Boxes of the cells that became known since the last observation, so that little has to be computed again."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ def _note_row(belief: np.ndarray, noted: np.ndarray) -> tuple[int, int]:
 def note(belief: np.ndarray, noted: np.ndarray, boxes: np.ndarray) -> int:
     """Note what is known of a belief (H, W); return how many ``boxes`` hold all that is newly known.
 
-    A box is (top, left, bottom, right), the last two exclusive; rows with news that follow one another share one.
+    A box is (top, left, bottom, right), the last two exclusive; adjacent rows with changes share one.
     There must be room for one in every other row.
     """
     found, joined = 0, False
     for r in range(belief.shape[0]):
-        news = False
+        changed = False
         for c in range(belief.shape[1]):  # without a branch, many cells at a time
-            news |= (belief[r, c] != UNKNOWN) & (noted[r, c] == 0)
-        if news:
+            changed |= (belief[r, c] != UNKNOWN) & (noted[r, c] == 0)
+        if changed:
             left, right = _note_row(belief[r], noted[r])
             if joined:
                 left, right = min(left, boxes[found - 1, 1]), max(right, boxes[found - 1, 3])
@@ -38,5 +38,5 @@ def note(belief: np.ndarray, noted: np.ndarray, boxes: np.ndarray) -> int:
                 boxes[found, 0] = r
                 found += 1
             boxes[found - 1, 1], boxes[found - 1, 2], boxes[found - 1, 3] = left, r + 1, right
-        joined = news
+        joined = changed
     return found

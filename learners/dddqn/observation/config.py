@@ -23,7 +23,7 @@ class ObservationConfig(Settings):
     layers: tuple[Layer, ...] = ("unknown", "free", "chance")
     """What the fine map shows: ``unknown`` and known ``free`` cells, the ``chance`` of unknown cells to count by the
     learned map prior, ``visits`` since the last gain, ``frontier`` cells, ``distance`` by known free cells to the
-    nearest of them, ``mates`` heard in this step and ``mates_past``, fading with the age of the news."""
+    nearest of them, ``mates`` heard in this step and ``mates_past``, fading with the steps since then."""
     coarse: int = Field(11, ge=0, le=31)
     """Blocks a side of the coarse map around the UAV, each 3x3 pixels, odd; 0 leaves it out."""
     sides: bool = True

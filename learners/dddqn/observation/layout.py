@@ -55,7 +55,7 @@ PROSPECT = ("there is one", "steps behind the best", "it is the best", "distance
 BEYOND = 8.0
 
 
-class Layout(NamedTuple):
+class ObservationLayout(NamedTuple):
     """Offsets and sizes as plain numbers for compiled code; an offset of -1 means left out."""
 
     crop: int
@@ -86,7 +86,7 @@ class Layout(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def layout(config: ObservationConfig) -> Layout:
+def observation_layout(config: ObservationConfig) -> ObservationLayout:
     """Work out the layout of an observation."""
     at, layers = 0, np.full(len(LAYERS), -1)
     for layer in config.layers:
@@ -107,7 +107,7 @@ def layout(config: ObservationConfig) -> Layout:
         len(PROSPECTS) * len(PROSPECT) * config.prospects,
     )
     layers.setflags(write=False)
-    return Layout(
+    return ObservationLayout(
         crop=config.crop,
         coarse=config.coarse,
         layers=layers,
@@ -135,21 +135,21 @@ def _places(at: int, *sizes: int) -> list[int]:
     return [*places, at]
 
 
-def tour_costs(plan: Layout, to_goal: float, to_mark: float) -> NDArray[np.float32] | None:
+def tour_costs(layout: ObservationLayout, to_goal: float, to_mark: float) -> NDArray[np.float32] | None:
     """Return weights (F,) of the features of a move by which steps beyond the shortest tours cost so much each.
 
     Steps behind the best prospect by all that is in view cost as much as those of tours to the goal: of one kind alone,
     as a UAV drawn to two places at once may end up flying to and fro between them. None where neither is seen or they
     cost nothing.
     """
-    if plan.tours_at == plan.prospects_at == -1 or to_goal == to_mark == 0.0:
+    if layout.tours_at == layout.prospects_at == -1 or to_goal == to_mark == 0.0:
         return None
-    weights = np.zeros(plan.features, np.float32)
-    if plan.tours_at >= 0:
-        weights[plan.tours_at + TOURS.index("its steps beyond the shortest")] = -to_goal * BEYOND
-        weights[plan.tours_at + TOURS.index("its steps beyond the shortest to 90 %")] = -to_mark * BEYOND
-    if plan.prospects_at >= 0:
-        weights[plan.prospects_at + PROSPECT.index("steps behind the best")] = -to_goal * BEYOND
+    weights = np.zeros(layout.features, np.float32)
+    if layout.tours_at >= 0:
+        weights[layout.tours_at + TOURS.index("its steps beyond the shortest")] = -to_goal * BEYOND
+        weights[layout.tours_at + TOURS.index("its steps beyond the shortest to 90 %")] = -to_mark * BEYOND
+    if layout.prospects_at >= 0:
+        weights[layout.prospects_at + PROSPECT.index("steps behind the best")] = -to_goal * BEYOND
     return weights
 
 
@@ -183,17 +183,17 @@ def _turned_moves(symmetry: int) -> list[int]:
 @lru_cache(maxsize=64)
 def symmetries(config: ObservationConfig) -> Symmetries:
     """Return the tables of an observation."""
-    plan = layout(config)
+    layout = observation_layout(config)
     action = np.array([_turned_moves(g) for g in range(SYMMETRIES)])
     moves = np.argsort(action, axis=1)
-    scene = np.tile(np.arange(plan.scene), (SYMMETRIES, 1))
-    maps = [(start, config.crop) for start in plan.layers.tolist() if start >= 0]
-    if plan.coarse_at >= 0:
-        maps += [(plan.coarse_at + k * config.coarse**2, config.coarse) for k in range(2 + plan.coarse_mates)]
+    scene = np.tile(np.arange(layout.scene), (SYMMETRIES, 1))
+    maps = [(start, config.crop) for start in layout.layers.tolist() if start >= 0]
+    if layout.coarse_at >= 0:
+        maps += [(layout.coarse_at + k * config.coarse**2, config.coarse) for k in range(2 + layout.coarse_mates)]
     for g in range(SYMMETRIES):
         for start, side in maps:
             cells = np.arange(start, start + side * side).reshape(side, side)
             scene[g, start : start + side * side] = turned(cells, g).ravel()
-        if plan.sides_at >= 0:
-            scene[g, plan.sides_at : plan.sides_at + 4] = plan.sides_at + moves[g]
+        if layout.sides_at >= 0:
+            scene[g, layout.sides_at : layout.sides_at + 4] = layout.sides_at + moves[g]
     return Symmetries(scene=scene, moves=moves, action=action)

@@ -1,4 +1,4 @@
-"""The scene: maps around one UAV, as pixels of 0 to 255.
+"""The map image, called ``scene`` in arrays: maps around one UAV, as pixels of 0 to 255.
 
 The fine map has one pixel for each cell at lidar range 3 and for 3x3 cells at range 10; the coarse map has one for
 each block of 3x3 pixels. Both are centred on the UAV and zero off the map.
@@ -12,7 +12,9 @@ from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import leaf
 from indoor_explorers.env.search.bfs import flood
 from indoor_explorers.env.search.frontiers import touches_unknown
-from indoor_explorers.learners.dddqn.observation.layout import IDENTITIES, Layout
+from indoor_explorers.learners.dddqn.observation.known import Known
+from indoor_explorers.learners.dddqn.observation.layout import IDENTITIES, ObservationLayout
+from indoor_explorers.learners.dddqn.observation.memory import ObservationMemory
 from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor
 
 #: Places of the layers in :data:`indoor_explorers.learners.dddqn.config.LAYERS`.
@@ -21,7 +23,7 @@ _UNKNOWN, _FREE, _CHANCE, _VISITS, _FRONTIER, _DISTANCE, _MATES, _MATES_PAST = r
 VISIT_CAP = 4
 #: Reference steps at which a distance or a wait is shown as one half.
 HALF_DISTANCE = 8.0
-#: What is left of the news of a teammate's place after one reference step.
+#: Factor on a teammate's mark for each reference step since it was heard.
 FADING = 0.95
 
 
@@ -105,8 +107,8 @@ def _show_distance(belief: np.ndarray, rate: float, scratch: Scratch) -> None:
 
 
 @leaf()
-def _news(age: int, rate: float) -> int:
-    """Return what is left of the news of a teammate's place, 255 for now."""
+def _freshness(age: int, rate: float) -> int:
+    """Return the mark of a teammate heard ``age`` steps ago: 255 for now, fading with age."""
     return int(255.0 * FADING ** (age * rate) + 0.5)
 
 
@@ -123,41 +125,40 @@ def _show_mates(
             continue
         i, j = (mates[m, 0] - row - first) // side, (mates[m, 1] - col - first) // side
         if 0 <= i < pixels and 0 <= j < pixels:
-            out[i * pixels + j] = max(out[i * pixels + j], _news(ages[m], sensor.rate))
+            out[i * pixels + j] = max(out[i * pixels + j], _freshness(ages[m], sensor.rate))
 
 
 @leaf()
 def _write_fine(
-    belief: np.ndarray,
-    cell: np.ndarray,
-    visits: np.ndarray,
-    chance: np.ndarray,
+    known: Known,
+    memory: ObservationMemory,
+    i: int,
     sensor: Sensor,
     scratch: Scratch,
-    plan: Layout,
+    layout: ObservationLayout,
     out: np.ndarray,
 ) -> None:
     """Write the layers of the fine map that tell of cells."""
-    row, col, side, size = cell[0], cell[1], sensor.scale, plan.crop * plan.crop
+    row, col, side, size = known.cell[i, 0], known.cell[i, 1], sensor.scale, layout.crop * layout.crop
     for layer in range(_MATES):
-        at = plan.layers[layer]
+        at = layout.layers[layer]
         if at < 0:
             continue
         pixels = out[at : at + size]
         if layer == _UNKNOWN:
-            _pool(scratch.unknown, row, col, plan.crop, side, pixels)
+            _pool(scratch.unknown, row, col, layout.crop, side, pixels)
         elif layer == _FREE:
-            _pool(scratch.free, row, col, plan.crop, side, pixels)
+            _pool(scratch.free, row, col, layout.crop, side, pixels)
         elif layer == _CHANCE:
-            _pool_layer(chance, row, col, plan.crop, side, True, pixels)
+            _pool_layer(memory.chance[i], row, col, layout.crop, side, True, pixels)
         else:
             if layer == _VISITS:
-                _show_visits(visits, scratch.layer)
+                _show_visits(memory.visits[i], scratch.layer)
             elif layer == _FRONTIER:
-                _show_frontier(belief, scratch.layer)
+                _show_frontier(known.belief[i], scratch.layer)
             else:
-                _show_distance(belief, sensor.rate, scratch)
-            _pool_layer(scratch.layer, row, col, plan.crop, side, False, pixels)
+                _show_distance(known.belief[i], sensor.rate, scratch)
+            _pool_layer(scratch.layer, row, col, layout.crop, side, False, pixels)
 
 
 @leaf()
@@ -175,42 +176,36 @@ def _write_sides(row: int, col: int, table: np.ndarray, disc: float, out: np.nda
 
 
 @leaf()
-def write_scene(
-    belief: np.ndarray,
-    cell: np.ndarray,
-    mates: np.ndarray,
-    ages: np.ndarray,
-    visits: np.ndarray,
-    chance: np.ndarray,
-    facts: np.ndarray,
+def write_map_image(
+    known: Known,
+    memory: ObservationMemory,
+    i: int,
     sensor: Sensor,
     scratch: Scratch,
-    plan: Layout,
+    layout: ObservationLayout,
     out: np.ndarray,
 ) -> None:
-    """Write a scene (S,) uint8; the summed-area tables must be filled.
-
-    ``facts`` (3,): the UAV's number, the share of its steps that are flown, and the steps since its last gain.
-    """
-    row, col, fine, coarse = cell[0], cell[1], plan.crop * plan.crop, plan.coarse * plan.coarse
-    _write_fine(belief, cell, visits, chance, sensor, scratch, plan, out)
+    """Write the map image (S,) uint8 of UAV ``i``; the summed-area tables must be filled."""
+    row, col, mates, ages = known.cell[i, 0], known.cell[i, 1], known.mates[i], known.ages[i]
+    fine, coarse = layout.crop * layout.crop, layout.coarse * layout.coarse
+    _write_fine(known, memory, i, sensor, scratch, layout, out)
     for past in range(2):
-        at = plan.layers[_MATES + past]
+        at = layout.layers[_MATES + past]
         if at >= 0:
             _show_mates(row, col, mates, ages, sensor, sensor.scale, past, out[at : at + fine])
-    at = plan.coarse_at
+    at = layout.coarse_at
     if at >= 0:
-        _pool(scratch.unknown, row, col, plan.coarse, 3 * sensor.scale, out[at : at + coarse])
-        _pool(scratch.free, row, col, plan.coarse, 3 * sensor.scale, out[at + coarse : at + 2 * coarse])
-        if plan.coarse_mates:
+        _pool(scratch.unknown, row, col, layout.coarse, 3 * sensor.scale, out[at : at + coarse])
+        _pool(scratch.free, row, col, layout.coarse, 3 * sensor.scale, out[at + coarse : at + 2 * coarse])
+        if layout.coarse_mates:
             _show_mates(row, col, mates, ages, sensor, 3 * sensor.scale, 2, out[at + 2 * coarse : at + 3 * coarse])
-    if plan.sides_at >= 0:
-        _write_sides(row, col, scratch.unknown, sensor.disc, out[plan.sides_at : plan.sides_at + 4])
-    if plan.identity_at >= 0:
-        out[plan.identity_at : plan.identity_at + IDENTITIES] = 0
-        out[plan.identity_at + int(facts[0]) % IDENTITIES] = 255
-    if plan.progress_at >= 0:
-        known, wait = 1.0 - scratch.unknown[-1, -1] / belief.size, facts[2] * sensor.rate
-        out[plan.progress_at] = int(255.0 * known + 0.5)
-        out[plan.progress_at + 1] = int(255.0 * min(facts[1], 1.0) + 0.5)
-        out[plan.progress_at + 2] = int(255.0 * wait / (wait + HALF_DISTANCE) + 0.5)
+    if layout.sides_at >= 0:
+        _write_sides(row, col, scratch.unknown, sensor.disc, out[layout.sides_at : layout.sides_at + 4])
+    if layout.identity_at >= 0:
+        out[layout.identity_at : layout.identity_at + IDENTITIES] = 0
+        out[layout.identity_at + known.agent[i] % IDENTITIES] = 255
+    if layout.progress_at >= 0:
+        share, wait = 1.0 - scratch.unknown[-1, -1] / known.belief[i].size, float(memory.idle[i]) * sensor.rate
+        out[layout.progress_at] = int(255.0 * share + 0.5)
+        out[layout.progress_at + 1] = int(255.0 * min(known.flown[i], 1.0) + 0.5)
+        out[layout.progress_at + 2] = int(255.0 * wait / (wait + HALF_DISTANCE) + 0.5)

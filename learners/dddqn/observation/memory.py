@@ -12,13 +12,14 @@ from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import PROSPECTS
-from indoor_explorers.learners.dddqn.observation.view_gain import STALE
 
+#: A gain that is to be counted, and that of a cell where the UAV has been: it has seen what there is to see from there.
+STALE, SPENT = -1, -2
 #: Cells of the longest tour that is remembered.
 LONGEST = 40
 
 
-class Memory(NamedTuple):
+class ObservationMemory(NamedTuple):
     """Arrays of C columns for maps of (H, W) cells; R = 256 where tours are planned and 0 elsewhere."""
 
     noted: NDArray[np.uint8]
@@ -80,11 +81,11 @@ class Memory(NamedTuple):
         self.aimed[...] = np.where(inside, row * width + col, -1)
 
 
-def new_memory(columns: int, shape: tuple[int, int], observation: ObservationConfig) -> Memory:
+def new_memory(columns: int, shape: tuple[int, int], observation: ObservationConfig) -> ObservationMemory:
     """Allocate the memory of ``columns`` UAVs on (H, W) maps, for tours where the map is small enough."""
     cells = (columns, *shape)
     room = STRIDE * ROOM if observation.tours and max(shape) <= ROOM else 0
-    memory = Memory(
+    memory = ObservationMemory(
         noted=np.zeros(cells, np.uint8),
         visits=np.zeros(cells, np.uint8),
         aimed=np.zeros(columns, np.int64),

@@ -20,11 +20,46 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS, board_size, remove
 from indoor_explorers.env.search.optimistic_views import attainable
 from indoor_explorers.learners.dddqn.observation.beam import Aim, Beam, Tour, follow_tour, new_beam, shortest_tour
-from indoor_explorers.learners.dddqn.observation.layout import BEYOND
-from indoor_explorers.learners.dddqn.observation.memory import LONGEST
+from indoor_explorers.learners.dddqn.observation.known import Known
+from indoor_explorers.learners.dddqn.observation.layout import BEYOND, TOURS
+from indoor_explorers.learners.dddqn.observation.memory import LONGEST, ObservationMemory
+
+#: Shares of the cells that tours leave unseen: at the goal, and at the mark on the way.
+GOAL_REST, HALFWAY_REST = 0.01, 0.1
+#: Part of a cell that may be missing at the goal, as all shares are estimates.
+SLACK = 0.2
+#: Extra weight of isolated unseen cells in tours to the goal: in a room without obstacles so far, and with some.
+OPEN_ISOLATION, ISOLATION = 8.0, 20.0
+#: The same for tours to the mark on the way, as a factor.
+HALFWAY_ISOLATION = 0.25
+#: Chances below this, of 255, let a cell be left out.
+LIKELY = 96
+#: Share of the map that teammates' radios cover together above which they are likely to be heard from the beginning.
+OFTEN = 0.4
+#: Scales of the features: steps, steps to the mark, delay beyond the least.
+STEPS, HALFWAY_STEPS, DELAYS = 48.0, 40.0, 200.0
+#: Columns of ``TourScratch.found``.
+_FINISHED, _STEPS, _DELAY, _HALFWAY = range(4)
+#: Columns of ``TourScratch.least``: the least steps, delay and steps to the mark of all moves.
+_LEAST_STEPS, _LEAST_DELAY, _LEAST_TO_MARK = range(3)
+#: Kinds of tours: to the goal, and to the mark on the way.
+_GOAL, _MARK = range(2)
+#: Columns of the features of a move, by their names.
+_GOAL_FOUND = TOURS.index("a tour to the goal was found")
+_GOAL_BEYOND = TOURS.index("its steps beyond the shortest")
+_GOAL_SHORTEST = TOURS.index("it is the shortest")
+_GOAL_STEPS = TOURS.index("its steps")
+_DELAY_BEYOND = TOURS.index("its delay beyond the least")
+_MEAN_UNSEEN = TOURS.index("its delay")
+_UNKNOWN_SHARE = TOURS.index("unknown share")
+_MARK_FOUND = TOURS.index("a tour to 90 % was found")
+_MARK_BEYOND = TOURS.index("its steps beyond the shortest to 90 %")
+_MARK_SHORTEST = TOURS.index("it is the shortest to 90 %")
+_MARK_STEPS = TOURS.index("its steps to 90 %")
+_GOAL_HALFWAY = TOURS.index("steps of the tour to the goal until 90 %")
 
 
-class Planner(NamedTuple):
+class TourScratch(NamedTuple):
     """Scratch of the search for tours."""
 
     beam: Beam
@@ -48,9 +83,9 @@ class Planner(NamedTuple):
     """(H, W) the UAV in whose sector of the map a cell lies, -1 where there are none; empty where tours are not."""
 
 
-def new_planner(shape: tuple[int, int], scenario: Scenario, width: int) -> Planner:
+def new_tour_scratch(shape: tuple[int, int], scenario: Scenario, width: int) -> TourScratch:
     """Allocate the scratch for maps of (H, W) cells and a search that keeps ``width`` states at each step."""
-    return Planner(
+    return TourScratch(
         beam=new_beam(width),
         attainable=np.zeros(WORDS, np.uint64),
         unseen=np.zeros(WORDS, np.uint64),
@@ -79,31 +114,13 @@ def sectors(shape: tuple[int, int], scenario: Scenario) -> NDArray[np.int64]:
     return np.asarray((rank * team // bearing.size).reshape(shape), np.int64)
 
 
-#: Shares of the cells that tours leave unseen: at the goal, and at the mark on the way.
-GOAL_REST, HALFWAY_REST = 0.01, 0.1
-#: Part of a cell that may be missing at the goal, as all shares are estimates.
-SLACK = 0.2
-#: Extra weight of isolated unseen cells in tours to the goal: in a room without obstacles so far, and with some.
-OPEN_ISOLATION, ISOLATION = 8.0, 20.0
-#: The same for tours to the mark on the way, as a factor.
-HALFWAY_ISOLATION = 0.25
-#: Chances below this, of 255, let a cell be left out.
-LIKELY = 96
-#: Share of the map that teammates' radios cover together above which they are likely to be heard from the beginning.
-OFTEN = 0.4
-#: Scales of the features: steps, steps to the mark, delay beyond the least.
-STEPS, HALFWAY_STEPS, DELAYS = 48.0, 40.0, 200.0
-
-
 @inner()
-def _is_a_mates(
-    row: int, col: int, agent: int, r: int, c: int, mates: np.ndarray, ages: np.ndarray, sector: np.ndarray
-) -> bool:
+def _is_a_mates(known: Known, i: int, r: int, c: int, sector: np.ndarray) -> bool:
     """Tell whether (r, c) is a teammate's: one that was nearer when last heard, or one never heard in its sector."""
-    owner = sector[r, c]
+    owner, agent, ages, mates = sector[r, c], known.agent[i], known.ages[i], known.mates[i]
     if owner >= 0 and owner != agent and ages[owner] < 0:
         return True
-    own = abs(row - r) + abs(col - c)
+    own = abs(known.cell[i, 0] - r) + abs(known.cell[i, 1] - c)
     for m in range(ages.shape[0]):
         if ages[m] >= 0 and abs(mates[m, 0] - r) + abs(mates[m, 1] - c) < own + (m < agent):
             return True
@@ -111,22 +128,13 @@ def _is_a_mates(
 
 
 @inner(inlined=False)
-def _wanted(
-    belief: np.ndarray,
-    cell: np.ndarray,
-    agent: int,
-    mates: np.ndarray,
-    ages: np.ndarray,
-    chance: np.ndarray,
-    sector: np.ndarray,
-    out: np.ndarray,
-    stage: int,
-) -> int:
+def _wanted(known: Known, i: int, chance: np.ndarray, sector: np.ndarray, out: np.ndarray, stage: int) -> int:
     """Take from ``out`` (4,) what is known, from stage 1 on what is unlikely, at 2 what is a mate's; count the rest."""
+    belief = known.belief[i]
     for r in range(belief.shape[0]):
         for c in range(belief.shape[1]):
             left_out = belief[r, c] != UNKNOWN or (stage > 0 and chance[r, c] < LIKELY)
-            if left_out or (stage > 1 and _is_a_mates(cell[0], cell[1], agent, r, c, mates, ages, sector)):
+            if left_out or (stage > 1 and _is_a_mates(known, i, r, c, sector)):
                 remove(out, r * STRIDE + c)
     return board_size((out[0], out[1], out[2], out[3]))
 
@@ -141,21 +149,13 @@ def _free(belief: np.ndarray) -> int:
 
 
 @inner(inlined=False)
-def _choose_unseen(
-    belief: np.ndarray,
-    cell: np.ndarray,
-    agent: int,
-    mates: np.ndarray,
-    ages: np.ndarray,
-    chance: np.ndarray,
-    planner: Planner,
-) -> tuple[int, float]:
+def _choose_unseen(known: Known, i: int, chance: np.ndarray, scratch: TourScratch) -> tuple[int, float]:
     """Write what tours are to see (4,); return how much that is and how many cells there may be to count in all."""
-    left, total, free, unseen = 0, 0.0, _free(belief), planner.unseen
+    left, total, free, unseen = 0, 0.0, _free(known.belief[i]), scratch.unseen
     for stage in (2, 1, 0):
         for w in range(WORDS):
-            unseen[w] = planner.attainable[w]
-        left = _wanted(belief, cell, agent, mates, ages, chance, planner.sector, unseen, stage)
+            unseen[w] = scratch.attainable[w]
+        left = _wanted(known, i, chance, scratch.sector, unseen, stage)
         total = float(free + left)
         if left > GOAL_REST * total + SLACK:
             break
@@ -164,21 +164,33 @@ def _choose_unseen(
 
 @inner(inlined=False)
 def _search(
-    at: int, move: int, kind: int, views: np.ndarray, passages: np.ndarray, planner: Planner, aim: Aim, kept: np.ndarray
+    at: int,
+    move: int,
+    kind: int,
+    views: np.ndarray,
+    passages: np.ndarray,
+    scratch: TourScratch,
+    aim: Aim,
+    kept: np.ndarray,
 ) -> None:
     """Find a tour behind a move; the ``kept`` one (41,), found before, is taken where it is better."""
     after = at + MOVES[move, 0] * STRIDE + MOVES[move, 1]
-    path, facts = planner.paths[move, kind], planner.found[move, kind]
-    tour = shortest_tour(after, planner.unseen, views, passages, aim, planner.beam)
+    path, found = scratch.paths[move, kind], scratch.found[move, kind]
+    tour = shortest_tour(after, scratch.unseen, views, passages, aim, scratch.beam)
     for k in range(path.shape[0]):
-        path[k] = planner.beam.path[k] if tour.finished and k < tour.steps else -1
+        path[k] = scratch.beam.path[k] if tour.finished and k < tour.steps else -1
     if kept[0] == after:
-        old = follow_tour(at, kept, planner.unseen, views, passages, aim)
+        old = follow_tour(at, kept, scratch.unseen, views, passages, aim)
         if old.steps < tour.steps or (old.steps == tour.steps and old.delay < tour.delay):
             tour = old
             for k in range(path.shape[0]):
                 path[k] = kept[k] if k < old.steps else -1
-    facts[0], facts[1], facts[2], facts[3] = tour.finished, tour.steps, tour.delay, tour.halfway
+    found[_FINISHED], found[_STEPS], found[_DELAY], found[_HALFWAY] = (
+        tour.finished,
+        tour.steps,
+        tour.delay,
+        tour.halfway,
+    )
 
 
 @inner()
@@ -190,86 +202,81 @@ def _move_on(at: int, kept: np.ndarray) -> None:
 
 
 @inner()
-def _keep_best(kind: int, planner: Planner, blocked: np.ndarray, kept: np.ndarray) -> None:
+def _keep_best(kind: int, scratch: TourScratch, blocked: np.ndarray, kept: np.ndarray) -> None:
     """Remember the best tour of all moves."""
     best = -1
     for k in range(4):
-        if blocked[k] == 0 and planner.paths[k, kind, 0] >= 0:
-            mine, its = planner.found[k, kind], planner.found[best, kind]
-            if best < 0 or mine[1] < its[1] or (mine[1] == its[1] and mine[2] < its[2]):
+        if blocked[k] == 0 and scratch.paths[k, kind, 0] >= 0:
+            mine, its = scratch.found[k, kind], scratch.found[best, kind]
+            if best < 0 or mine[_STEPS] < its[_STEPS] or (mine[_STEPS] == its[_STEPS] and mine[_DELAY] < its[_DELAY]):
                 best = k
     for k in range(kept.shape[0]):
-        kept[k] = planner.paths[best, kind, k] if best >= 0 else -1
+        kept[k] = scratch.paths[best, kind, k] if best >= 0 else -1
 
 
 @inner()
 def _kept(numbers: np.ndarray) -> Tour:
-    return Tour(numbers[0] > 0, numbers[1], numbers[2], int(numbers[3]))
+    return Tour(numbers[_FINISHED] > 0, numbers[_STEPS], numbers[_DELAY], int(numbers[_HALFWAY]))
 
 
 @inner()
 def _write(goal: Tour, mark: Tour, least: np.ndarray, left: int, total: float, early: bool, out: np.ndarray) -> None:
     """Write the twelve features of one move; ``least`` holds the least steps, delay and steps to the mark of all."""
-    out[0] = goal.finished
-    out[1] = min((goal.steps - least[0]) / BEYOND, 1.0)
-    out[2] = goal.steps == least[0]
-    out[3] = min(goal.steps / STEPS, 2.0)
-    out[4] = min((goal.delay - least[1]) / DELAYS, 1.0)
-    out[5] = goal.delay / (max(left, 1) * goal.steps)
-    out[6] = left / total
+    out[_GOAL_FOUND] = goal.finished
+    out[_GOAL_BEYOND] = min((goal.steps - least[_LEAST_STEPS]) / BEYOND, 1.0)
+    out[_GOAL_SHORTEST] = goal.steps == least[_LEAST_STEPS]
+    out[_GOAL_STEPS] = min(goal.steps / STEPS, 2.0)
+    out[_DELAY_BEYOND] = min((goal.delay - least[_LEAST_DELAY]) / DELAYS, 1.0)
+    out[_MEAN_UNSEEN] = goal.delay / (max(left, 1) * goal.steps)
+    out[_UNKNOWN_SHARE] = left / total
     if early:
-        out[7] = mark.finished
-        out[8] = min((mark.steps - least[2]) / BEYOND, 1.0)
-        out[9] = mark.steps == least[2]
-        out[10] = min(mark.steps / HALFWAY_STEPS, 2.0)
-        out[11] = min(max((goal.halfway - least[2]) / BEYOND, 0.0), 1.0)
+        out[_MARK_FOUND] = mark.finished
+        out[_MARK_BEYOND] = min((mark.steps - least[_LEAST_TO_MARK]) / BEYOND, 1.0)
+        out[_MARK_SHORTEST] = mark.steps == least[_LEAST_TO_MARK]
+        out[_MARK_STEPS] = min(mark.steps / HALFWAY_STEPS, 2.0)
+        out[_GOAL_HALFWAY] = min(max((goal.halfway - least[_LEAST_TO_MARK]) / BEYOND, 0.0), 1.0)
 
 
 @leaf()
 def look_for_tours(
-    belief: np.ndarray,
-    cell: np.ndarray,
-    agent: int,
-    mates: np.ndarray,
-    ages: np.ndarray,
-    chance: np.ndarray,
-    views: np.ndarray,
-    passages: np.ndarray,
-    kept: np.ndarray,
-    planner: Planner,
+    known: Known,
+    memory: ObservationMemory,
+    i: int,
+    scratch: TourScratch,
     obstructed: bool,
     blocked: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Write the features of the four moves into ``out`` (4, 12); those of ``blocked`` (4,) moves say so.
+    """Write the features of UAV ``i``'s four moves into ``out`` (4, 12); those of ``blocked`` (4,) moves say so.
 
-    ``cell`` (2,) is where UAV ``agent`` is, ``mates`` (M, 2) and ``ages`` (M,) where and how many steps ago others were
-    heard, -1 for never. ``kept`` (2, 41) are the best tours found before, to the goal and to the mark, and are brought
-    up to date.
+    ``memory.views`` and ``memory.passages`` must be up to date. ``memory.tour``, the best tours found before, to the
+    goal and to the mark, are brought up to date.
     """
-    at = cell[0] * STRIDE + cell[1]
-    attainable(at, views, passages, planner.queue, planner.steps, planner.attainable)
-    left, total = _choose_unseen(belief, cell, agent, mates, ages, chance, planner)
+    views, passages, kept = memory.views[i], memory.passages[i], memory.tour[i]
+    at = known.cell[i, 0] * STRIDE + known.cell[i, 1]
+    attainable(at, views, passages, scratch.queue, scratch.steps, scratch.attainable)
+    left, total = _choose_unseen(known, i, memory.chance[i], scratch)
     rest, halfway = GOAL_REST * total + SLACK, HALFWAY_REST * total
     early, isolation = left > halfway, ISOLATION if obstructed else OPEN_ISOLATION
     goal_aim = Aim(rest if left > rest else 0.0, halfway, isolation)
     mark_aim = Aim(halfway, halfway, isolation * HALFWAY_ISOLATION)
-    found, least = planner.found, planner.least
+    found, least = scratch.found, scratch.least
     least[:] = np.inf
-    _move_on(at, kept[0])
-    _move_on(at, kept[1])
+    _move_on(at, kept[_GOAL])
+    _move_on(at, kept[_MARK])
     for k in range(4):
         if blocked[k] == 0:
-            _search(at, k, 0, views, passages, planner, goal_aim, kept[0])
+            _search(at, k, _GOAL, views, passages, scratch, goal_aim, kept[_GOAL])
             if early:
-                _search(at, k, 1, views, passages, planner, mark_aim, kept[1])
-            least[0], least[1] = min(least[0], found[k, 0, 1]), min(least[1], found[k, 0, 2])
-            least[2] = min(least[2], found[k, 1, 1])
-    _keep_best(0, planner, blocked, kept[0])
+                _search(at, k, _MARK, views, passages, scratch, mark_aim, kept[_MARK])
+            least[_LEAST_STEPS] = min(least[_LEAST_STEPS], found[k, _GOAL, _STEPS])
+            least[_LEAST_DELAY] = min(least[_LEAST_DELAY], found[k, _GOAL, _DELAY])
+            least[_LEAST_TO_MARK] = min(least[_LEAST_TO_MARK], found[k, _MARK, _STEPS])
+    _keep_best(_GOAL, scratch, blocked, kept[_GOAL])
     if early:
-        _keep_best(1, planner, blocked, kept[1])
+        _keep_best(_MARK, scratch, blocked, kept[_MARK])
     for k in range(4):
         out[k] = 0.0
-        out[k, 1] = out[k, 8] = float(blocked[k])
+        out[k, _GOAL_BEYOND] = out[k, _MARK_BEYOND] = float(blocked[k])
         if blocked[k] == 0:
-            _write(_kept(found[k, 0]), _kept(found[k, 1]), least, left, total, early, out[k])
+            _write(_kept(found[k, _GOAL]), _kept(found[k, _MARK]), least, left, total, early, out[k])

@@ -14,12 +14,11 @@ from indoor_explorers.env.grid.compiled import leaf
 from indoor_explorers.env.search.frontiers import touches_unknown
 from indoor_explorers.env.sensing.lidar import unknown_in_view, visible_cells
 from indoor_explorers.learners.dddqn.observation.map_image import HALF_DISTANCE, within
+from indoor_explorers.learners.dddqn.observation.memory import SPENT, STALE
 from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor
 
 #: Columns of ``Scratch.ahead``: the best gain for each discount, the sum of the gains, the steps to the nearest.
 _SUM, _NEAREST = 3, 4
-#: A gain that is to be counted, and that of a cell where the UAV has been: it has seen what there is to see from there.
-STALE, SPENT = -1, -2
 #: Half the side of the square around an unknown cell in which known cells make it isolated, and the square's other
 #: cells.
 AROUND, OTHERS = 2, 24
@@ -111,7 +110,7 @@ def _credit(gain: int, steps: int, first: int, share: float, sensor: Sensor, scr
 
 
 @leaf()
-def survey(
+def flood_gains(
     belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gains: np.ndarray, weights: np.ndarray
 ) -> int:
     """Look at the gain of reachable places, a lattice and every frontier cell, and fill ``scratch.ahead`` with it.
@@ -152,7 +151,7 @@ def write_gains(move: int, here: int, sensor: Sensor, scratch: Scratch, out: np.
     """Write the six gains of one legal move into ``out``.
 
     They are those of :data:`~indoor_explorers.learners.dddqn.observation.layout.GAINS`. ``here`` is the gain of the
-    next cell; the rest is what :func:`survey` found.
+    next cell; the rest is what :func:`flood_gains` found.
     """
     ahead = scratch.ahead[move]
     distance = ahead[_NEAREST] * sensor.rate

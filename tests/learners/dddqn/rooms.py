@@ -17,7 +17,7 @@ from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.model import arrays, new_network
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.layout import layout
+from indoor_explorers.learners.dddqn.observation.layout import observation_layout
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, prior_arrays, prior_from
 from indoor_explorers.learners.dddqn.weights import write_weights
 
@@ -108,7 +108,7 @@ def some_prior(seed: int = 0) -> MapPrior:
 def write_network(path: Path, seed: int, observation: ObservationConfig | None = None) -> str:
     """Write the weights of an untrained network."""
     sight = observation or ObservationConfig()
-    network = new_network(layout(sight), NARROW, seed)
+    network = new_network(observation_layout(sight), NARROW, seed)
     write_weights(path, arrays(network), prior_arrays(some_prior(seed)), sight, NARROW)
     return str(path)
 

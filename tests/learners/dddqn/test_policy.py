@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
-from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, ObservationConfig
 from indoor_explorers.learners.dddqn.policy import Dddqn, DddqnPilot
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
@@ -185,14 +185,14 @@ def test_a_pilot_sees_what_the_training_saw(tmp_path: Path, frames: int) -> None
     sight = ObservationConfig(layers=LAYERS, identity=True, progress=True, frames=frames)
     policy = Dddqn(weights=write_network(tmp_path / "weights.safetensors", 1, sight), guard=False)
     scenario = small_room().with_settings({"team": 3, "radio.model": "square", "radio.range": 3})
-    flock = Flock(scenario, sight, some_prior(1), 1, lambda: 7)
-    pilots = [policy.pilot(flock.world.briefing(0, n)) for n in range(3)]
+    flight = VectorFlight(scenario, sight, some_prior(1), 1, lambda: 7)
+    pilots = [policy.pilot(flight.world.briefing(0, n)) for n in range(3)]
     actions = np.zeros(3, np.int64)
     for _ in range(25):
-        flock.observe(np.arange(3))
+        flight.observe(np.arange(3))
         for n, pilot in enumerate(pilots):
             assert isinstance(pilot, DddqnPilot)
-            actions[n] = pilot.act(flock.world.view(0, n))
-            assert np.array_equal(pilot.scenes, flock.scenes[n : n + 1])
-            assert np.array_equal(pilot.moves, flock.moves[n : n + 1])
-        flock.step(actions)
+            actions[n] = pilot.act(flight.world.view(0, n))
+            assert np.array_equal(pilot.scenes, flight.scenes[n : n + 1])
+            assert np.array_equal(pilot.moves, flight.moves[n : n + 1])
+        flight.step(actions)

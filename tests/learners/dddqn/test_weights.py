@@ -15,7 +15,7 @@ from indoor_explorers.learners.dddqn import weights as module
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.model import arrays, new_network
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.layout import layout
+from indoor_explorers.learners.dddqn.observation.layout import observation_layout
 from indoor_explorers.learners.dddqn.observation.map_prior import prior_arrays
 from indoor_explorers.learners.dddqn.weights import (
     ABOUT,
@@ -31,7 +31,7 @@ NETWORK = NetworkConfig(width=16, move_width=4, noisy=True)
 
 
 def network_arrays(seed: int = 1) -> dict[str, NDArray[np.float32]]:
-    return arrays(new_network(layout(PLAIN), NETWORK, seed))
+    return arrays(new_network(observation_layout(PLAIN), NETWORK, seed))
 
 
 def prior() -> dict[str, NDArray[np.float32]]:
@@ -46,10 +46,14 @@ def plain(tmp_path: Path) -> Path:
 
 def test_a_file_tells_all_that_flying_needs(tmp_path: Path) -> None:
     observation = PLAIN.model_copy(update={"layers": ("unknown", "chance"), "frames": 2})
-    own = arrays(new_network(layout(observation), NETWORK, 1))
+    own = arrays(new_network(observation_layout(observation), NETWORK, 1))
     write_weights(tmp_path / "w.safetensors", own, prior(), observation, NETWORK)
     loaded = load_weights(tmp_path / "w.safetensors")
-    assert (loaded.observation, loaded.network, loaded.layout) == (observation, NETWORK, layout(observation))
+    assert (loaded.observation, loaded.network, loaded.layout) == (
+        observation,
+        NETWORK,
+        observation_layout(observation),
+    )
     assert np.array_equal(loaded.weights.look, own["look.weight"].T)
     assert loaded.prior.keys() == prior().keys()
     assert all(np.array_equal(loaded.prior[name], array) for name, array in prior().items())

@@ -14,8 +14,8 @@ import pytest
 
 from indoor_explorers.env import InputError
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.sessions.record import RECORD, Record, read_record, record_facts
-from indoor_explorers.learners.sessions.session import Session, Status, Trainee, crossed_multiple
+from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, read_record, record_facts
+from indoor_explorers.learners.sessions.session import Session, Trainee, TrainingStatus, crossed_multiple
 from tests.learners.dddqn.rooms import small_room
 
 CHECKPOINT = "checkpoint.txt"
@@ -28,7 +28,7 @@ class Counter(Trainee):
     steps = 0
     done = False
 
-    def __init__(self, session: Session[Record], costs: Mapping[int, float] | None = None) -> None:
+    def __init__(self, session: Session[TrainingRecord], costs: Mapping[int, float] | None = None) -> None:
         self.costs = costs or {}
         self.kept: list[int] = []
         if session.checkpoint is not None:
@@ -38,8 +38,8 @@ class Counter(Trainee):
         self.steps += 3
         self.done = self.steps >= 50
 
-    def status(self) -> Status:
-        return Status(total_steps=50)
+    def status(self) -> TrainingStatus:
+        return TrainingStatus(total_steps=50)
 
     def evaluate(self) -> dict[str, int | float]:
         return {"steps": self.steps, "cost": self.costs.get(self.steps, 0.0)}
@@ -54,14 +54,14 @@ class Counter(Trainee):
         (folder / CHECKPOINT).write_text(str(self.steps))
 
 
-def session(out: Path, seed: int = 1, *, resume: bool = False) -> Session[Record]:
+def session(out: Path, seed: int = 1, *, resume: bool = False) -> Session[TrainingRecord]:
     room, config = small_room(), TrainingConfig()
-    record = Record(**record_facts("counter", (), config, room, [config.task(room)], seed))
+    record = TrainingRecord(**record_facts("counter", (), config, room, [config.task(room)], seed))
     return Session(record, SCHEDULE, out, CHECKPOINT, resume=resume, report=None)
 
 
 def steps(out: Path) -> list[float]:
-    return [evaluation["steps"] for evaluation in read_record(out, Record, ["counter"]).evaluations]
+    return [evaluation["steps"] for evaluation in read_record(out, TrainingRecord, ["counter"]).evaluations]
 
 
 def test_a_multiple_is_crossed_once() -> None:
@@ -75,7 +75,7 @@ def test_evaluations_are_due_by_steps_and_at_the_end_and_the_best_is_kept(tmp_pa
     run.run(trainee, trainee.update)
     assert steps(tmp_path) == [12, 21, 30, 42, 51]
     assert trainee.kept == [12, 21, 42]
-    record = read_record(tmp_path, Record, ["counter"])
+    record = read_record(tmp_path, TrainingRecord, ["counter"])
     assert (record.steps, record.done) == (51, True)
 
 
@@ -109,7 +109,7 @@ def test_an_interrupt_waits_for_the_update_and_everything_is_written(tmp_path: P
     with pytest.raises(KeyboardInterrupt):
         run.run(trainee, update)
     assert ((tmp_path / CHECKPOINT).read_text(), trainee.kept) == ("3", [3])
-    assert (read_record(tmp_path, Record, ["counter"]).done, steps(tmp_path)) == (False, [])
+    assert (read_record(tmp_path, TrainingRecord, ["counter"]).done, steps(tmp_path)) == (False, [])
 
 
 def test_other_trainings_are_refused(tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_other_trainings_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="expected seed 2, got 1"):
         session(tmp_path, 2, resume=True)
     with pytest.raises(InputError, match="expected a training of dddqn, got one of counter"):
-        read_record(tmp_path, Record, ["dddqn"])
+        read_record(tmp_path, TrainingRecord, ["dddqn"])
 
 
 def test_a_record_of_before_is_resumed(tmp_path: Path) -> None:

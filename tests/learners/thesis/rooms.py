@@ -7,11 +7,11 @@ from pathlib import Path
 from indoor_explorers.env import PRESETS, Scenario
 from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.network import new_network
-from indoor_explorers.learners.thesis.sizes import Eye
+from indoor_explorers.learners.thesis.sizes import ImageFormat
 from indoor_explorers.learners.thesis.weights import write_weights
 
 #: What the thesis's network sees, and what the mended one does.
-THESIS, MENDED_EYE = Eye(16, 16, 1, False), Eye(16, 16, 4, True)
+THESIS, MENDED_FORMAT = ImageFormat(16, 16, 1, False), ImageFormat(16, 16, 4, True)
 #: A training of a second or two.
 TINY = TrainingConfig(
     episodes=12,
@@ -30,8 +30,8 @@ def short(name: str, budget: int = 25) -> Scenario:
     return PRESETS[name].with_settings({"budget": budget})
 
 
-def write_network(path: Path, seed: int, eye: Eye = THESIS) -> str:
+def write_network(path: Path, seed: int, image_format: ImageFormat = THESIS) -> str:
     """Write the weights of an untrained network."""
-    network = new_network(eye, "actions", seed)
-    write_weights(path, {name: value.numpy() for name, value in network.state_dict().items()}, eye)
+    network = new_network(image_format, "actions", seed)
+    write_weights(path, {name: value.numpy() for name, value in network.state_dict().items()}, image_format)
     return str(path)

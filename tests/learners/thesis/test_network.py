@@ -8,13 +8,15 @@ from indoor_explorers.env import InputError
 from indoor_explorers.learners.thesis.inference import q_values, weights_from
 from indoor_explorers.learners.thesis.network import duel, new_network
 from indoor_explorers.learners.thesis.observation import LEVELS
-from indoor_explorers.learners.thesis.sizes import Eye
+from indoor_explorers.learners.thesis.sizes import ImageFormat
 
-from .rooms import MENDED_EYE, THESIS
+from .rooms import MENDED_FORMAT, THESIS
 
 
-def images(eye, size=5):
-    codes = np.random.default_rng(2).integers(0, 5, (size, eye.frames, eye.height, eye.width), dtype=np.uint8)
+def images(image_format, size=5):
+    codes = np.random.default_rng(2).integers(
+        0, 5, (size, image_format.frames, image_format.height, image_format.width), dtype=np.uint8
+    )
     return codes, torch.from_numpy(LEVELS[codes])
 
 
@@ -37,9 +39,9 @@ def test_what_the_convolutions_see_of_each_other():
 
 
 def test_too_small_a_map_is_refused():
-    assert Eye(15, 15, 1, False).view() == (1, 1)
+    assert ImageFormat(15, 15, 1, False).view() == (1, 1)
     with pytest.raises(InputError, match="expected a map of at least 15 x 15 cells, got 14 x 16"):
-        new_network(Eye(14, 16, 1, False), "batch", 1)
+        new_network(ImageFormat(14, 16, 1, False), "batch", 1)
 
 
 def test_the_mean_advantage_over_the_actions_and_over_the_batch():
@@ -68,12 +70,12 @@ def test_the_network_depends_on_its_seed_alone():
     assert all(not first[name].any() for name in first if name.endswith("bias"))
 
 
-@pytest.mark.parametrize("eye", [THESIS, MENDED_EYE, Eye(24, 33, 2, False)])
-def test_the_compiled_twin_gives_the_same_values(eye):
-    network, (codes, x) = new_network(eye, "actions", 3), images(eye)
+@pytest.mark.parametrize("image_format", [THESIS, MENDED_FORMAT, ImageFormat(24, 33, 2, False)])
+def test_the_compiled_twin_gives_the_same_values(image_format):
+    network, (codes, x) = new_network(image_format, "actions", 3), images(image_format)
     for parameter in network.parameters():
         parameter.data += 0.01 * torch.randn(parameter.shape, generator=torch.Generator().manual_seed(1))
     arrays = {name: value.numpy() for name, value in network.state_dict().items()}
     q_BA = np.empty((len(codes), 4), np.float32)
-    q_values(codes, LEVELS, weights_from(arrays, eye.view()), q_BA)
+    q_values(codes, LEVELS, weights_from(arrays, image_format.view()), q_BA)
     assert np.allclose(q_BA, network(x).detach().numpy(), rtol=1e-4, atol=1e-5)

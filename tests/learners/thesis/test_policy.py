@@ -8,12 +8,12 @@ from safetensors.numpy import load_file, save_file
 
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
 from indoor_explorers.learners.thesis.policy import DddqnThesis
-from indoor_explorers.learners.thesis.vector_flight import Fleet
+from indoor_explorers.learners.thesis.vector_flight import ImageFlight
 
-from .rooms import MENDED_EYE, THESIS, write_network
+from .rooms import MENDED_FORMAT, THESIS, write_network
 
 
-@pytest.fixture(params=[THESIS, MENDED_EYE], ids=["thesis", "mended"])
+@pytest.fixture(params=[THESIS, MENDED_FORMAT], ids=["thesis", "mended"])
 def untrained(request, tmp_path):
     """The path of the weights of an untrained network."""
     return write_network(tmp_path / "untrained.safetensors", 3, request.param)
@@ -26,26 +26,28 @@ def test_the_policy_passes_the_conformance_suite(untrained):
 def test_the_shipped_weights_are_the_thesiss_network():
     policy = make_policy("dddqn-thesis")
     assert policy == DddqnThesis()
-    assert policy.eye[:2] == (16, 16)
+    assert policy.image_format[:2] == (16, 16)
     assert len(policy.provenance()["weights_sha256"]) == 64
 
 
 def test_a_pilot_sees_what_its_training_saw(untrained):
     policy = DddqnThesis(weights=untrained)
     scenario = PRESETS["thesis-team-4-radio-3"].with_settings({"on_collision": "block"})
-    eye, seeds = policy.eye, iter([5, 6])
-    fleet = Fleet(scenario, 2, lambda: next(seeds), frames=eye.frames, identity=eye.identity, pilots=range(4))
+    image_format, seeds = policy.image_format, iter([5, 6])
+    flight = ImageFlight(
+        scenario, 2, lambda: next(seeds), frames=image_format.frames, identity=image_format.identity, pilots=range(4)
+    )
     world = World(scenario, 2)
     world.reset([5, 6])
     keys = [(b, n) for b in range(2) for n in range(4)]
     pilots = [policy.pilot(world.briefing(*key)) for key in keys]
-    rng, seen = np.random.default_rng(1), np.empty((eye.frames, 16, 16), np.uint8)
+    rng, seen = np.random.default_rng(1), np.empty((image_format.frames, 16, 16), np.uint8)
     for _ in range(20):
         for column, (pilot, key) in enumerate(zip(pilots, keys, strict=True)):
             pilot.perceive(world.view(*key), seen)
-            assert np.array_equal(seen, fleet.images[column])
+            assert np.array_equal(seen, flight.images[column])
         actions = rng.integers(0, 4, 8)
-        fleet.step(actions, np.arange(8))
+        flight.step(actions, np.arange(8))
         world.step(actions.reshape(2, 4))
 
 
@@ -88,8 +90,8 @@ def test_files_that_are_no_such_weights_are_refused_in_one_line(tmp_path):
     with pytest.raises(InputError, match="expected weights of the thesis's network, got others") as error:
         DddqnThesis(weights=str(tmp_path / "bare.safetensors"))
     assert "\n" not in str(error.value)
-    eye = {"eye": '{"height": 16, "width": 16, "frames": 2, "identity": false}'}
-    save_file(arrays, tmp_path / "other.safetensors", eye)
+    metadata = {"eye": '{"height": 16, "width": 16, "frames": 2, "identity": false}'}
+    save_file(arrays, tmp_path / "other.safetensors", metadata)
     with pytest.raises(InputError, match="expected the arrays of the thesis's network, got others"):
         DddqnThesis(weights=str(tmp_path / "other.safetensors"))
     with (tmp_path / "large.safetensors").open("wb") as file:

@@ -171,10 +171,10 @@ def test_frames_are_stacked_and_the_first_one_repeated():
         start += steps
 
 
-@pytest.mark.parametrize(("mates", "pupils"), [("random", 1), ("learn", 2)])
-def test_only_the_first_uavs_moves_are_learned_from_or_everybodys(mates, pupils):
+@pytest.mark.parametrize(("mates", "learning"), [("random", 1), ("learn", 2)])
+def test_only_the_first_uavs_moves_are_learned_from_or_everybodys(mates, learning):
     training = flown(changed(mates=mates, memory=500), short("thesis-team-2-radio-0"), 1)
-    assert training.steps == training.replay.written == 2 * pupils
+    assert training.steps == training.replay.written == 2 * learning
     codes = [set(np.unique(image)) - {0, 1, 2} for image in training.replay.data.images[: training.replay.written, 0]]
     assert codes == ([{3}, {3}] if mates == "random" else [{3}, {4}] * 2)
 
@@ -187,7 +187,7 @@ def test_random_mates_fly_at_random_and_evaluations_fly_all_by_the_network():
             value.data.neg_()
     twin.update()
     others = [1, 2, 3, 5, 6, 7]
-    cells = [each.fleet.world.state.cell.reshape(-1, 2)[others] for each in (training, twin)]
+    cells = [each.flight.world.state.cell.reshape(-1, 2)[others] for each in (training, twin)]
     assert np.array_equal(*cells)
     assert training.evaluate() != twin.evaluate()
 
@@ -208,12 +208,12 @@ def test_every_other_switch_changes_what_is_learned(switch):
 
 def test_training_and_evaluation_never_share_an_episode():
     training = flown(TINY, short("thesis-open"), 30, seed=3)
-    seeds = np.array(training.fleet.world.seeds)
+    seeds = np.array(training.flight.world.seeds)
     assert ((seeds > 7 * SEED_BLOCK) & (seeds < 8 * SEED_BLOCK)).all()
-    before = {name: array.copy() for name, array in training.fleet.tensors().items()}
+    before = {name: array.copy() for name, array in training.flight.tensors().items()}
     rng = training.rng.bit_generator.state
     training.evaluate()
-    assert all(np.array_equal(before[name], array) for name, array in training.fleet.tensors().items())
+    assert all(np.array_equal(before[name], array) for name, array in training.flight.tensors().items())
     assert training.rng.bit_generator.state == rng
 
 

@@ -16,10 +16,10 @@ from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.inference import q_values, weights_from
 from indoor_explorers.learners.dddqn.network.model import DuelingNetwork, arrays
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.layout import TOURS, layout
+from indoor_explorers.learners.dddqn.observation.layout import TOURS, observation_layout
 
 SMALL = ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False)
-PLAN = layout(SMALL)
+PLAN = observation_layout(SMALL)
 NARROW = NetworkConfig(width=32, move_width=4)
 
 
@@ -97,18 +97,21 @@ def test_errors_are_distances_to_the_target_of_the_switches(double: bool, mask: 
 
 def test_moves_are_pulled_to_the_tours_in_choosing_alone() -> None:
     sight = SMALL.model_copy(update={"tours": True})
-    plan = layout(sight)
+    layout = observation_layout(sight)
     pulled, free = (
         Learner(sight, TrainingConfig(network=NARROW.model_copy(update={"tour_pull": pull}), device="cpu"), 1)
         for pull in (100.0, 0.0)
     )
     rng = np.random.default_rng(2)
-    scenes, moves = rng.integers(0, 256, (32, plan.inputs), np.uint8), rng.random((32, 4, plan.features), np.float32)
-    beyond = moves[:, :, plan.tours_at + TOURS.index("its steps beyond the shortest")]
+    scenes, moves = (
+        rng.integers(0, 256, (32, layout.inputs), np.uint8),
+        rng.random((32, 4, layout.features), np.float32),
+    )
+    beyond = moves[:, :, layout.tours_at + TOURS.index("its steps beyond the shortest")]
     assert np.array_equal(pulled.greedy(pulled.online, scenes, moves, mask=False), beyond.argmin(axis=1))
     assert not np.array_equal(free.greedy(free.online, scenes, moves, mask=False), beyond.argmin(axis=1))
     assert torch.equal(parameters(pulled.online), parameters(free.online))
-    weights = (weights_from(arrays(one.online), plan, one.config.network) for one in (pulled, free))
+    weights = (weights_from(arrays(one.online), layout, one.config.network) for one in (pulled, free))
     q = [np.empty((32, 4), np.float32) for _ in range(2)]
     for one, values in zip(weights, q, strict=True):
         q_values(scenes, moves, one, values)

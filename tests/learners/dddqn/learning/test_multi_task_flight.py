@@ -13,9 +13,9 @@ import pytest
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.dddqn.learning.multi_task_flight import Flocks, shares
+from indoor_explorers.learners.dddqn.learning.multi_task_flight import MultiTaskFlight, shares
 from indoor_explorers.learners.dddqn.learning.training import Training
-from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
 from indoor_explorers.learners.dddqn.observation.scales import sensor
@@ -23,7 +23,7 @@ from indoor_explorers.learners.dddqn.train import Progress, train
 from indoor_explorers.learners.sessions import session
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.evaluation import Evaluation, mean_evaluation
-from indoor_explorers.learners.sessions.record import Record, read_record
+from indoor_explorers.learners.sessions.record import TrainingRecord, read_record
 from indoor_explorers.learners.sessions.tensors import read_tensors
 from tests.learners.dddqn.rooms import TINY, small_room
 
@@ -54,32 +54,32 @@ def test_environments_are_shared_out() -> None:
     assert shares(6, 2) == [4, 4]
 
 
-def test_flocks_fly_like_each_alone() -> None:
+def test_flights_fly_like_each_alone() -> None:
     tasks, rng = [TINY.task(small_room()), TINY.task(hall())], np.random.default_rng(1)
-    together, seeds = Flocks(tasks, SIGHT, no_prior(), 8, numbers()), numbers()
-    alone = [Flock(task, SIGHT, no_prior(), 4, seeds) for task in tasks]
+    together, seeds = MultiTaskFlight(tasks, SIGHT, no_prior(), 8, numbers()), numbers()
+    alone = [VectorFlight(task, SIGHT, no_prior(), 4, seeds) for task in tasks]
     assert together.columns == 4 + 8
     for _ in range(12):
         together.observe()
-        for flock in alone:
-            flock.observe(np.arange(flock.columns))
+        for flight in alone:
+            flight.observe(np.arange(flight.columns))
         for name in ("scene", "scenes", "moves", "over", "terminal", "age", "coverage"):
-            expected = np.concatenate([getattr(flock, name) for flock in alone])
+            expected = np.concatenate([getattr(flight, name) for flight in alone])
             assert np.array_equal(getattr(together, name), expected), name
         actions = (rng.random((12, 4)) - together.moves[:, :, 0]).argmax(axis=1)
-        rewards = [flock.step(part) for flock, part in zip(alone, (actions[:4], actions[4:]), strict=True)]
+        rewards = [flight.step(part) for flight, part in zip(alone, (actions[:4], actions[4:]), strict=True)]
         assert np.array_equal(together.step(actions), np.concatenate(rewards))
     assert together.repeat([1.0, 2.0]).tolist() == 4 * [1.0] + 8 * [2.0]
 
 
 def test_only_episodes_that_all_have_ended_begin_anew() -> None:
-    flocks = Flocks([small_room(), hall()], SIGHT, no_prior(), 8, numbers())
-    flocks.observe()
-    flocks.step(flocks.moves[:, :, 0].argmin(axis=1))
+    flights = MultiTaskFlight([small_room(), hall()], SIGHT, no_prior(), 8, numbers())
+    flights.observe()
+    flights.step(flights.moves[:, :, 0].argmin(axis=1))
     over = np.zeros(12, np.bool_)
     over[[1, 4, 6, 7]] = True  # one of the first two of the hall flies on
-    assert flocks.renew(over) == [1, 1]
-    assert np.flatnonzero(flocks.age == 0).tolist() == [1, 6, 7]
+    assert flights.renew(over) == [1, 1]
+    assert np.flatnonzero(flights.age == 0).tolist() == [1, 6, 7]
 
 
 def test_a_training_on_several_scenarios_resumes_bit_for_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,7 +94,7 @@ def test_a_training_on_several_scenarios_resumes_bit_for_bit(tmp_path: Path, mon
 
     with pytest.raises(KeyboardInterrupt):
         train(config, small_room(), cut, seed=1, report=interrupt)
-    assert 300 <= read_record(cut, Record, ["dddqn"]).steps < 400
+    assert 300 <= read_record(cut, TrainingRecord, ["dddqn"]).steps < 400
     assert train(config, small_room(), cut, seed=1, resume=True).read_bytes() == whole.read_bytes()
     first, second = (read_tensors(tmp_path / name / CHECKPOINT) for name in ("whole", "cut"))
     assert first[1] == second[1]

@@ -11,10 +11,10 @@ import torch
 from indoor_explorers.learners.dddqn.learning.replay import Batch, Replay
 from indoor_explorers.learners.dddqn.learning.sum_tree import SumTree
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.layout import layout, symmetries
+from indoor_explorers.learners.dddqn.observation.layout import observation_layout, symmetries
 
 SMALL = ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False)
-PLAN = layout(SMALL)
+PLAN = observation_layout(SMALL)
 
 
 def ring(slots: int, columns: int, *, prioritised: float = 0.0, symmetries: bool = True, frames: int = 1) -> Replay:

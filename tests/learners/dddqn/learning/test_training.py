@@ -19,7 +19,7 @@ from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
 from indoor_explorers.learners.dddqn.learning.tensorboard import FOLDER
 from indoor_explorers.learners.dddqn.learning.training import Training
-from indoor_explorers.learners.dddqn.learning.vector_flight import Flock
+from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.map_prior import no_prior
@@ -129,7 +129,7 @@ def test_goals_are_terminal_and_budgets_are_not() -> None:
     for _ in range(150):
         training.update()
         slot = (training.replay.written - 1) % len(training.replay.data.action)
-        end = training.flock.flocks[0].world.state.end.ravel()
+        end = training.flight.flights[0].world.state.end.ravel()
         data = training.replay.data
         ends += end[~data.over[slot]].tolist()
         assert np.array_equal(data.terminal[slot], (end == End.GOAL) & ~data.over[slot])
@@ -152,16 +152,16 @@ def test_exploratory_moves_are_legal_and_marked() -> None:
     for _ in range(60):
         training.update()
     assert training.replay.data.explored[:60].all()
-    assert training.flock.flocks[0].world.state.collisions.sum() == 0
+    assert training.flight.flights[0].world.state.collisions.sum() == 0
 
 
 def test_training_and_evaluation_never_share_an_episode() -> None:
     training = Training(TINY, small_room(), 3)
     for _ in range(200):
         training.update()
-    seeds = np.array(training.flock.flocks[0].world.seeds)
+    seeds = np.array(training.flight.flights[0].world.seeds)
     assert ((seeds > 7 * SEED_BLOCK) & (seeds < 8 * SEED_BLOCK)).all()
-    before = training.flock.tensors()
+    before = training.flight.tensors()
     copies = {name: array.copy() for name, array in before.items()}
     training.evaluate()
     assert all(np.array_equal(copies[name], array) for name, array in before.items())
@@ -181,18 +181,18 @@ def test_the_task_is_the_scenario_with_the_training_rewards() -> None:
     assert (task.rewards.step, task.rewards.discovered, task.rewards.goal) == (-0.1, 0.1, 1.0)
 
 
-def test_a_flock_goes_on_from_its_tensors() -> None:
-    def fresh() -> Flock:
+def test_a_flight_goes_on_from_its_tensors() -> None:
+    def fresh() -> VectorFlight:
         seeds = iter(range(100, 200))
-        return Flock(small_room(), ObservationConfig(frames=2), no_prior(), 3, lambda: next(seeds))
+        return VectorFlight(small_room(), ObservationConfig(frames=2), no_prior(), 3, lambda: next(seeds))
 
     first, second = fresh(), fresh()
     for _ in range(9):
         first.observe(np.arange(3))
         first.step(first.moves[:, :, 0].argmin(axis=1))
     second.restore({name: array.copy() for name, array in first.tensors().items()})
-    for flock in (first, second):
-        flock.observe(np.arange(3))
+    for flight in (first, second):
+        flight.observe(np.arange(3))
     assert np.array_equal(first.scenes, second.scenes)
     assert np.array_equal(first.moves, second.moves)
 

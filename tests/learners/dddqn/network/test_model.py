@@ -12,9 +12,9 @@ from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.inference import q_values, shapes, weights_from
 from indoor_explorers.learners.dddqn.network.model import DuelingNetwork, NoisyLinear, arrays, duel, new_network
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.layout import TOURS, layout
+from indoor_explorers.learners.dddqn.observation.layout import TOURS, observation_layout
 
-SMALL = layout(ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False))
+SMALL = observation_layout(ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False))
 NARROW = NetworkConfig(width=32, move_width=4)
 SWITCHES = [
     NetworkConfig(width=24, move_width=3, layer_norm=norm, dueling=dueling, noisy=noisy)
@@ -22,11 +22,11 @@ SWITCHES = [
 ]
 
 
-def inputs(size: int, plan=SMALL) -> tuple[np.ndarray, np.ndarray]:
+def inputs(size: int, layout=SMALL) -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(4)
-    scenes = rng.integers(0, 256, (size, plan.inputs), dtype=np.uint8)
+    scenes = rng.integers(0, 256, (size, layout.inputs), dtype=np.uint8)
     scenes[rng.random(scenes.shape) < 0.5] = 0
-    return scenes, rng.random((size, 4, plan.features), dtype=np.float32)
+    return scenes, rng.random((size, 4, layout.features), dtype=np.float32)
 
 
 def q_of(network: DuelingNetwork, scenes: np.ndarray, moves: np.ndarray) -> torch.Tensor:
@@ -80,14 +80,14 @@ def test_the_network_depends_on_its_seed_alone_and_leaves_the_global_generator()
 @pytest.mark.parametrize("config", SWITCHES, ids=str)
 @pytest.mark.parametrize("frames", [1, 3])
 def test_the_compiled_network_equals_the_torch_network(config: NetworkConfig, frames: int) -> None:
-    plan = layout(ObservationConfig(crop=5, coarse=3, layers=("unknown", "mates"), frames=frames))
-    scenes, moves = inputs(16, plan)
-    network = shaken(new_network(plan, config, 2))
+    layout = observation_layout(ObservationConfig(crop=5, coarse=3, layers=("unknown", "mates"), frames=frames))
+    scenes, moves = inputs(16, layout)
+    network = shaken(new_network(layout, config, 2))
     network.draw_noise(torch.Generator().manual_seed(1))
     found = arrays(network)
-    assert {name: array.shape for name, array in found.items()} == shapes(plan, config)
+    assert {name: array.shape for name, array in found.items()} == shapes(layout, config)
     q = np.empty((16, 4), np.float32)
-    q_values(scenes, moves, weights_from(found, plan, config), q)
+    q_values(scenes, moves, weights_from(found, layout, config), q)
     np.testing.assert_allclose(q, q_of(network.eval(), scenes, moves).numpy(), rtol=1e-4, atol=1e-4)
 
 
@@ -113,16 +113,16 @@ def test_without_dueling_the_last_layer_gives_the_values_themselves() -> None:
 
 
 def test_at_first_the_network_flies_the_tours() -> None:
-    plan = layout(ObservationConfig(crop=5, coarse=3, layers=("unknown",)))
-    scenes, moves = inputs(8, plan)
-    q = q_of(new_network(plan, NARROW.model_copy(update={"tour_cost": 0.25}), 1), scenes, moves)
-    beyond = [plan.tours_at + k for k, name in enumerate(TOURS) if "beyond the shortest" in name]
+    layout = observation_layout(ObservationConfig(crop=5, coarse=3, layers=("unknown",)))
+    scenes, moves = inputs(8, layout)
+    q = q_of(new_network(layout, NARROW.model_copy(update={"tour_cost": 0.25}), 1), scenes, moves)
+    beyond = [layout.tours_at + k for k, name in enumerate(TOURS) if "beyond the shortest" in name]
     assert len(beyond) == 2
     cost = torch.from_numpy(0.25 * 8 * moves[:, :, beyond].sum(axis=2))
     assert torch.allclose(q - q[:, :1], cost[:, :1] - cost, atol=1e-5)
     for switched_off in (
         new_network(SMALL, NARROW, 1),
-        new_network(plan, NARROW.model_copy(update={"tour_cost": 0}), 1),
+        new_network(layout, NARROW.model_copy(update={"tour_cost": 0}), 1),
     ):
         assert switched_off.tours is None
         assert switched_off.advantage.weight.abs().sum() > 0

@@ -13,7 +13,7 @@ from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_cells
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
-from indoor_explorers.learners.dddqn.observation.layout import PROSPECT, PROSPECTS, layout, tour_costs
+from indoor_explorers.learners.dddqn.observation.layout import PROSPECT, PROSPECTS, observation_layout, tour_costs
 from tests.learners.dddqn.observation.test_observe import Watcher
 from tests.learners.dddqn.rooms import random_belief
 
@@ -135,9 +135,9 @@ def test_a_teammate_in_the_way_bars_what_is_behind_it():
 
 
 def test_steps_behind_the_best_by_all_that_is_in_view_cost_and_pull():
-    plan = layout(SIGHT)
-    costs = tour_costs(plan, 0.1, 0.3)
+    layout = observation_layout(SIGHT)
+    costs = tour_costs(layout, 0.1, 0.3)
     assert costs is not None
-    assert np.flatnonzero(costs).tolist() == [plan.prospects_at + BEHIND]
+    assert np.flatnonzero(costs).tolist() == [layout.prospects_at + BEHIND]
     assert costs[costs != 0].tolist() == pytest.approx([-0.8])
-    assert tour_costs(plan, 0.0, 0.0) is None
+    assert tour_costs(layout, 0.0, 0.0) is None

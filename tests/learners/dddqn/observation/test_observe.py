@@ -14,19 +14,19 @@ from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.learners.dddqn.observation.changed_boxes import note
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, Layer, ObservationConfig
+from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import (
     GAINS,
     SYMMETRIES,
     VISITS,
-    Layout,
-    layout,
+    ObservationLayout,
+    observation_layout,
     symmetries,
     turned,
 )
-from indoor_explorers.learners.dddqn.observation.memory import Memory, new_memory
-from indoor_explorers.learners.dddqn.observation.observe import Known, eyes, observe
+from indoor_explorers.learners.dddqn.observation.memory import SPENT, ObservationMemory, new_memory
+from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
 from indoor_explorers.learners.dddqn.observation.scales import sensor
-from indoor_explorers.learners.dddqn.observation.view_gain import SPENT
 from tests.learners.dddqn.rooms import random_belief, small_room, some_prior
 
 Cell = tuple[int, int]
@@ -41,12 +41,12 @@ class Watcher:
     def __init__(
         self, config: ObservationConfig, shape: tuple[int, int], lidar: float = 3.0, radio: str = "unlimited"
     ) -> None:
-        self.plan: Layout = layout(config)
-        self.memory: Memory = new_memory(1, shape, config)
+        self.layout: ObservationLayout = observation_layout(config)
+        self.memory: ObservationMemory = new_memory(1, shape, config)
         scenario = small_room().with_settings({"team": 3, "lidar.range": lidar, "radio.model": radio})
-        self._eyes = eyes(config, shape, scenario, some_prior())
-        self.scene = np.zeros((1, self.plan.scene), np.uint8)
-        self.moves = np.zeros((1, 4, self.plan.features), np.float32)
+        self._context = observation_context(config, shape, scenario, some_prior())
+        self.scene = np.zeros((1, self.layout.scene), np.uint8)
+        self.moves = np.zeros((1, 4, self.layout.features), np.float32)
 
     def look(
         self, belief: Belief, cell: Cell, mates: list[Cell] | None = None, ages: tuple[int, ...] = (-1, -1)
@@ -57,12 +57,13 @@ class Watcher:
             np.array([cell]),
             np.array([mates or [(0, 0), (0, 0)]]),
             np.array([ages]),
-            np.array([[2.0, 0.5]]),
+            np.array([2]),
+            np.array([0.5]),
         )
-        observe(known, self.memory, np.zeros(1, np.int64), self._eyes, self.scene, self.moves)
+        observe(known, self.memory, np.zeros(1, np.int64), self._context, self.scene, self.moves)
 
     def layer(self, name: Layer) -> NDArray[np.uint8]:
-        at, side = self.plan.layers[LAYERS.index(name)], self.plan.crop
+        at, side = self.layout.layers[LAYERS.index(name)], self.layout.crop
         return self.scene[0, at : at + side * side].reshape(side, side)
 
 
@@ -133,7 +134,7 @@ def test_it_depends_on_nothing_outside_the_belief() -> None:
 def test_the_maps_show_what_is_around() -> None:
     belief, (row, col) = random_belief(np.random.default_rng(8))
     watcher = watched(belief, (row, col))
-    fine, coarse = watcher.plan.crop, watcher.plan.coarse
+    fine, coarse = watcher.layout.crop, watcher.layout.coarse
 
     def around(array: NDArray[np.bool_], side: int) -> NDArray[np.bool_]:
         return np.pad(array, side // 2)[row : row + side, col : col + side]
@@ -142,7 +143,7 @@ def test_the_maps_show_what_is_around() -> None:
     assert np.array_equal(watcher.layer("free") == 255, around(belief == FREE, fine))
     assert np.array_equal(watcher.layer("frontier") == 255, around(frontier_mask(belief), fine))
     blocks = around(belief == UNKNOWN, 3 * coarse).reshape(coarse, 3, coarse, 3).sum(axis=(1, 3))
-    shown = watcher.scene[0, watcher.plan.coarse_at :][: coarse * coarse].reshape(coarse, coarse)
+    shown = watcher.scene[0, watcher.layout.coarse_at :][: coarse * coarse].reshape(coarse, coarse)
     assert np.array_equal(shown, np.rint(255 * blocks / 9))
 
 
@@ -172,12 +173,12 @@ def test_identity_and_progress_say_who_and_how_far() -> None:
     belief = np.full((4, 5), FREE, np.uint8)
     belief[0] = UNKNOWN
     watcher = watched(belief, (2, 2))
-    scene, plan = watcher.scene[0], watcher.plan
-    assert np.flatnonzero(scene[plan.identity_at : plan.identity_at + 8]).tolist() == [2]
-    assert scene[plan.progress_at : plan.scene].tolist() == [191, 128, 0]
+    scene, layout = watcher.scene[0], watcher.layout
+    assert np.flatnonzero(scene[layout.identity_at : layout.identity_at + 8]).tolist() == [2]
+    assert scene[layout.progress_at : layout.scene].tolist() == [191, 128, 0]
     for _ in range(8):
         watcher.look(belief, (2, 2))
-    assert scene[plan.progress_at + 2] == 128
+    assert scene[layout.progress_at + 2] == 128
 
 
 def gains_behind(belief: Belief, cell: Cell, been: Cell, lidar: float) -> list[float]:
@@ -257,14 +258,14 @@ def test_news_come_in_boxes_that_hold_all_of_it() -> None:
     belief, noted, boxes = np.zeros((9, 12), np.uint8), np.zeros((9, 12), np.uint8), np.zeros((5, 4), np.int64)
     for share in (0.02, 0.1, 0.0, 0.5, 1.0):
         belief[(rng.random(belief.shape) < share) & (belief == UNKNOWN)] = FREE
-        news, covered = (belief != UNKNOWN) & (noted == 0), np.zeros(belief.shape, np.bool_)
+        changed, covered = (belief != UNKNOWN) & (noted == 0), np.zeros(belief.shape, np.bool_)
         count = note(belief, noted, boxes)
         for top, left, bottom, right in boxes[:count].tolist():
-            assert news[top:bottom, left:right].any(axis=1).all()
-            assert news[top:bottom, left].any()
-            assert news[top:bottom, right - 1].any()
+            assert changed[top:bottom, left:right].any(axis=1).all()
+            assert changed[top:bottom, left].any()
+            assert changed[top:bottom, right - 1].any()
             covered[top:bottom, left:right] = True
-        assert not news[~covered].any()
+        assert not changed[~covered].any()
         assert np.array_equal(noted == 1, belief != UNKNOWN)
 
 
