@@ -1,4 +1,4 @@
 """The former name of :mod:`indoor_explorers.env.observations`, kept for scripts that import it."""
 
-from indoor_explorers.env.observations import *  # noqa: F403  # whatever is public there
+from indoor_explorers.env.observations import *  # noqa: F403  # all public names
 from indoor_explorers.env.observations import __all__ as __all__

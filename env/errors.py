@@ -1,4 +1,4 @@
-"""The few exception types of the project; each message is one line that says how to mend the input."""
+"""The project's exception types; each message is one line that says how to fix the input."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Iterable
 
 
 class InputError(ValueError):
-    """Report something a person gave us that cannot be used.
+    """Report input of a user that cannot be used.
 
-    The message is one line: what was expected, what was received and how to mend it. The command line
+    The message is one line: what was expected, what was received and how to fix it. The command line
     prints it as it is and exits with status 2.
     """
 

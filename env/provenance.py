@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def versions(packages: Iterable[str]) -> dict[str, str]:
-    """Return the versions of those packages that are installed."""
+    """Return the versions of the given packages that are installed."""
     found = {}
     for package in packages:
         try:

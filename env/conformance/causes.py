@@ -15,7 +15,7 @@ _CONTAINERS = (list, dict, set, bytearray, np.ndarray, np.random.Generator, rand
 
 
 def global_generators() -> dict[str, str]:
-    """Return the state of the generators that everybody shares, to tell later whether one was drawn from."""
+    """Return the state of the global random generators, to detect later whether a policy drew from one."""
     return {
         "random": repr(random.getstate()),
         "numpy.random": repr(np.random.get_state(legacy=False)),  # noqa: NPY002 - to find those who draw from it

@@ -49,7 +49,7 @@ def check_tallied(pilot: Pilot, trace: Trace) -> None:
 
 
 def facts_of(briefing: Briefing) -> dict[str, str]:
-    """Return how the plain facts of a briefing are written, which later changes leave alone."""
+    """Return the plain facts of a briefing as text, which later changes of the briefing do not affect."""
     names = ("agent", "team", "shape", "lidar_range", "scenario")
     with calling("the repr of the briefing"):
         return {name: repr(getattr(briefing, name, None)) for name in names}

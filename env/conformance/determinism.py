@@ -1,4 +1,4 @@
-"""Checks that an episode is the same again, from a copy, beside another one, and however a batch is put together."""
+"""Checks that an episode is the same when repeated, flown by a copy, beside another one, or in another batch order."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class Finding(NamedTuple):
 
 @contextmanager
 def calling(what: str) -> Iterator[None]:
-    """Turn whatever a plug-in raises inside into :class:`CannotFly`; ``what`` names the code that was called."""
+    """Turn any error of a plug-in into :class:`CannotFly`; ``what`` names the code that was called."""
     try:
         yield
     except (Exception, SystemExit) as error:

@@ -1,7 +1,8 @@
-"""Fly checked episodes: every call of the policy is guarded, every answer looked at and recorded.
+"""Fly checked episodes: every call of the policy is guarded, and every answer is checked and recorded.
 
-A wrong action is replaced by a stay and a wrong message by none, and noted, so that one fault fails one check and
-the others still see the episode. A policy that raises, or changes what it was only to read, ends the flight.
+A wrong action is noted and replaced by a stay, a wrong message by none. So one fault fails one check, and the other
+checks still see the episode. A policy that raises an error, or changes an array that it may only read, ends the
+flight.
 """
 
 from __future__ import annotations
@@ -54,11 +55,11 @@ def is_privileged(policy: Policy) -> bool:
 
 
 class Changed(NamedTuple):
-    """A UAV whose doings are replaced."""
+    """A UAV whose actions are replaced."""
 
     agent: int
     wanders: bool
-    """It is asked as before but makes random legal moves; otherwise it is not asked, stays and says nothing."""
+    """True: it is asked as before but makes random legal moves. False: it is not asked, stays and sends nothing."""
 
 
 class CheckedFlight:
@@ -81,7 +82,7 @@ class CheckedFlight:
             scenario: the task.
             setups: seeds, maps and spawns, one for each episode.
             ask: divides the UAVs to be asked into calls.
-            changed: a UAV whose doings are replaced.
+            changed: a UAV whose actions are replaced.
             told: what briefings say about where maps come from instead of the truth.
 
         """
@@ -96,7 +97,7 @@ class CheckedFlight:
         self._traces = [Trace(setup) for setup in setups]
         self._rngs = [np.random.default_rng(setup.seed) for setup in setups]
         self._briefings: list[tuple[Trace, Briefing, dict[str, str]]] = []
-        """What each pilot was told, and the same as it was at the start."""
+        """The briefing of each pilot, and its facts at the start."""
         self._pilots = {
             (b, n): self._pilot(trace, b, n) for b, trace in enumerate(self._traces) for n in range(scenario.team)
         }

@@ -1,7 +1,7 @@
-"""Checks that nothing a UAV cannot know changes what it does: unseen cells, and teammates out of contact.
+"""Checks that a UAV's choices depend only on what it may know: not on unseen cells or teammates out of contact.
 
-Both follow one law. A pilot is a function of its briefing and of the views that it has been given; so whatever is
-changed, a UAV whose views have been the same up to a step must choose the same at that step.
+All follow one law. A pilot is a function of its briefing and of the views that it has been given. So, when anything
+else is changed, a UAV whose views have been the same up to a step must choose the same at that step.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ TOLD: tuple[MapSource, ...] = (OfficeMap(), ThesisMaps(obstacles=0), ThesisMaps(
 DECLARE = "read briefing.generator alone and declare uses_generator = True, or do without briefing.scenario.map"
 #: The team without any radio.
 SILENT = TEAM.with_settings({"radio.model": "none"})
-#: Whose doings are replaced.
+#: The UAVs whose actions are replaced.
 REPLACED = (Changed(0, wanders=False), Changed(3, wanders=True))
 
 
 def check_unseen(harness: Harness) -> str:
-    """Change cells that nobody has seen: as long as a UAV sees the same it must do the same."""
+    """Change cells that no UAV has seen: while a UAV sees the same, it must choose the same."""
     if is_privileged(harness.policy):
         return "not checked: the policy is privileged and knows the true map"
     changes = decisions = 0
@@ -66,7 +66,7 @@ def changed_where_unseen(scenario: Scenario, trace: Trace, step: int) -> Setup |
 
 
 def check_generator(harness: Harness) -> str:
-    """Tell false settings of the maps' generator, or none: a policy that declares no use of them must do the same."""
+    """Describe the maps falsely in the briefing: a policy that does not declare to use that must choose the same."""
     if harness.policy.uses_generator:
         return "not checked: the policy declares that it uses the generator's settings"
     decisions = 0
@@ -85,7 +85,7 @@ def check_generator(harness: Harness) -> str:
 
 
 def check_unlinked(harness: Harness) -> str:
-    """Replace what one UAV does: as long as another hears and notices nothing of it, it must do the same."""
+    """Replace one UAV's actions: while another UAV neither sees nor hears of it, that one must choose the same."""
     decisions = 0
     (silent,) = harness.fly(SILENT, [FIRST])
     for scenario, recorded in ((SILENT, silent), (TEAM, harness.alone[1])):

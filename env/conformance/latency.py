@@ -14,7 +14,7 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 LARGE_STEPS = 100
 #: A decision that takes longer is counted, in seconds.
 LIMIT = 5e-3
-#: Told to get slower: the last quarter's median is so many times the first's, and so many seconds above it.
+#: Decisions get slower when the last quarter's median is this many times the first's, and this many seconds above it.
 SLOWER_FACTOR, SLOWER_SECONDS = 2.0, 50e-6
 
 

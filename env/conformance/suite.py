@@ -1,4 +1,4 @@
-"""The conformance suite every policy must pass, the project's own and everybody's plug-in."""
+"""The conformance suite that every policy must pass: the project's own and plug-ins."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ CHECKS: dict[str, Callable[[Harness], str]] = {
 def run_checks(policy: Policy) -> Iterator[Finding]:
     """Run every check on a policy, also after one has failed, and yield what each found.
 
-    What an earlier finding explains is told as such: the same error raised again, and other differences of a policy
-    that never flies the same episode twice. Nothing stops a policy that takes for ever.
+    A finding that an earlier one explains refers to it: the same error raised again, or another difference of a policy
+    that never flies the same episode twice. There is no time limit.
     """
     harness = Harness(policy)
     earlier: dict[str, Finding] = {}

@@ -24,8 +24,8 @@ Indices = int | Iterable[int] | None
 class StableBaselinesVecEnv(VecEnv):
     """Fly ``num_envs`` lone UAVs in one batched world, for Stable-Baselines3 and sb3-contrib.
 
-    Does what SB3's ``DummyVecEnv`` of as many single environments does, observation for observation, without its
-    cost per environment. Infos hold ``coverage``, ``step``, ``end``, ``action_mask``, ``TimeLimit.truncated`` and,
+    Equals SB3's ``DummyVecEnv`` of ``num_envs`` single environments, observation for observation, without its cost
+    per environment. Infos hold ``coverage``, ``step``, ``end``, ``action_mask``, ``TimeLimit.truncated`` and,
     where an episode ended, ``terminal_observation``; ``env_method("action_masks")`` serves MaskablePPO.
     """
 

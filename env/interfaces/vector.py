@@ -39,12 +39,12 @@ Seeds = int | Sequence[int | None] | None
 class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArray[Any]]):
     """Explore in ``num_envs`` episodes at once.
 
-    Each is flown just as by :class:`~indoor_explorers.env.interfaces.gymnasium_env.IndoorExplorersEnv`.
+    Each episode equals one of :class:`~indoor_explorers.env.interfaces.gymnasium_env.IndoorExplorersEnv`.
 
     Autoreset is one of Gymnasium's modes. ``NEXT_STEP``: the step after an episode's last one ignores its action,
     pays nothing and returns the first observation of its next episode. ``SAME_STEP``: the last step returns it,
-    and infos hold the last observation and info as ``final_obs`` and ``final_info``. ``DISABLED``: whoever steps
-    resets what ended, with ``options["reset_mask"]``.
+    and infos hold the last observation and info as ``final_obs`` and ``final_info``. ``DISABLED``: the caller
+    resets the episodes that ended, with ``options["reset_mask"]``.
 
     An integer seed ``s`` seeds the episodes with ``s``, ``s + 1`` and so on; a sequence seeds each; every
     environment then draws its later episodes from a generator of its own, as the single environment does. Infos

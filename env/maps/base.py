@@ -13,7 +13,7 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 
 
 class BaseMaps(BaseModel):
-    """Describe where maps come from: frozen, validated, and told apart in a scenario by ``source``."""
+    """Describe where maps come from: frozen, validated, and distinguished in a scenario by ``source``."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
@@ -32,7 +32,7 @@ class BaseMaps(BaseModel):
         raise NotImplementedError
 
     def identity(self) -> Any:
-        """Return what tells this source from others, as JSON: the cells of files, not their paths."""
+        """Return the identity of this source as JSON: for files their cells, not their paths."""
         return self.model_dump(mode="json")
 
 

@@ -20,7 +20,7 @@ from indoor_explorers.env.maps.reduction import Source, check_resolution, checke
 def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     """Read a map file as a floor plan with cells of ``resolution`` metres; None keeps the file's.
 
-    The ending tells what it is; of every map only the largest connected free part stays free, see
+    The file's ending decides its kind. Only the largest connected free part of a map stays free, see
     :func:`~indoor_explorers.env.maps.reduction.reduced`.
 
     - ``.yaml``, ``.yml``: a ROS map_server map; doorways that it leaves unknown are opened, and the unknown around
@@ -32,7 +32,7 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
 
     A pixel, character or element of the three in the middle counts as one metre, and nothing is cut away.
 
-    Raises :class:`InputError` with one line for whatever is wrong with the file or the resolution.
+    Raises :class:`InputError` with one line that says what is wrong with the file or the resolution.
     """
     path = Path(path)
     check_file(path)

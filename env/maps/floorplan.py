@@ -60,7 +60,7 @@ class Floorplan:
 
     @cached_property
     def digest(self) -> str:
-        """A short hash of shape, cells and start, if any: equal maps have equal digests whatever file they are from."""
+        """A short hash of shape, cells and start, if any: equal maps from different files have equal digests."""
         mark = b"" if self.start is None else repr(self.start).encode()
         return hashlib.sha256(repr(self.shape).encode() + self.truth.tobytes() + mark).hexdigest()[:16]
 

@@ -1,4 +1,4 @@
-"""The policy interface: shared knowledge (``Policy``), one UAV's mind for one episode (``Pilot``)."""
+"""The policy interface: shared knowledge (``Policy``), the controller of one UAV in one episode (``Pilot``)."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ def is_action(action: object) -> TypeGuard[int]:
 
 
 class Pilot(ABC):
-    """Be one UAV's mind for one episode."""
+    """Choose the actions of one UAV in one episode."""
 
-    #: Told to the teammates in radio range after the move: None or at most 16 numbers.
+    #: Sent to the teammates in radio range after the move: None or at most 16 numbers.
     message: Message = None
 
     @abstractmethod
@@ -51,10 +51,10 @@ class Policy(ABC):
 
     @abstractmethod
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV for one episode."""
+        """Make the pilot of one UAV for one episode."""
 
     def provenance(self) -> dict[str, str]:
-        """Return what results should say about where this policy comes from beside its parameters: its weights."""
+        """Return facts for results about where this policy comes from besides its parameters, such as its weights."""
         return {}
 
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> Sequence[int]:

@@ -1,10 +1,9 @@
 """Names to policies: declared names, ``NAME:PATH`` for what was trained, or ``module:Class``.
 
-Policies are declared in the entry-point group ``indoor_explorers.policies``, the project's own like anybody
-else's. Openers of paths are declared in ``indoor_explorers.openers``: what makes a policy from a parameter
-``path``, such as ``sb3``, so that ``sb3:results/ppo`` is what that makes of this path. Before a colon, an opener's
-name is never a module's: a module of the same name is reached through a package of its own. Nothing is
-imported before it is asked for, so torch and ompl load only when they are used.
+Policies, the project's own and plug-ins, are declared in the entry-point group ``indoor_explorers.policies``. Openers
+are declared in ``indoor_explorers.openers``: they make a policy from a path, such as ``sb3`` in ``sb3:results/ppo``.
+Before a colon, the name of an opener hides a module of the same name. A policy's module is imported when the policy
+is first made, so torch and ompl load only when they are used.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from indoor_explorers.env.maps.sources import MapSource
     from indoor_explorers.env.scenarios.scenario import Scenario
 
-#: What a pilot tells the teammates in radio range: nothing, or a few numbers.
+#: What a pilot sends to the teammates in radio range: nothing, or a few numbers.
 Message = tuple[float, ...] | None
 #: The most numbers one message may hold.
 MESSAGE_LIMIT = 16
@@ -53,7 +53,7 @@ class View(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Briefing:
-    """What one UAV's pilot is told before the episode."""
+    """What one UAV's pilot knows before the episode."""
 
     agent: int
     """The UAV's own number, 0 to team - 1."""
@@ -66,11 +66,11 @@ class Briefing:
     scenario: Scenario
     """The whole task, the goal coverage to aim at included."""
     rng: np.random.Generator = field(repr=False)
-    """The pilot's own generator; nobody else draws from it."""
+    """The pilot's own random generator."""
     truth: Belief | None = field(default=None, repr=False)
-    """The true map (H, W) uint8, for privileged policies; None for everyone else."""
+    """The true map (H, W) uint8, for privileged policies; None for other policies."""
     starts: tuple[Cell, ...] | None = field(default=None, repr=False)
-    """Where all UAVs start, by number, for privileged policies; None for everyone else."""
+    """Where all UAVs start, by number, for privileged policies; None for other policies."""
 
     @property
     def generator(self) -> MapSource | None:

@@ -12,7 +12,7 @@ from indoor_explorers.env.rendering.primitives import Canvas, disc, ring, stroke
 
 #: Pixels that a UAV's disc may reach beyond its map.
 OVERHANG = 10
-#: Age in steps over which the mark of a teammate fades, and what is left of it then.
+#: Age in steps over which the mark of a teammate fades, and its opacity then.
 MATE_FADES, MATE_STAYS = 80, 0.45
 
 Colour = NDArray[np.uint8]

@@ -31,7 +31,7 @@ TINT = 0.25
 #: Largest teams whose lidar and radio reach are outlined, whose mates are numbered on own maps, and whose ends are
 #: written beside the UAVs.
 OUTLINED, NUMBERED, LABELLED = 6, 8, 16
-#: Pixels of a cell from which on cells are told apart by hairlines.
+#: Least pixels of a cell for hairlines between cells.
 RULED = 12
 #: What became of a UAV, in words.
 ENDS = {

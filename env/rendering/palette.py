@@ -28,7 +28,7 @@ HIDDEN = KNOWN.copy()
 HIDDEN[FREE], HIDDEN[OCCUPIED] = (193, 198, 206), (163, 169, 180)
 
 _FIRST = ("0072b2", "d55e00", "008f68", "b8578e", "c98a00", "3d9fd6")
-#: Linear RGB as somebody without red or green cones sees it.
+#: Linear RGB as a viewer without red or green cones sees it.
 _SIGHTS = (
     np.eye(3),
     np.array([(0.11238, 0.88762, 0.0), (0.11238, 0.88762, 0.0), (0.00401, -0.00401, 1.0)]),

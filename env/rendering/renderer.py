@@ -14,7 +14,7 @@ from indoor_explorers.env.simulation.world import World
 class Renderer:
     """Render a world as a render mode asks: ``rgb_array``, ``human`` (its first episode in a window), or None.
 
-    It is told of every episode that begins and of every step. With None all of that costs nothing.
+    Call :meth:`begun` for every episode that begins and :meth:`stepped` after every step; with None both do nothing.
 
     Raises:
         InputError: the mode is ``human``, and pygame or a display is missing.

@@ -32,7 +32,7 @@ Picture = NDArray[np.uint8]
 class VideoWriter:
     """Collect the moments of an episode and write them to one file, whole or not at all.
 
-    Frames are held compressed, and only as many as the file may have, so an episode may be of any length.
+    Frames are held compressed, and no more than the file may have, so an episode may be of any length.
 
     Raises:
         InputError: the ending is none of ``FRAMES``, the folder cannot be written, or the encoder is missing.
@@ -74,7 +74,7 @@ class VideoWriter:
         return self._fps if self._fps is not None else min(max(len(self) / SECONDS, FPS[0]), FPS[1])
 
     def save(self, progress: Callable[[int], None] = lambda written: None) -> None:
-        """Write the file; ``progress`` is told the number of frames written so far.
+        """Write the file; ``progress`` is called with the number of frames written so far.
 
         Raises:
             RunError: it could not be written; what was there before is as it was.

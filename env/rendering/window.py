@@ -34,7 +34,7 @@ class Window:
         self._title = title
         self._fps = fps
         self._clock: Any = None
-        #: Whether somebody has closed it.
+        #: Whether the user has closed it.
         self.closed = False
         if sys.platform.startswith("linux") and not any(
             os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
@@ -68,7 +68,7 @@ class Window:
             self.show(picture)
 
     def close(self) -> None:
-        """Close the window; another picture opens it again unless somebody at the screen has closed it."""
+        """Close the window; another picture opens it again unless the user has closed it."""
         if self._clock is not None:
             self._pygame.display.quit()
         self._clock = None
@@ -90,7 +90,7 @@ class Window:
         self._clock = pygame.time.Clock()
 
     def _heed(self) -> None:
-        """Close when somebody asks for it."""
+        """Close when the user asks for it."""
         pygame = self._pygame
         for event in pygame.event.get() if self._clock is not None else ():
             if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):

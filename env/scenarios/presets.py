@@ -76,7 +76,7 @@ def _building(name: str, maps: MapSource, budget: int) -> Scenario:
 
 
 def _small(preset: Scenario, maps: MapSource) -> Scenario:
-    """A building at two fifths of the size, as many lidar ranges across: quick to fly and to learn from."""
+    """A building at two fifths of the size, the same number of lidar ranges across: quick to fly and train on."""
     return preset.model_copy(
         update={
             "name": f"small-{preset.name}",

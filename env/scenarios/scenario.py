@@ -29,7 +29,7 @@ from indoor_explorers.env.scenarios.validation import validated
 
 #: Steps that an episode without a budget has at least.
 LEAST_BUDGET = 200
-#: What comparisons set: on to full team coverage or the budget, nobody ended as stuck.
+#: Settings of comparisons: episodes go on to full team coverage or the budget, and no UAV is ended as stuck.
 COMPARED: Mapping[str, Any] = {"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"}
 
 
@@ -119,7 +119,7 @@ class Scenario(_Part):
     denominator: Literal["reachable", "map"] = "reachable"
     """Coverage counts free cells reachable from the spawns, or all cells of the map (the thesis)."""
     budget: int | None = Field(None, ge=1, le=10_000_000)
-    """Steps before the episode is cut; None: as many as the map has reachable cells, at least 200."""
+    """Steps before the episode is cut; None: one for each reachable cell of the map, at least 200."""
 
     @field_validator("spawn", mode="wrap")
     @classmethod
@@ -150,7 +150,7 @@ class Scenario(_Part):
         return self.budget if self.budget is not None else max(LEAST_BUDGET, reachable)
 
     def for_evaluation(self) -> Scenario:
-        """Return the task as comparisons run it: on to full team coverage or the budget, nobody ended as stuck."""
+        """Return the task as comparisons fly it, with the settings of :data:`COMPARED`."""
         return self.with_settings(COMPARED)
 
     def with_settings(self, settings: Mapping[str, Any]) -> Scenario:

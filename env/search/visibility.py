@@ -1,7 +1,7 @@
 """What every cell of a known map shows, as sets that can be joined and counted quickly.
 
 A set of cells is one 64-bit word for each tile of 8x8 cells that it touches. A scan touches few tiles, so joining
-the views along a way costs a few operations a step whatever the size of the map.
+the views along a path costs a few operations a step on maps of any size.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 32 rays leave the sensor at equal angles. Each is sampled at 200 points from the sensor to the range, and each
 point belongs to the nearest cell. A ray ends at the nearest obstacle cell that it meets, half a cell beyond
-that cell's centre, so that the obstacle is seen; samples off the map are moved to its border. Whatever cells
-the shortened rays touch are seen. Rays leak between obstacles that touch at a corner, and sight is not
+that cell's centre, so that the obstacle is seen; samples off the map are moved to its border. All cells
+that the shortened rays touch are seen. Rays leak between obstacles that touch at a corner, and sight is not
 symmetric.
 """
 

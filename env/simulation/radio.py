@@ -92,9 +92,9 @@ def _is_lost(rules: Rules, state: State, b: int, i: int, j: int) -> bool:
 def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
     """Fill ``linked`` and ``component`` (N,), the smallest agent number of each agent's component.
 
-    Returns whether anybody is linked at all.
+    Returns whether any two agents are linked.
     """
-    team, anybody = state.end.shape[1], False
+    team, any_link = state.end.shape[1], False
     for i in range(team):
         component[i] = i
         for j in range(i):
@@ -113,9 +113,9 @@ def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
             )
             state.linked[b, i, j] = state.linked[b, j, i] = together
             if together:
-                anybody = True
+                any_link = True
                 _join(component, i, j)
-    return anybody
+    return any_link
 
 
 @inner()

@@ -1,4 +1,4 @@
-"""What an episode's seed draws before anybody moves: the map and the spawns."""
+"""What an episode's seed draws before the first step: the map and the spawns."""
 
 from __future__ import annotations
 

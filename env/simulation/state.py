@@ -36,7 +36,7 @@ class Rules(NamedTuple):
     count_all_cells: bool
     """Whether coverage counts all cells of the map, not the reachable ones alone."""
     budget: int
-    """Steps, 0 for as many as there are reachable cells."""
+    """Steps; 0 for one step per reachable cell."""
     least_budget: int
     radio_model: int
     radio_range: float
@@ -89,9 +89,9 @@ class State(NamedTuple):
     counts: NDArray[np.bool_]
     """(B, H, W) cells that coverage counts."""
     total: NDArray[np.int64]
-    """(B,) how many those are: the denominator."""
+    """(B,) number of those cells: the denominator."""
     needed: NDArray[np.int64]
-    """(B,) how many of them make the goal."""
+    """(B,) number of those cells that must be known to reach the goal."""
     budget: NDArray[np.int64]
     """(B,) steps."""
     order_key: NDArray[np.uint64]
@@ -129,7 +129,7 @@ class State(NamedTuple):
     discovered: NDArray[np.int64]
     """(B, N) cells first seen by own lidar in this step."""
     received: NDArray[np.int64]
-    """(B, N) cells first heard by radio in this step."""
+    """(B, N) cells first received by radio in this step."""
     idle: NDArray[np.int64]
     """(B, N) steps since the last new cell of either kind."""
     history: NDArray[np.int32]

@@ -31,8 +31,8 @@ class World:
 
     All episodes of a batch explore maps of the same shape. Fill them with :meth:`reset` or
     :meth:`begin`, then alternate :meth:`view` and :meth:`step`. An agent that has ended is gone: it
-    neither moves, scans, transmits nor stands in anybody's way. With several ``threads`` the episodes are
-    shared out among them; what happens in an episode depends on its seed and actions alone.
+    neither moves, scans, transmits nor blocks others. With several ``threads`` the episodes are
+    divided among them; what happens in an episode depends on its seed and actions alone.
     """
 
     def __init__(self, scenario: Scenario, batch: int = 1, *, threads: int = 1) -> None:
@@ -52,7 +52,7 @@ class World:
 
     @property
     def state(self) -> State:
-        """The arrays of the batch, for readers who know what they are doing."""
+        """The arrays of the batch, for reading."""
         if self._state is None:
             raise InputError("expected a world with episodes in it, got a new one; call reset first")
         return self._state
@@ -64,7 +64,7 @@ class World:
         self.restart(range(self.batch), seeds, index=index)
 
     def restart(self, episodes: Sequence[int], seeds: Sequence[int], *, index: int = 0) -> None:
-        """Start some episodes anew, each on the map and spawns of its seed, exactly as :meth:`begin` does.
+        """Start new episodes in some places of the batch, each on the map and spawns of its seed.
 
         Raises:
             InputError: one of them cannot be started; then all episodes are left as they were.
@@ -205,7 +205,7 @@ class World:
         return tuple(mates)
 
     def briefing(self, episode: int, agent: int, *, privileged: bool = False) -> Briefing:
-        """Return what one agent's pilot is told before the episode."""
+        """Return the briefing of one agent's pilot."""
         return Briefing(
             agent=agent,
             team=self.scenario.team,

@@ -15,7 +15,7 @@ from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.maps.base import GeneratedMaps
 from indoor_explorers.env.maps.generators.joining import joined
 
-#: A cave of which less than this share is free is smoothed anew from less rock.
+#: A cave with a smaller free share than this is drawn again with less rock.
 ENOUGH = 0.15
 #: How much less rock each further try starts from; without any it is one open chamber.
 EASING = 0.05

@@ -35,7 +35,7 @@ def read_houseexpo(path: Path, resolution: float) -> tuple[Belief, float]:
     are finer than the cells of ``resolution`` metres that they are for by a whole factor, and the outline begins at
     the edge of such a cell, one from the picture's edge.
 
-    Raises :class:`InputError` with one line for whatever is wrong with the file.
+    Raises :class:`InputError` with one line that says what is wrong with the file.
     """
     corners, extent = _placed(path, parse_houseexpo(path), resolution)
     finer = max(FINER, math.ceil(resolution / FINEST))

@@ -20,7 +20,7 @@ from indoor_explorers.env.maps.readers.opening import read_bytes
 PASSABLE = ".GS"
 #: Out of bounds, trees, and water, which is open only to those that come from water.
 SOLID = "@OTW"
-#: The most bytes of a file: as many cells as a picture may have, and their line ends.
+#: The most bytes of a file: one for each cell that a picture may have, and line ends.
 MAX_BYTES = 3 * MAX_PIXELS
 TYPES = ("octile", "tile")
 
@@ -33,7 +33,7 @@ _CELLS[[ord(char) for char in SOLID]] = OCCUPIED
 def read_movingai(path: Path) -> Belief:
     """Read a ``.map`` file as (H, W) uint8 cells: free on :data:`PASSABLE`, occupied on :data:`SOLID` characters.
 
-    Raises :class:`InputError` with one line for whatever is wrong with it.
+    Raises :class:`InputError` with one line that says what is wrong with it.
     """
     data = read_bytes(path, MAX_BYTES, "a MovingAI map")
     height, width, body = _parse_header(path, data)

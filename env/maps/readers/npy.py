@@ -40,7 +40,7 @@ def read_npy(path: Path, fits: Fits | None = None) -> Belief:
     An occupancy is free below :data:`FREE_BELOW`, occupied above :data:`OCCUPIED_ABOVE` and unknown between.
     ``fits`` is asked about the size, an element counting as a metre, before the data is read.
 
-    Raises :class:`InputError` with one line for whatever is wrong with the file. Nothing is ever unpickled.
+    Raises :class:`InputError` with one line that says what is wrong with the file. Nothing is ever unpickled.
     """
     check_file(path)
     try:

@@ -30,7 +30,9 @@ def drawn(text: str, name: str, resolution: float | None = None) -> Floorplan:
     lines = text.split()
     for number, line in enumerate(lines, 1):
         if len(line) != len(lines[0]):
-            raise InputError(f"{name}: expected {len(lines[0])} characters in line {number}, got {len(line)}; mend it")
+            raise InputError(
+                f"{name}: expected {len(lines[0])} characters in line {number}, got {len(line)}; fix that line"
+            )
         if unknown := set(line) - {WALL, FURNITURE, FLOOR}:
             raise InputError(
                 f"{name}: expected only {WALL!r}, {FURNITURE!r} and {FLOOR!r} in line {number}, "

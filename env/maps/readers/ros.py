@@ -90,7 +90,7 @@ def trinary(channels: NDArray[np.uint8], facts: RosMap) -> Belief:
 def parse_ros(path: Path) -> RosMap:
     """Read and check a map_server YAML file; of a repeated key the last one counts, unknown keys are ignored.
 
-    Raises :class:`InputError` with one line for whatever is wrong with it.
+    Raises :class:`InputError` with one line that says what is wrong with it.
     """
     data = _load(path)
     for key, meaning in _NEEDED.items():
