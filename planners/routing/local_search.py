@@ -46,13 +46,17 @@ def cost_of(
     ``start`` (K,) are the times to the first place, ``between`` (K, K) those between places, ``weights`` (K,) theirs.
     """
     latency, rate = objective
-    time = start[order[0]]
-    total = 0.0
-    for k in range(order.shape[0]):
-        if k > 0:
+    time, weight = start[order[0]], weights[order[0]]
+    total = weight * np.exp(-rate * time) if rate > 0.0 else weight * time
+    if rate > 0.0:
+        for k in range(1, order.shape[0]):
             time += between[order[k - 1], order[k]]
-        total += weights[order[k]] * (np.exp(-rate * time) if rate > 0.0 else time)
-    return float(-total if rate > 0.0 else time + latency * total)
+            total += weights[order[k]] * np.exp(-rate * time)
+        return float(-total)
+    for k in range(1, order.shape[0]):
+        time += between[order[k - 1], order[k]]
+        total += weights[order[k]] * time
+    return float(time + latency * total)
 
 
 @kernel()
@@ -104,18 +108,20 @@ def improve(
         before = cost
         for i in range(1, count):
             for j in range(1, count):
-                for reverses in (True, False):
-                    if i == j or (reverses and (j < i or not settings.reversals)):
-                        continue
-                    if reverses:
-                        _reverse(order, i, j)
-                    else:
-                        _move(order, i, j)
+                bar = cost - settings.least_saving - settings.least_share * abs(cost)
+                if i < j and settings.reversals:
+                    _reverse(order, i, j)
                     new = cost_of(order, start, between, weights, objective)
-                    if new < cost - settings.least_saving - settings.least_share * abs(cost):
+                    if new < bar:
                         cost = new
-                    elif reverses:
+                        bar = cost - settings.least_saving - settings.least_share * abs(cost)
+                    else:
                         _reverse(order, i, j)
+                if i != j:
+                    _move(order, i, j)
+                    new = cost_of(order, start, between, weights, objective)
+                    if new < bar:
+                        cost = new
                     else:
                         _move(order, j, i)
         if cost == before:
