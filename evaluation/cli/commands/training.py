@@ -87,8 +87,8 @@ def run_ablate(options: AblateOptions, typed: str) -> int:
         episodes=options.episodes,
         command=typed,
     )
-    for order, reason in failures:
-        print_line(console, f"failed: {order.title}: {reason}", "red")
+    for training, reason in failures:
+        print_line(console, f"failed: {training.title}: {reason}", "red")
     return 1 if failures else 0
 
 
