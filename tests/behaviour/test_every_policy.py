@@ -50,7 +50,11 @@ def test_it_passes_the_conformance_suite(name):
 @every_explorer
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: "-".join(map(str, list(row.values())[1:])))
 def test_it_explores_all_with_any_team_radio_and_lidar(name: str, row: dict[str, Any], map_files: Path) -> None:
-    settings = {**RADIOS[row["radio"]], "lidar.range": row["lidar"], "spawn": row["spawn"]}
+    settings = {
+        **RADIOS[row["radio"]],
+        "lidar.range": row["lidar"],
+        "spawn": "clustered" if row["team"] == 4 else "random",
+    }
     case = Case.on(row["world"], map_files, name, row["team"], settings, seed=1)
     record = case.fly()
     assert violations(record) == [], case.command()

@@ -34,9 +34,9 @@ SMALL = ("open", "noise", "small-rooms", "small-maze")
 #: Worlds of one kind take turns in the rows of the covering array.
 KINDS = {
     "open": ("open", "room"),
-    "cluttered": ("noise", "pockets", "cave"),
+    "cluttered": ("noise", "cave", "pockets"),
     "rooms": ("small-rooms", "rooms"),
-    "corridors": ("small-maze", "comb", "corridors", "plus"),
+    "corridors": ("corridors", "small-maze", "comb"),
 }
 #: Radio settings by name; with ``each``, every UAV has to see everything itself.
 RADIOS: dict[str, Settings] = {
@@ -51,17 +51,16 @@ RADIOS: dict[str, Settings] = {
 #: What every two of are flown together.
 FACTORS = {
     "kind": tuple(KINDS),
-    "team": (1, 2, 5, 16),
-    "radio": ("none", "square", "disc", "unlimited"),
+    "team": (1, 4, 16),
+    "radio": ("none", "disc", "unlimited"),
     "lidar": (1.0, 3.0, 5.5),
-    "spawn": ("random", "clustered"),
 }
 #: Steps of an episode, far more than any of them needs.
 BUDGET = 4000
 
 
 def covering_array() -> list[dict[str, Any]]:
-    """Return rows of kind, team, radio, lidar, spawn, and the world of this kind whose turn it is."""
+    """Return rows of kind, team, radio, lidar, and the world of this kind whose turn it is."""
     turns = {kind: cycle(worlds) for kind, worlds in KINDS.items()}
     return [{**row, "world": next(turns[row["kind"]])} for row in pairwise(FACTORS)]
 
