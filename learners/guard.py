@@ -1,15 +1,15 @@
 """The oscillation guard: hands over to the nearest frontier when a learned policy goes nowhere.
 
-A greedy network can dither between two cells for good. The guard lets it have its way while it gains new
-cells itself; when the gain has stopped for longer than twice the way to the nearest frontier was then (at
-least :data:`PATIENCE` steps), or the UAV swings to and fro between two cells, it flies to the nearest
-frontier (Yamauchi 1997) until it gains a cell. Every such flight ends in a gain, so an episode ends. Each
-handover is a strike: with every strike, the next one comes sooner and the guard then flies on for longer, so
-that a network far from what it was trained on costs little more than the nearest frontier alone. Gains of
-its own win the network's credit back.
+A greedy network can oscillate between two cells for ever. The guard leaves control to the network while the UAV
+gains new cells. It takes over when there was no gain for twice the path length to the nearest frontier (at least
+:data:`PATIENCE` steps), or when the UAV oscillates between two cells. Then it flies to the nearest frontier
+(Yamauchi 1997) until the UAV gains a cell, so that every episode ends. After each takeover, the next one comes
+sooner and lasts longer: a network far from what it was trained on costs little more than the nearest frontier
+alone. Gains under the network's control earn credit, which takes takeovers back.
 
-A team-mate in the way is met by random back-off: draws that grow with every retreat, so that two UAVs in a
-corridor do not wait for each other for ever.
+Behind a teammate in the way the UAV backs off at random, longer with every retreat, so that two UAVs in a corridor
+do not wait for each other for ever. Planners resolve deadlocks in another way
+(:mod:`indoor_explorers.planners.navigation.deadlock`), which needs a planned path.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from indoor_explorers.env.search.bfs import distances_from, step_towards
 from indoor_explorers.env.search.frontiers import touches_unknown
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 
-#: Steps without a new cell that are always granted.
+#: Steps without a gain before which the guard never takes over.
 PATIENCE = 8
-#: Strikes that still make a difference.
-MOST_STRIKES = 9
-#: Steps with a gain, under the policy's own control, that take a strike back.
-AMENDS = 64
-#: Returns in a row to the cell before the last one that are put up with.
-SWINGS = 3
-#: Bumps into a team-mate in a row before the UAV backs off; who flies behind one bumps now and then.
+#: Takeovers that still make a difference.
+MOST_TAKEOVERS = 9
+#: Gains under the policy's control that take a takeover back.
+CREDIT = 64
+#: Returns in a row to the cell before the last one, before the guard takes over.
+OSCILLATIONS = 3
+#: Blocked moves in a row before the UAV backs off; a UAV that follows another one is blocked now and then.
 BUMPS = 2
-#: Steps that a UAV waits at most where it has backed off to.
+#: Longest wait, in steps, at the cell that the UAV has backed off to.
 LONGEST_WAIT = 4
 
 
@@ -74,11 +74,11 @@ class Guard:
         self._steps = np.empty(shape, np.int32)
         self._queue = np.empty(shape[0] * shape[1], np.int32)
         self._gained = self._idle = self._limit = self._bumps = self._retreats = 0
-        self._strikes = self._tenure = self._amends = 0
-        self._swings = 0
+        self._takeovers = self._takeover_steps = self._credit = 0
+        self._oscillations = 0
         self._trail: tuple[Cell | None, Cell | None] = (None, None)
         self._last: tuple[Cell, int] | None = None
-        self._refuge: Cell | None = None
+        self._retreat_cell: Cell | None = None
         self._detour = 0
 
     @property
@@ -89,8 +89,8 @@ class Guard:
     def review(self, view: View, gained: int, proposal: int) -> int:
         """Return the move to make: ``proposal``, or a better one; ``gained`` counts the cells it gained itself."""
         self.decisions += 1
-        self._note_swings(view.cell)
-        self._note_progress(view, gained)
+        self._count_oscillations(view.cell)
+        self._update_progress(view, gained)
         self._bumps = self._bumps + 1 if self._was_blocked(view) else 0
         if self._bumps >= BUMPS:
             self._retreats += 1
@@ -102,50 +102,50 @@ class Guard:
         return chosen
 
     def rest(self) -> None:
-        """Note that the UAV stays where it is because nothing within its reach is unknown."""
+        """Tell the guard that the UAV stays because nothing within its reach is unknown."""
         self._last = None
 
-    def _note_swings(self, cell: Cell) -> None:
+    def _count_oscillations(self, cell: Cell) -> None:
         before_last, last = self._trail
-        self._swings = self._swings + 1 if cell == before_last and cell != last else 0
+        self._oscillations = self._oscillations + 1 if cell == before_last and cell != last else 0
         self._trail = last, cell
 
-    def _note_progress(self, view: View, gained: int) -> None:
+    def _update_progress(self, view: View, gained: int) -> None:
         if gained > self._gained:
             self._gained, self._idle, self._retreats, self._detour = gained, 0, 0, 0
-            self._make_amends()
+            self._earn_credit()
             return
         self._idle += 1
         if self._idle == 1:
             goal = self._frontier(view)
             way = 2 * int(self._steps.flat[goal]) if goal >= 0 else 0
-            self._limit = max(PATIENCE, way >> self._strikes)
-        if self._swings > SWINGS:
+            self._limit = max(PATIENCE, way >> self._takeovers)
+        if self._oscillations > OSCILLATIONS:
             self._limit = min(self._limit, self._idle - 1)
-        if self._idle == self._limit + 1 and self._tenure == 0:
-            self._strikes = min(self._strikes + 1, MOST_STRIKES)
-            self._tenure = 2**self._strikes - 2
+        if self._idle == self._limit + 1 and self._takeover_steps == 0:
+            self._takeovers = min(self._takeovers + 1, MOST_TAKEOVERS)
+            self._takeover_steps = 2**self._takeovers - 2
 
-    def _make_amends(self) -> None:
-        """Count a gain that the policy made itself; enough of them take a strike back."""
-        if self._tenure > 0:
+    def _earn_credit(self) -> None:
+        """Count a gain under the policy's control; enough of them take a takeover back."""
+        if self._takeover_steps > 0:
             return
-        self._amends += 1
-        if self._amends >= AMENDS:
-            self._strikes, self._amends = max(self._strikes - 1, 0), 0
+        self._credit += 1
+        if self._credit >= CREDIT:
+            self._takeovers, self._credit = max(self._takeovers - 1, 0), 0
 
     def _was_blocked(self, view: View) -> bool:
         return self._last is not None and self._last[1] != Action.STAY and self._last[0] == view.cell
 
     def _own_move(self, view: View) -> int | None:
-        """Return the guard's move, None while the policy has its way."""
+        """Return the guard's move; None while the policy is in control."""
         if self._detour > 0:
             self._detour -= 1
-            return self._towards_refuge(view)
+            return self._towards_retreat(view)
         if self._idle > self._limit:
             return self._towards_frontier(view)
-        if self._tenure > 0:
-            self._tenure -= 1
+        if self._takeover_steps > 0:
+            self._takeover_steps -= 1
             return self._towards_frontier(view)
         return None
 
@@ -161,28 +161,28 @@ class Guard:
         return int(step_towards(self._steps, *divmod(goal, view.belief.shape[1]))) if goal >= 0 else Action.STAY
 
     def _back_off(self, view: View) -> None:
-        """Draw a place to make room at, not behind the team-mate in the way, and for how long to go there."""
+        """Draw a cell to retreat to, not behind the teammate in the way, and for how many steps."""
         assert self._last is not None
         row, col = np.array(view.cell) + MOVES[self._last[1]]
         around = view.belief.copy()
         around[row, col] = np.uint8(UNKNOWN)
         reached = distances_from(around, *view.cell, self._queue, self._steps)
-        self._refuge = divmod(int(self._queue[self._rng.integers(reached)]), view.belief.shape[1])
+        self._retreat_cell = divmod(int(self._queue[self._rng.integers(reached)]), view.belief.shape[1])
         longest = min(2 ** (1 + self._retreats), sum(view.belief.shape))
         self._detour = int(self._rng.integers(1, longest + 1))
 
-    def _towards_refuge(self, view: View) -> int:
-        """Move towards the refuge, and wait there a little."""
-        if view.cell == self._refuge:
+    def _towards_retreat(self, view: View) -> int:
+        """Move towards the retreat cell, and wait there a little."""
+        if view.cell == self._retreat_cell:
             self._detour = min(self._detour, LONGEST_WAIT)
-        if self._refuge is None or view.belief[self._refuge] != FREE:
+        if self._retreat_cell is None or view.belief[self._retreat_cell] != FREE:
             return Action.STAY
         distances_from(view.belief, *view.cell, self._queue, self._steps)
-        return int(step_towards(self._steps, *self._refuge))
+        return int(step_towards(self._steps, *self._retreat_cell))
 
 
 class WatchedPilot(Pilot):
-    """A pilot whose moves the guard may replace; what the UAV discovers itself is told from its views."""
+    """A pilot whose moves the guard may replace; what the UAV discovered itself is counted from its views."""
 
     def __init__(self, briefing: Briefing, *, guard: bool) -> None:
         self._guard = Guard(briefing.shape, briefing.rng) if guard else None
@@ -192,7 +192,7 @@ class WatchedPilot(Pilot):
         self._gained = 0
 
     def review(self, view: View, proposal: int) -> int:
-        """Return the move to make: ``proposal``, or the guard's; to stay when that finds nothing in reach unknown."""
+        """Return the move to make: ``proposal``, or the guard's; stay when nothing unknown is within reach."""
         if self._guard is None:
             return proposal
         self._gained += int(discovered(view.belief, *view.cell, self._lidar, self._scan, self._noted))

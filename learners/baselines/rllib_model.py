@@ -54,7 +54,7 @@ class RllibConfig(BaselineConfig):
         return RLModuleSpec(module_class=self.module(), model_config=sizes)
 
     def untrained(self, inputs: int) -> TorchRLModule:
-        """Return the network before any training, for observations of so many numbers."""
+        """Return the network before any training, for observations of ``inputs`` numbers."""
         with quietly():
             spec = self.spec()
             space: Space[Any] = Box(0.0, 1.0, (inputs,), np.float32)

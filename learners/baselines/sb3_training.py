@@ -70,7 +70,7 @@ class Kind(NamedTuple):
         return found
 
     def untrained(self, config: StableBaselinesConfig, inputs: int) -> BasePolicy:
-        """Return the networks of a training before it begins, for observations of so many numbers."""
+        """Return the networks of a training before it begins, for observations of ``inputs`` numbers."""
         return self.policy(Box(0.0, 1.0, (inputs,)), Discrete(5), lambda _: 0.0, **config.network())
 
 

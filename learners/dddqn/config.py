@@ -27,7 +27,7 @@ class TrainingConfig(Settings):
     """UAVs of each training episode; None for as many as the scenarios have. What a UAV learns alone is learned from
     clearer rewards, and serves teams where planner features leave to teammates what is theirs."""
     prior_notes: int = Field(1_000_000, ge=0)
-    """Unknown cells near obstacles that the map prior is fitted to before the training, at most."""
+    """Largest number of unknown cells near obstacles that the map prior is fitted to before the training."""
     total_steps: int = Field(3_000_000, ge=1)
     """Moves made in training, all environments together."""
     environments: int = Field(64, ge=1, le=4096)

@@ -100,5 +100,5 @@ class TrainingConfig(Settings):
         return scenario.with_settings(settings)
 
     def epsilon(self, decisions: int) -> float:
-        """Return the exploration after so many decisions in training."""
+        """Return the exploration after this many decisions in training."""
         return float(max(self.epsilon_last, self.epsilon_first * self.epsilon_decay**decisions))

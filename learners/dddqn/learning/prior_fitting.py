@@ -1,7 +1,7 @@
 """Fit the map prior: what unknown cells of a scenario's maps turn out to be.
 
-UAVs fly to the nearest gain, and now and then every unknown cell with a known obstacle near it is noted with the
-cells around it and whether it counts. Flown before the training, on maps that no episode of it uses.
+UAVs fly to the nearest gain. Every few ticks each unknown cell with a known obstacle near it becomes an example: the
+cells around it, and whether it counts. This is flown before the training, on maps that no training episode uses.
 """
 
 from __future__ import annotations
@@ -30,20 +30,20 @@ from indoor_explorers.learners.dddqn.observation.map_prior import (
     write_patch,
 )
 
-#: Episodes flown side by side at most, and ticks between two notes.
+#: Episodes flown side by side at most, and ticks between two examples.
 EPISODES, EVERY = 1024, 5
 #: Cells of all maps flown side by side, at most, and of these episodes at least.
 CELLS, FEWEST = 2**18, 16
-#: Ticks after which flying ends, and those after which it ends when nothing was noted.
+#: Ticks after which flying ends, and after which it ends without any example.
 TICKS, PATIENCE = 300, 50
-#: Rounds over all notes, notes in one update, Adam's first step size.
+#: Epochs, examples in one update, Adam's first step size.
 ROUNDS, BATCH, RATE = 5, 256, 3e-3
-#: Fewer notes than this fit nothing: there are no obstacles to speak of.
+#: With fewer examples there is no prior: the maps have hardly any obstacles.
 LEAST = 1_000
 
 
-class Notes(NamedTuple):
-    """N noted cells."""
+class PriorExamples(NamedTuple):
+    """N unknown cells."""
 
     patch: NDArray[np.uint8]
     """(N, 49) the cells around it."""
@@ -53,7 +53,7 @@ class Notes(NamedTuple):
 
 @kernel()
 def _note(belief: np.ndarray, counts: np.ndarray, patch: np.ndarray, label: np.ndarray, found: int) -> int:
-    """Note the unknown cells of one (H, W) belief that have obstacles near; return how many notes there are now."""
+    """Collect the unknown cells of one (H, W) belief that have obstacles near; return the number of examples now."""
     for r in range(belief.shape[0]):
         for c in range(belief.shape[1]):
             if found < len(label) and belief[r, c] == UNKNOWN and write_patch(belief, r, c, patch[found]) > 0:
@@ -62,8 +62,8 @@ def _note(belief: np.ndarray, counts: np.ndarray, patch: np.ndarray, label: np.n
     return found
 
 
-def collect(scenario: Scenario, first_seed: int, most: int) -> Notes:
-    """Fly to the nearest gain on maps of seeds from ``first_seed`` on and note up to ``most`` cells."""
+def collect(scenario: Scenario, first_seed: int, most: int) -> PriorExamples:
+    """Fly to the nearest gain on maps of seeds from ``first_seed`` on and collect up to ``most`` examples."""
     seeds = iter(range(first_seed, first_seed + 2**30))
     sight = ObservationConfig(layers=("unknown",), coarse=0, sides=False, visits=False, tours=False)
     flight = VectorFlight(scenario, sight, no_prior(), 1, lambda: next(seeds))
@@ -82,18 +82,18 @@ def collect(scenario: Scenario, first_seed: int, most: int) -> Notes:
         flight.restart(np.flatnonzero(flight.over.reshape(state.end.shape).all(axis=1)))
         if found == most or (found == 0 and tick == PATIENCE):
             break
-    return Notes(patch[:found], label[:found])
+    return PriorExamples(patch[:found], label[:found])
 
 
-def collect_all(scenarios: Sequence[Scenario], first_seed: int, most: int) -> Notes:
-    """Collect up to ``most`` notes in equal parts from several scenarios."""
+def collect_all(scenarios: Sequence[Scenario], first_seed: int, most: int) -> PriorExamples:
+    """Collect up to ``most`` examples in equal parts from several scenarios."""
     parts = [collect(scenario, first_seed, most // len(scenarios)) for scenario in scenarios]
-    return Notes(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+    return PriorExamples(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
-def fit_prior(notes: Notes, seed: int) -> MapPrior:
-    """Return the prior fitted to the notes by maximum likelihood; no prior where they are too few."""
-    if len(notes.counts) < LEAST:
+def fit_prior(examples: PriorExamples, seed: int) -> MapPrior:
+    """Return the prior fitted to the examples by maximum likelihood; no prior where they are too few."""
+    if len(examples.counts) < LEAST:
         return no_prior()
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
@@ -102,9 +102,9 @@ def fit_prior(notes: Notes, seed: int) -> MapPrior:
         for tick in range(ROUNDS):
             for group in optimiser.param_groups:
                 group["lr"] = RATE * (1.0 - tick / ROUNDS)
-            for chosen in torch.split(torch.randperm(len(notes.counts)), BATCH):
-                inputs = torch.from_numpy(_inputs(notes.patch[chosen.numpy()]))
-                wanted = torch.from_numpy(notes.counts[chosen.numpy()].astype(np.float32))
+            for chosen in torch.split(torch.randperm(len(examples.counts)), BATCH):
+                inputs = torch.from_numpy(_inputs(examples.patch[chosen.numpy()]))
+                wanted = torch.from_numpy(examples.counts[chosen.numpy()].astype(np.float32))
                 loss = nn.functional.binary_cross_entropy_with_logits(net(inputs)[:, 0], wanted)
                 optimiser.zero_grad()
                 loss.backward()  # type: ignore[no-untyped-call]

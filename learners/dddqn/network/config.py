@@ -21,10 +21,10 @@ class NetworkConfig(Settings):
     noisy: bool = False
     """Explore by noise in the weights of the last layers (Fortunato et al. 2018) on top of epsilon."""
     tour_cost: float = Field(0.1, ge=0.0)
-    """Begin with what the tours say, where they are seen: each step that a move's tour takes beyond the shortest, to
-    the goal and to 90 %, costs so much at first. So do prospects for each step that a move is behind the best one. The
-    network learns what to put right. 0 begins with nothing."""
+    """Initial weight of the skip connection from tour features to Q: each step that a move's tour takes beyond the
+    shortest, to the goal and to 90 %, costs this much at first, and so does each step behind the best prospect. Learned
+    from there; 0 begins without."""
     tour_pull: float = Field(0.0, ge=0.0)
-    """Choose moves as if each step that a move's tour to the goal takes beyond the shortest cost so much on top of what
-    the network says, in training as later: of moves that are worth about the same the one that keeps to a tour. Each
-    step behind the best prospect costs so much, too."""
+    """Fixed cost of each step that a move's tour to the goal takes beyond the shortest, and of each step behind the
+    best prospect, subtracted from Q in training and in flight: among moves of about equal value the UAV keeps to a
+    tour."""

@@ -183,7 +183,7 @@ def _expand(beam: Beam, states: int, step: int, views: np.ndarray, passages: np.
 
 @inner()
 def _advance(beam: Beam, kept: int, step: int) -> None:
-    """Make the candidates the states after so many steps, best first."""
+    """Make the candidates the states after ``step`` steps, best first."""
     for s in range(kept):
         o = beam.order[s]
         beam.cell[0, s], beam.key[0, s] = beam.cell[1, o], beam.key[1, o]

@@ -30,9 +30,10 @@ from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE, 
 
 #: For each kind: exponent of what is in view, and discount of a lidar range on the way.
 POWERS, RATES = (1.0, 0.5), (1.5, 0.8)
-#: A prospect so near the best one of before, in lidar ranges by rows and columns, is worth so many times as much.
+#: Hysteresis: a candidate this near the last best one, in lidar ranges by rows and columns, is worth this many times as
+#: much.
 NEAR, HOLD = 0.4, 1.2
-#: What is left of a prospect that a teammate heard in the last so many lidar ranges of steps is nearer to.
+#: Factor on a candidate that a recently heard teammate is closer to; recently: steps in lidar ranges.
 HEARD, THEIRS = 3.0, 0.05
 _THERE, _BEHIND, _BEST, _WAY, _VIEW = range(len(PROSPECT))
 
@@ -84,7 +85,7 @@ def _offer(
     lidar_range: float,
     candidates: CandidateScratch,
 ) -> None:
-    """Let all moves have a prospect so many steps away, to which the moves ``first`` begin a shortest path."""
+    """Offer all moves a candidate ``steps`` steps away, to which the moves ``first`` begin a shortest path."""
     here = factor * view ** POWERS[kind]
     for k in range(4):
         way = steps - 1 if first >> k & 1 else steps + 1

@@ -136,7 +136,7 @@ def _places(at: int, *sizes: int) -> list[int]:
 
 
 def tour_costs(layout: ObservationLayout, to_goal: float, to_mark: float) -> NDArray[np.float32] | None:
-    """Return weights (F,) of the features of a move by which steps beyond the shortest tours cost so much each.
+    """Return weights (F,) of the features of a move that charge each step beyond the shortest tours.
 
     Steps behind the best prospect by all that is in view cost as much as those of tours to the goal: of one kind alone,
     as a UAV drawn to two places at once may end up flying to and fro between them. None where neither is seen or they

@@ -93,7 +93,7 @@ def _spread(belief: np.ndarray, cell: int, scratch: Scratch, tail: int) -> int:
 
 @leaf()
 def _credit(gain: int, steps: int, first: int, share: float, sensor: Sensor, scratch: Scratch) -> None:
-    """Credit all moves with a gain so many steps from the UAV, to which the moves ``first`` begin a shortest path.
+    """Credit all moves with a gain ``steps`` steps from the UAV, to which the moves ``first`` begin a shortest path.
 
     ``scratch.power`` holds the discounts of one step less; ``share`` is the weight of the gain in the sum.
     """

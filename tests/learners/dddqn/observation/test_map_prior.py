@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env import FREE, OCCUPIED, PRESETS, UNKNOWN
-from indoor_explorers.learners.dddqn.learning.prior_fitting import Notes, collect, fit_prior
+from indoor_explorers.learners.dddqn.learning.prior_fitting import PriorExamples, collect, fit_prior
 from indoor_explorers.learners.dddqn.observation.map_prior import (
     no_prior,
     prior_arrays,
@@ -57,11 +57,11 @@ def test_it_goes_through_a_file_s_arrays() -> None:
 
 
 def test_it_learns_where_obstacles_are() -> None:
-    notes = collect(PRESETS["thesis-obstacles"].for_evaluation(), 5, most=12_000)
-    assert len(notes.counts) == 12_000
+    examples = collect(PRESETS["thesis-obstacles"].for_evaluation(), 5, most=12_000)
+    assert len(examples.counts) == 12_000
     other = collect(PRESETS["thesis-obstacles"].for_evaluation(), 10**6, most=3_000)
-    prior = fit_prior(notes, 1)
-    again = fit_prior(notes, 1)
+    prior = fit_prior(examples, 1)
+    again = fit_prior(examples, 1)
     assert all(np.array_equal(a, b) for a, b in zip(prior, again, strict=True))
     inputs = np.concatenate([other.patch == kind for kind in (1, 2, 3)], axis=1)
     odds = np.maximum(inputs @ prior.hidden + prior.hidden_bias, 0) @ prior.out + prior.out_bias
@@ -71,7 +71,7 @@ def test_it_learns_where_obstacles_are() -> None:
 
 
 def test_rooms_without_obstacles_have_no_prior() -> None:
-    notes = collect(PRESETS["thesis-open"].for_evaluation(), 5, most=2_000)
-    assert len(notes.counts) == 0
-    assert len(fit_prior(notes, 1).hidden) == 0
-    assert len(fit_prior(Notes(np.zeros((5, 49), np.uint8), np.ones(5, np.bool_)), 1).hidden) == 0
+    examples = collect(PRESETS["thesis-open"].for_evaluation(), 5, most=2_000)
+    assert len(examples.counts) == 0
+    assert len(fit_prior(examples, 1).hidden) == 0
+    assert len(fit_prior(PriorExamples(np.zeros((5, 49), np.uint8), np.ones(5, np.bool_)), 1).hidden) == 0
