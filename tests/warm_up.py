@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 from concurrent.futures import ProcessPoolExecutor
 
+import gymnasium
 import numpy as np
 
 from indoor_explorers.env import PRESETS, World, make_policy
@@ -17,6 +18,7 @@ from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
 from tests.behaviour.policies import POLICIES
 
+ENVIRONMENT = "indoor_explorers.env:IndoorExplorers-v0"
 SHORT = {"budget": 40}
 #: A lone UAV, and a team of which some meet.
 ROOMS = [
@@ -42,9 +44,20 @@ def fly_presets() -> None:
         world.step(np.zeros((2, scenario.team), np.int64))
 
 
+def step_interfaces() -> None:
+    """Step the environments of learners."""
+    for observation in ("channels", "egocentric"):
+        single = gymnasium.make(ENVIRONMENT, observation=observation)
+        batch = gymnasium.make_vec(ENVIRONMENT, 2, "vector_entry_point", observation=observation)
+        for env in (single, batch):
+            env.reset(seed=0)
+            env.step(env.action_space.sample())
+
+
 def main() -> None:
     """Compile, and say for which policies that is done."""
     fly_presets()
+    step_interfaces()
     with ProcessPoolExecutor() as pool:  # of two processes that need the same function, one waits for the other
         for number, name in enumerate(pool.map(fly_policy, POLICIES), start=1):
             sys.stdout.write(f"compiled {name} ({number} of {len(POLICIES)})\n")
