@@ -105,7 +105,7 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
         **policy.provenance(),
     }
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
-    return facts | {"hash": digest, "uses_generator": policy.uses_generator}
+    return facts | {"hash": digest, "uses_generator": policy.uses_generator, "batched": policy.batched}
 
 
 def _make_folder(out: Path) -> None:

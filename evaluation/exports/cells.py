@@ -9,7 +9,7 @@ from indoor_explorers.evaluation.report.analysis.failures import failed
 from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent
 from indoor_explorers.evaluation.report.summary.facts import denominator
-from indoor_explorers.evaluation.report.tables.headline_table import latency
+from indoor_explorers.evaluation.report.tables.headline_table import decision_time
 from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, contrasts
 
@@ -50,7 +50,7 @@ def _cells(comparison: Comparison, policy: str, best: dict[str, str | None]) -> 
     )
     reached = ExportCell(percent(comparison.reached(policy)))
     failures = ExportCell(str(len(failed(comparison.groups[policy]))))
-    return *times, reached, failures, auc, ExportCell(latency(comparison.estimate(policy, "latency_p50_us").mean))
+    return *times, reached, failures, auc, ExportCell(decision_time(comparison, policy))
 
 
 def _measured(comparison: Comparison, policy: str, metric: str, decimals: int) -> ExportCell:

@@ -94,6 +94,7 @@ class ShownPolicies:
     facts: Mapping[str, Mapping[str, Any]]
     privileged: list[str]
     uses_generator: list[str]
+    batched: list[str]
     swatches: dict[str, Markup]
     """Line and marker of each, as in the charts."""
 
@@ -103,6 +104,7 @@ def _policies(results: Results, styles: Styles) -> ShownPolicies:
         results.policies,
         results.privileged_policies,
         results.generator_policies,
+        results.batched_policies,
         {name: swatch(style) for name, style in styles.items()},
     )
 

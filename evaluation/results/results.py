@@ -73,6 +73,11 @@ class Results:
         return [name for name, about in self.policies.items() if about.get("uses_generator")]
 
     @property
+    def batched_policies(self) -> list[str]:
+        """The policies that decide for many UAVs at once: their decision times are shares of a batch's."""
+        return [name for name, about in self.policies.items() if about.get("batched")]
+
+    @property
     def warnings(self) -> list[str]:
         """What differs between the runs and could make figures differ, a line each: commits, versions, machines."""
         lines = []

@@ -83,7 +83,7 @@ def _not_written(path: Path, error: sqlite3.Error) -> RunError:
 
 
 #: Facts about a policy that its class and parameters already decide; older stores do not have them.
-DERIVED_FACTS = ("uses_generator",)
+DERIVED_FACTS = ("uses_generator", "batched")
 
 
 def identity(about: Mapping[str, Any]) -> dict[str, Any]:

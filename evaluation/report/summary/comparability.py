@@ -199,6 +199,9 @@ def _privileged(results: Results) -> Iterator[str]:
     if results.generator_policies:
         names = ", ".join(results.generator_policies)
         yield f"Policies that read the settings of the random generator that draws the maps, never the map: {names}."
+    if results.batched_policies:
+        names = ", ".join(results.batched_policies)
+        yield f"Policies that decide for many UAVs at once, whose decision times are shares of a batch: {names}."
 
 
 def _censored(results: Results) -> Iterator[str]:

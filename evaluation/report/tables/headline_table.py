@@ -90,8 +90,14 @@ def _row(comparison: Comparison, policy: str, times: Sequence[str]) -> list[Text
         Text(percent(comparison.reached(policy))),
         Text(str(failures), "bold red" if failures else ""),
         Text(fixed(comparison.estimate(policy, "auc").mean, 3)),
-        Text(latency(comparison.estimate(policy, "latency_p50_us").mean)),
+        Text(decision_time(comparison, policy)),
     ]
+
+
+def decision_time(comparison: Comparison, policy: str) -> str:
+    """Return the median time of a policy's decisions; says so where it is a share of a batch's."""
+    shown = latency(comparison.estimate(policy, "latency_p50_us").mean)
+    return f"{shown} (batch share)" if policy in comparison.results.batched_policies else shown
 
 
 def _ratio(comparison: Comparison, policy: str) -> str:

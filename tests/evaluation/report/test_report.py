@@ -8,6 +8,7 @@ from rich.console import Console
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.maps.sources import ThesisMaps
 from indoor_explorers.env.scenarios.scenario import Lidar, Radio
+from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.report import headline_table, write_figures, write_report
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.results.results import Results
@@ -111,6 +112,20 @@ def test_policies_that_read_the_generators_settings_are_marked(results: Results)
         assert ("\N{DAGGER} reads the settings of the maps' generator" in shown.get()) == expected
         assert ("knows the generator</span>" in render(found)) == expected
         assert (f"generator that draws the maps, never the map: {name}." in render(found)) == expected
+
+
+def test_shares_of_a_batch_are_marked(results: Results) -> None:
+    name = next(iter(results.policies))
+    policies = results.policies | {name: results.policies[name] | {"batched": True}}
+    marked = Results(policies, results.scenarios, results.runs, list(results.records))
+    for found, expected in ((results, False), (marked, True)):
+        console = Console(width=200)
+        with console.capture() as shown:
+            console.print(headline_table(found, 200))
+        assert ("s (batch share)" in shown.get()) == expected
+        assert ("batch share" in markdown_tables(found)) == expected
+        assert ("batch times</span>" in render(found)) == expected
+        assert (f"whose decision times are shares of a batch: {name}." in render(found)) == expected
 
 
 def test_the_terminal_table_shows_names_as_they_are(hostile: Results, results: Results) -> None:
