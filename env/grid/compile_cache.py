@@ -33,10 +33,15 @@ import numba
 import numpy as np
 from filelock import BaseFileLock, FileLock, Timeout
 from numba.core.compiler import CompileResult
-from numba.core.serialize import dumps as numba_pickle
+from numba.core.serialize import dumps
 from platformdirs import user_cache_path
 
 from indoor_explorers.env.grid.fingerprints import fingerprint, type_key
+from indoor_explorers.env.grid.lazy_code import install
+
+#: Parts of numba that carry no types.
+_Result: Any = CompileResult
+_dumps: Any = dumps
 
 #: Days after which an entry that no process has used is removed.
 KEPT_DAYS = 60
@@ -76,6 +81,7 @@ class CompileCache:
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what was compiled for argument types before, or None; then :meth:`save_overload` is to follow."""
+        install()
         target_context.refresh()
         file = self._file(sig, target_context.codegen())
         if file is None:
@@ -99,7 +105,7 @@ class CompileCache:
             return
         with contextlib.suppress(OSError):
             if not result.library.has_dynamic_globals:  # addresses of this process
-                _write(file, numba_pickle(result._reduce()))
+                _write(file, _dumps(result._reduce()))
         self._release(file)
 
     def _file(self, sig: Any, codegen: Any) -> Path | None:
@@ -198,7 +204,7 @@ def _read(file: Path, target_context: Any) -> Any:
     except OSError:
         return None
     try:
-        found = CompileResult._rebuild(target_context, *pickle.loads(data))
+        found = _Result._rebuild(target_context, *pickle.loads(data))
     except Exception:  # whatever unpickling raises
         file.unlink(missing_ok=True)
         return None

@@ -13,8 +13,11 @@ from collections.abc import Iterator
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
-from numba import types
+import numba
 from numba.core.dispatcher import Dispatcher
+
+#: numba's types, half of whose attributes are not declared.
+types: Any = numba.types
 
 #: Packages whose versions are part of the cache's key; their contents need no look.
 _VERSIONED = ("numpy", "numba", "math", "builtins", "llvmlite")
@@ -45,7 +48,7 @@ def type_key(kind: Any) -> str:
     if isinstance(kind, types.StructRef):
         return f"{type(kind).__module__}.{type(kind).__qualname__}({_pairs(kind.field_dict.items())})"
     if isinstance(kind, types.BaseTuple):
-        return f"({', '.join(map(type_key, kind))})"
+        return f"({', '.join(type_key(part) for part in kind.types)})"
     if isinstance(kind, types.Dispatcher):
         return f"function {fingerprint(kind.dispatcher.py_func)}"
     return str(kind)

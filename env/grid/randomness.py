@@ -58,7 +58,7 @@ def stream_key(seed: int, stream: int, index: int = 0) -> np.uint64:
     return draw(draw(draw(np.uint64(0), np.uint64(seed)), np.uint64(stream)), np.uint64(index))
 
 
-@leaf()
+@leaf(entry=False)
 def below(key: np.uint64, counter: int, bound: int) -> int:
     """Draw an integer from 0 to ``bound`` - 1; its bias is under ``bound`` / 2^64."""
     return int(draw(key, np.uint64(counter)) % np.uint64(bound))

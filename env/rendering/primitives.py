@@ -80,7 +80,7 @@ def letters(text: str, size: int) -> NDArray[np.uint8]:
     return mask
 
 
-@kernel(inline="always")
+@kernel(entry=False, inline="always")
 def _blend(canvas: np.ndarray, y: int, x: int, colour: np.ndarray, alpha: float) -> None:
     for k in range(3):
         canvas[y, x, k] = np.uint8(canvas[y, x, k] * (1.0 - alpha) + colour[k] * alpha + 0.5)

@@ -16,7 +16,7 @@ from indoor_explorers.env.grid.cells import FREE, MOVES, UNREACHABLE
 from indoor_explorers.env.grid.compiled import leaf
 
 
-@leaf()
+@leaf(entry=False)
 def flood(belief: np.ndarray, through: np.uint8, sources: int, queue: np.ndarray, steps: np.ndarray) -> int:
     """Fill ``steps`` (H, W) int32 with distances through cells that hold ``through``; return how many are reached.
 
@@ -61,7 +61,7 @@ def distance_field(belief: Belief, cell: tuple[int, int]) -> Distances:
     return steps
 
 
-@leaf()
+@leaf(entry=False)
 def flood_nearby(belief: np.ndarray, start: int, target: int, limit: int, queue: np.ndarray, steps: np.ndarray) -> int:
     """Fill ``steps`` (H*W,) int32 with distances from a flat cell through ``FREE`` cells; return how many are reached.
 
@@ -84,7 +84,7 @@ def flood_nearby(belief: np.ndarray, start: int, target: int, limit: int, queue:
     return tail
 
 
-@leaf()
+@leaf(entry=False)
 def flood_table(neighbours: np.ndarray, sources: int, queue: np.ndarray, steps: np.ndarray) -> int:
     """Fill ``steps`` (M,) int32 with distances over a (M, 4) neighbour table; return how many nodes are reached.
 

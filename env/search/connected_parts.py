@@ -17,7 +17,7 @@ def connected_parts(free: Mask) -> tuple[Distances, np.ndarray]:
     return labels.astype(np.int32), np.bincount(labels.ravel(), minlength=count + 1)
 
 
-@leaf()
+@leaf(entry=False)
 def label_part(truth: np.ndarray, row: int, col: int, label: int, labels: np.ndarray, queue: np.ndarray) -> int:
     """Write ``label`` into ``labels`` (H, W) int32 at every free cell connected to (row, col) that holds 0.
 

@@ -8,7 +8,7 @@ from indoor_explorers.env.grid.cells import FREE, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel, leaf
 
 
-@leaf()
+@leaf(entry=False)
 def touches_unknown(belief: np.ndarray, row: int, col: int) -> bool:
     """Tell whether a cell is 4-adjacent to an unknown one."""
     height, width = belief.shape

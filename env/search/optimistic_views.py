@@ -23,7 +23,7 @@ FARTHEST = 40
 NOT_NOTED = 255
 
 
-@leaf()
+@leaf(entry=False)
 def _connect(belief: np.ndarray, stride: int, neighbours: np.ndarray) -> None:
     """List the up to four neighbours of every cell that are no obstacles, (C, 4), -1 for none."""
     height, width = belief.shape
@@ -36,7 +36,7 @@ def _connect(belief: np.ndarray, stride: int, neighbours: np.ndarray) -> None:
                     neighbours[r * stride + c, k] = i * stride + j
 
 
-@leaf()
+@leaf(entry=False)
 def _note_obstacles(belief: np.ndarray, reach: int, obstacles: np.ndarray, stale: np.ndarray) -> bool:
     """Bring ``obstacles`` up to date and mark the cells whose views may change; return whether there are any."""
     height, width = belief.shape

@@ -111,7 +111,7 @@ def path_to(parent: np.ndarray, goal: int) -> np.ndarray:
     return path
 
 
-@leaf()
+@leaf(entry=False)
 def _measure(
     belief: np.ndarray, start: int, waiting: np.ndarray, missing: int, buffers: SearchBuffers, number: int
 ) -> None:
@@ -131,7 +131,7 @@ def _measure(
         head += 1
 
 
-@kernel()
+@kernel(entry=False)
 def _wanted(belief: np.ndarray, cells: np.ndarray, row: np.ndarray, waiting: np.ndarray) -> int:
     """Count in ``waiting`` (H*W,) the free cells to which ``row`` (K,) holds no steps yet; return how many."""
     missing = 0

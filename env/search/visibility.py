@@ -40,7 +40,7 @@ class VisibilityTable(NamedTuple):
     """(T,) what is seen from all M cells together; T is the number of tiles of the map."""
 
 
-@leaf()
+@leaf(entry=False)
 def _number(truth: np.ndarray, starts: np.ndarray, steps: np.ndarray, cells: np.ndarray, number: np.ndarray) -> int:
     """Number the cells that can be reached in ``number`` (H*W,), -1 at first; return how many they are.
 
@@ -58,7 +58,7 @@ def _number(truth: np.ndarray, starts: np.ndarray, steps: np.ndarray, cells: np.
     return count
 
 
-@leaf()
+@leaf(entry=False)
 def _link(shape: tuple[int, int], number: np.ndarray, cells: np.ndarray, neighbours: np.ndarray) -> None:
     height, width = shape
     for i in range(cells.shape[0]):
@@ -69,7 +69,7 @@ def _link(shape: tuple[int, int], number: np.ndarray, cells: np.ndarray, neighbo
             neighbours[i, k] = number[r * width + c] if inside else -1
 
 
-@leaf()
+@leaf(entry=False)
 def _scan_into(
     truth: np.ndarray,
     cell: int,

@@ -30,14 +30,14 @@ def directions() -> NDArray[np.float64]:
     return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-@leaf()
+@leaf(entry=False)
 def _cell_at(start: int, end: float, sample: int, cells: int) -> int:
     """Return the row or column of a sample between a start and an end, moved onto the map."""
     place = end if sample == SAMPLES - 1 else sample * ((end - start) / (SAMPLES - 1)) + start
     return int(min(max(np.rint(place), 0.0), cells - 1.0))
 
 
-@leaf()
+@leaf(entry=False)
 def _length(occupancy: np.ndarray, row: int, col: int, reach: float, down: float, right: float) -> float:
     """Return the distance in cells from the sensor to the nearest obstacle on a ray, ``reach`` when there is none."""
     height, width = occupancy.shape
@@ -51,7 +51,7 @@ def _length(occupancy: np.ndarray, row: int, col: int, reach: float, down: float
     return length
 
 
-@leaf()
+@leaf(entry=False)
 def trace(occupancy: np.ndarray, row: int, col: int, reach: float, rays: np.ndarray, out: np.ndarray) -> int:
     """List in ``out`` the flat indices of the cells that the rays touch; return how many entries there are.
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from indoor_explorers.env.grid.cells import OCCUPIED
-from indoor_explorers.env.grid.compiled import inner
+from indoor_explorers.env.grid.compiled import inner, leaf
 
 
 class Arc(NamedTuple):
@@ -86,7 +86,7 @@ def _last(arc: Arc, d: int) -> int:
     return behind if within else arc.high
 
 
-@inner(inlined=False)
+@leaf(entry=False)
 def _is_squeezed(cells: np.ndarray, quadrant: Quadrant, p: int, q: int, d: int) -> bool:
     """Tell whether the slope p / q enters row ``d`` at a corner, between two obstacles that touch there."""
     lateral = p * (2 * d - 1)
@@ -137,7 +137,7 @@ def _shows_obstacle(cells: np.ndarray, quadrant: Quadrant, arc: Arc, c: int, d: 
     return bool(arc.p * 2 * d <= side * arc.q and side * arc.to_q <= arc.to_p * 2 * d)
 
 
-@inner(inlined=False)
+@leaf(entry=False)
 def scan_quadrant(
     cells: np.ndarray, quadrant: Quadrant, half_widths: np.ndarray, arcs: np.ndarray, out: np.ndarray, seen: int
 ) -> int:

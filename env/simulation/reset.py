@@ -179,7 +179,7 @@ def mark_reachable(scratch: FloodScratch, starts: Starts) -> None:
         _mark(starts.reachable[k], scratch.part)
 
 
-@leaf()
+@leaf(entry=False)
 def _mark(reachable: np.ndarray, part: np.ndarray) -> None:
     """Fill ``reachable`` (H, W) with True where ``part`` (H, W) holds more than 0."""
     for row in range(part.shape[0]):
@@ -199,7 +199,7 @@ class RoomTask(NamedTuple):
     """Coverage that must be attainable."""
 
 
-@leaf()
+@leaf(entry=False)
 def _draw_attainable(task: RoomTask, truth: np.ndarray, scratch: FloodScratch, team: int, seed: int) -> int:
     """Draw the first attainable room of a seed and mark its main part; return that part's size, -1 for no room."""
     for attempt in range(MAX_ATTEMPTS):

@@ -33,7 +33,7 @@ class SearchArrays(NamedTuple):
     """(H*W,) cells reached, in order of distance."""
 
 
-@leaf()
+@leaf(entry=False)
 def _is_mate(state: State, b: int, row: int, col: int) -> bool:
     for mate in range(state.end.shape[1]):
         if state.end[b, mate] == 0 and state.cell[b, mate, 0] == row and state.cell[b, mate, 1] == col:
@@ -41,7 +41,7 @@ def _is_mate(state: State, b: int, row: int, col: int) -> bool:
     return False
 
 
-@leaf()
+@leaf(entry=False)
 def _is_new(state: State, b: int, row: int, col: int) -> bool:
     visits = 0
     for n in range(state.end.shape[1]):
@@ -49,7 +49,7 @@ def _is_new(state: State, b: int, row: int, col: int) -> bool:
     return visits == 0
 
 
-@leaf()
+@leaf(entry=False)
 def _move_of(state: State, b: int, agent: int, heading: int, ground: SearchArrays, search: int) -> int:
     """Return the first move to the nearest new cell, 4 when there is none or teammates are in the way."""
     height, width = state.truth.shape[1], state.truth.shape[2]

@@ -127,7 +127,7 @@ def _sight_gains(table: VisibilityTable, team: int) -> tuple[int, np.ndarray]:
     return seen, gains
 
 
-@leaf()
+@leaf(entry=False)
 def _edge(left: np.ndarray, row: int, col: int, down: int, right: int, half_widths: np.ndarray) -> int:
     """Count the cells ``left`` (H, W) on the edge of a disc around (row, col) that leads in a direction."""
     height, width = left.shape

@@ -39,7 +39,7 @@ def spanning_tree_bound(table: VisibilityTable, width: int, team: int, missable:
     return math.ceil(max(trees, default=0) / team)
 
 
-@kernel()
+@kernel(entry=False)
 def _flood(table: VisibilityTable, region: np.ndarray, steps: np.ndarray, queue: np.ndarray) -> int:
     """Fill ``steps`` (M,) with the steps from a region (M,) bool; return how many cells are reached, first in queue."""
     sources = 0
@@ -52,7 +52,7 @@ def _flood(table: VisibilityTable, region: np.ndarray, steps: np.ndarray, queue:
     return int(flood_table(table.neighbours, sources, queue, steps))
 
 
-@kernel()
+@kernel(entry=False)
 def _seen_last(table: VisibilityTable, width: int, number: np.ndarray, order: np.ndarray) -> int:
     """Return the number of the counted cell seen last when all cells look in turn, or of the cell that sees it."""
     seen, last = np.zeros_like(table.union), order[0]
@@ -71,7 +71,7 @@ def _seen_last(table: VisibilityTable, width: int, number: np.ndarray, order: np
     return int(last)
 
 
-@kernel()
+@kernel(entry=False)
 def _group(
     table: VisibilityTable, width: int, middle: int, size: int, queue: np.ndarray, steps: np.ndarray
 ) -> np.ndarray:
@@ -88,7 +88,7 @@ def _group(
     return words
 
 
-@leaf()
+@leaf(entry=False)
 def _sees(table: VisibilityTable, cell: int, words: np.ndarray) -> bool:
     for place in range(table.offsets[cell], table.offsets[cell + 1]):
         if table.bits[place] & words[table.tile[place]] != 0:

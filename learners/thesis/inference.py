@@ -48,7 +48,7 @@ def weights_from(arrays: Mapping[str, NDArray[Any]], view: tuple[int, int]) -> T
     return ThesisWeights(*found)
 
 
-@kernel()
+@kernel(entry=False)
 def _convolved(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, stride: int) -> np.ndarray:
     """Return ReLU of the convolution of ``x`` (H, W, C), without padding."""
     side, filters = weight.shape[0], weight.shape[3]
@@ -70,7 +70,7 @@ def _convolved(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, stride: int)
     return out
 
 
-@kernel()
+@kernel(entry=False)
 def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray) -> np.ndarray:
     """Return x W + b; inputs that are zero cost nothing."""
     out = bias.copy()

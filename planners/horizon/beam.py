@@ -189,7 +189,7 @@ def _expand(
     return found, done
 
 
-@kernel()
+@kernel(entry=False)
 def _select(rank: np.ndarray, order: np.ndarray, keep: int) -> None:
     """Bring the ``keep`` smallest of ``rank[order]`` to the front of ``order`` (Hoare's quickselect)."""
     low, high = 0, order.shape[0] - 1
@@ -211,7 +211,7 @@ def _select(rank: np.ndarray, order: np.ndarray, keep: int) -> None:
             return
 
 
-@kernel()
+@kernel(entry=False)
 def _keep(children: States, found: int, config: BeamConfig, states: States, tree: StateTree, nodes: int) -> int:
     """Move the best children to ``states`` and into the tree; return how many they are."""
     order = np.arange(found)
@@ -225,7 +225,7 @@ def _keep(children: States, found: int, config: BeamConfig, states: States, tree
     return kept
 
 
-@kernel()
+@kernel(entry=False)
 def _traced(tree: StateTree, node: int, last: int) -> np.ndarray:
     """Return the cells after the root up to ``node``, then ``last`` if that is a cell."""
     cells = [np.int32(last)]

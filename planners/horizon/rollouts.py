@@ -61,7 +61,7 @@ class Rollout(NamedTuple):
     queue: np.ndarray
 
 
-@kernel()
+@kernel(entry=False)
 def _new_rollout(cells: int) -> Rollout:
     return Rollout(
         np.empty(cells, np.uint8),
@@ -73,7 +73,7 @@ def _new_rollout(cells: int) -> Rollout:
     )
 
 
-@kernel()
+@kernel(entry=False)
 def _weights(setup: RolloutSetup) -> np.ndarray:
     """Return what seeing each cell is worth to the quick policy, (C,)."""
     belief = setup.belief.ravel()
@@ -86,7 +86,7 @@ def _weights(setup: RolloutSetup) -> np.ndarray:
     return weights
 
 
-@kernel()
+@kernel(entry=False)
 def _reveal(rollout: Rollout, setup: RolloutSetup, cell: int, room: np.ndarray, lidar: LidarModel, scan: Scan) -> int:
     """Scan a (H, W) room from a flat cell; return how many free cells are new."""
     height, width = room.shape
@@ -103,7 +103,7 @@ def _reveal(rollout: Rollout, setup: RolloutSetup, cell: int, room: np.ndarray, 
     return found
 
 
-@kernel()
+@kernel(entry=False)
 def _gain(weights: np.ndarray, view: np.ndarray) -> float:
     """Return the weight of the cells of a set (W,)."""
     gain = 0.0
@@ -116,7 +116,7 @@ def _gain(weights: np.ndarray, view: np.ndarray) -> float:
     return gain
 
 
-@kernel()
+@kernel(entry=False)
 def _quick_step(rollout: Rollout, setup: RolloutSetup, start: int, most: float) -> int:
     """Return the next cell of the quick policy, -1 when nothing is left to see; ``most`` bounds what a view gains.
 
@@ -144,7 +144,7 @@ def _quick_step(rollout: Rollout, setup: RolloutSetup, start: int, most: float) 
     return int(following)
 
 
-@kernel()
+@kernel(entry=False)
 def _fly(
     rollout: Rollout,
     setup: RolloutSetup,

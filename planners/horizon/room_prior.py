@@ -29,7 +29,7 @@ def _put(covers: np.ndarray, cells: np.ndarray, change: int) -> None:
             covers[cells[k]] += change
 
 
-@kernel()
+@kernel(entry=False)
 def _drawn(weights: np.ndarray, bits: np.uint64) -> int:
     """Return an index drawn in proportion to weights."""
     left = np.float64(bits >> np.uint64(11)) / 2.0**53 * weights.sum()
@@ -40,7 +40,7 @@ def _drawn(weights: np.ndarray, bits: np.uint64) -> int:
     return int(weights.shape[0] - 1)
 
 
-@kernel()
+@kernel(entry=False)
 def _fits(belief: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Return the weight of each place (P,) as far as the free cells that it covers go."""
     fits = np.ones(places.shape[0])

@@ -56,7 +56,7 @@ def cell_weight(belief: np.ndarray, depth: np.ndarray, cell: int, weight: Unknow
     return float(isolated * np.exp(-depth[row, col] / weight.fade))
 
 
-@kernel()
+@kernel(entry=False)
 def _visible_unknown(
     belief: np.ndarray, cells: np.ndarray, depth: np.ndarray, weight: UnknownWeight, lidar: LidarModel, scan: Scan
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -34,7 +34,7 @@ class Clusters(NamedTuple):
         return len(self.ends) - 1
 
 
-@kernel()
+@kernel(entry=False)
 def _gather(mask: np.ndarray, seed: int, cells: np.ndarray, count: int) -> int:
     """Move the 8-connected part around flat cell ``seed`` from ``mask`` to ``cells``; return the new count.
 
@@ -58,7 +58,7 @@ def _gather(mask: np.ndarray, seed: int, cells: np.ndarray, count: int) -> int:
     return count
 
 
-@kernel()
+@kernel(entry=False)
 def _moments(cells: np.ndarray, width: int) -> tuple[float, float, float, float]:
     """Return (mean row, mean column, largest squared distance to the mean, angle of the principal axis)."""
     count = cells.shape[0]
@@ -77,7 +77,7 @@ def _moments(cells: np.ndarray, width: int) -> tuple[float, float, float, float]
     return row_mean, col_mean, largest, 0.5 * np.arctan2(2.0 * rc, rr - cc)
 
 
-@kernel()
+@kernel(entry=False)
 def _halved(cells: np.ndarray, width: int, row_mean: float, col_mean: float, angle: float) -> int:
     """Bring the cells on the lower side of the principal axis to the front, in order; return how many."""
     side = np.empty(cells.shape[0], np.bool_)
@@ -90,7 +90,7 @@ def _halved(cells: np.ndarray, width: int, row_mean: float, col_mean: float, ang
     return int(max(1, min(lower.shape[0], cells.shape[0] - 1)))
 
 
-@kernel()
+@kernel(entry=False)
 def _split(cells: np.ndarray, width: int, radius: float, begin: int, end: int, ends: np.ndarray, count: int) -> int:
     """Split ``cells[begin:end]`` until all parts are small; write where they end; return the new count."""
     pending = [end]

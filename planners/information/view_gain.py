@@ -83,7 +83,7 @@ TILE = 16
 STALE = -1.0
 
 
-@leaf()
+@leaf(entry=False)
 def known_around(belief: np.ndarray, row: int, col: int) -> int:
     """Count the cells around an unknown one that are known or off the map, at most ``AROUND``."""
     height, width = belief.shape
@@ -94,7 +94,7 @@ def known_around(belief: np.ndarray, row: int, col: int) -> int:
     return AROUND + 1 - unknown
 
 
-@kernel()
+@kernel(entry=False)
 def _weighted(
     belief: np.ndarray, cell: int, depths: np.ndarray, isolation: float, lidar: LidarModel, scan: Scan
 ) -> float:
@@ -111,7 +111,7 @@ def _weighted(
     return gain
 
 
-@kernel()
+@kernel(entry=False)
 def _bring_up_to_date(old: np.ndarray, new: np.ndarray) -> tuple[int, int, int, int]:
     """Copy ``new`` to ``old``; return the box around what has changed as rows and columns, the ends excluded."""
     top, bottom, left, right = new.shape[0], 0, new.shape[1], 0

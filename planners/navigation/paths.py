@@ -32,7 +32,7 @@ from indoor_explorers.env.search.shortest_paths import (
 AVOID_RADIUS = 2
 
 
-@leaf()
+@leaf(entry=False)
 def _is_near(cell: int, width: int, avoid: np.ndarray) -> bool:
     row, col = divmod(cell, width)
     for k in range(avoid.shape[0]):

@@ -14,7 +14,7 @@ from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.bfs import flood_nearby
 
 
-@kernel()
+@kernel(entry=False)
 def _descent(steps: np.ndarray, height: int, width: int, start: int, goal: int) -> np.ndarray:
     """Return the cells from ``start`` to ``goal``, each step reducing the longer of the two axes if it can."""
     path = np.empty(steps[start] + 1, np.int32)

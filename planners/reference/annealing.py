@@ -44,7 +44,7 @@ PIECE = 8
 INSERT, SHIFT, RELOCATE, MOVE_PIECE, REMOVE, REVERSE, EXCHANGE = 7, 42, 57, 65, 80, 90, 97
 
 
-@leaf()
+@leaf(entry=False)
 def draw_below(rng_state: np.ndarray, sides: int) -> int:
     """Draw an integer from 0 to ``sides`` - 1; ``rng_state`` (2,) uint64 holds a key and a counter."""
     rng_state[1] += np.uint64(1)
@@ -52,7 +52,7 @@ def draw_below(rng_state: np.ndarray, sides: int) -> int:
     return int(np.int64(drawn))  # signed, because numba makes floats of mixed integers
 
 
-@leaf()
+@leaf(entry=False)
 def _pick(routes: Routes, rng_state: np.ndarray) -> tuple[int, int]:
     """Draw one of all stops: its route and place; there must be one."""
     p = draw_below(rng_state, count_stops(routes))
@@ -63,14 +63,14 @@ def _pick(routes: Routes, rng_state: np.ndarray) -> tuple[int, int]:
     return n, p
 
 
-@leaf()
+@leaf(entry=False)
 def _insert(table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, point: int) -> bool:
     find_steps(table, distances, point)
     _, n, p = cheapest_place(distances, routes, state.starts, point)
     return put(routes, n, p, point)
 
 
-@leaf()
+@leaf(entry=False)
 def _shift(table: VisibilityTable, distances: DistanceTable, routes: Routes, rng_state: np.ndarray) -> bool:
     """Put a viewpoint a few random steps away in the place of a stop."""
     n, p = _pick(routes, rng_state)
@@ -86,7 +86,7 @@ def _shift(table: VisibilityTable, distances: DistanceTable, routes: Routes, rng
     return True
 
 
-@leaf()
+@leaf(entry=False)
 def _relocate(
     table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, rng_state: np.ndarray
 ) -> bool:
@@ -99,7 +99,7 @@ def _relocate(
     return put(routes, m, draw_below(rng_state, routes.sizes[m] + 1), point)
 
 
-@leaf()
+@leaf(entry=False)
 def _move_piece(routes: Routes, rng_state: np.ndarray) -> bool:
     """Move a few stops that follow one another to anywhere, the last one first in every other case."""
     n, p = _pick(routes, rng_state)
@@ -123,7 +123,7 @@ def _move_piece(routes: Routes, rng_state: np.ndarray) -> bool:
     return cross(routes, n, p, m, q + size)
 
 
-@leaf()
+@leaf(entry=False)
 def _change(
     table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, rng_state: np.ndarray
 ) -> bool:
@@ -152,7 +152,7 @@ def _change(
     return cross(routes, n, p, m, q)
 
 
-@leaf()
+@leaf(entry=False)
 def _construct(
     table: VisibilityTable,
     distances: DistanceTable,

@@ -69,7 +69,7 @@ class TeamState(NamedTuple):
     """(1,) words joined so far: what the search has cost, the same on every machine."""
 
 
-@leaf()
+@leaf(entry=False)
 def find_steps(table: VisibilityTable, distances: DistanceTable, point: int) -> None:
     """Work out the steps to a viewpoint unless they are known."""
     if distances.known[point]:
@@ -82,7 +82,7 @@ def find_steps(table: VisibilityTable, distances: DistanceTable, point: int) -> 
     flood_table(table.neighbours, 1, distances.queue, steps)
 
 
-@leaf()
+@leaf(entry=False)
 def start(table: VisibilityTable, state: TeamState) -> int:
     """Put the UAVs at their starts; return how many cells their first scans show."""
     state.seen[:] = 0
@@ -93,7 +93,7 @@ def start(table: VisibilityTable, state: TeamState) -> int:
     return new
 
 
-@leaf()
+@leaf(entry=False)
 def fly_on(table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState) -> int:
     """Move every UAV one step along its route; return how many cells that shows, -1 when all routes are flown."""
     new = -1
@@ -116,7 +116,7 @@ def fly_on(table: VisibilityTable, distances: DistanceTable, routes: Routes, sta
     return new
 
 
-@leaf()
+@leaf(entry=False)
 def cost(
     table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, aims: Aims, limit: float
 ) -> tuple[float, int]:
@@ -153,7 +153,7 @@ def tracks(
     return out[: steps + 1]
 
 
-@leaf()
+@leaf(entry=False)
 def copy(source: Routes, target: Routes) -> None:
     """Copy routes."""
     for n in range(source.sizes.shape[0]):
@@ -162,7 +162,7 @@ def copy(source: Routes, target: Routes) -> None:
             target.stops[n, p] = source.stops[n, p]
 
 
-@leaf()
+@leaf(entry=False)
 def count_stops(routes: Routes) -> int:
     """Count the stops of all routes."""
     count = 0
@@ -171,7 +171,7 @@ def count_stops(routes: Routes) -> int:
     return count
 
 
-@leaf()
+@leaf(entry=False)
 def put(routes: Routes, n: int, p: int, point: int) -> bool:
     """Insert a viewpoint as stop ``p`` of route ``n``; return False where there is no room for it."""
     size = routes.sizes[n]
@@ -184,7 +184,7 @@ def put(routes: Routes, n: int, p: int, point: int) -> bool:
     return True
 
 
-@leaf()
+@leaf(entry=False)
 def take(routes: Routes, n: int, p: int) -> int:
     """Take stop ``p`` out of route ``n`` and return it."""
     point = routes.stops[n, p]
@@ -194,7 +194,7 @@ def take(routes: Routes, n: int, p: int) -> int:
     return int(point)
 
 
-@leaf()
+@leaf(entry=False)
 def reverse(routes: Routes, n: int, low: int, high: int) -> None:
     """Turn stops ``low`` to ``high`` of route ``n`` round."""
     stops = routes.stops[n]
@@ -203,7 +203,7 @@ def reverse(routes: Routes, n: int, low: int, high: int) -> None:
         low, high = low + 1, high - 1
 
 
-@leaf()
+@leaf(entry=False)
 def cross(routes: Routes, n: int, p: int, m: int, q: int) -> bool:
     """Exchange what follows in route ``n`` from stop ``p`` and in route ``m`` from stop ``q``."""
     one, other = routes.sizes[n] - p, routes.sizes[m] - q
@@ -222,7 +222,7 @@ def cross(routes: Routes, n: int, p: int, m: int, q: int) -> bool:
     return True
 
 
-@leaf()
+@leaf(entry=False)
 def cheapest_place(distances: DistanceTable, routes: Routes, starts: np.ndarray, point: int) -> tuple[int, int, int]:
     """Return where a viewpoint, its steps known, lengthens a route least: the steps more, the route, the stop."""
     least, best, at = np.int64(FAR) * 4, 0, 0

@@ -37,7 +37,7 @@ class SearchSettings(NamedTuple):
     """and more than this share of the cost."""
 
 
-@kernel()
+@kernel(entry=False)
 def cost_of(
     order: np.ndarray, start: np.ndarray, between: np.ndarray, weights: np.ndarray, objective: Objective
 ) -> float:
@@ -59,7 +59,7 @@ def cost_of(
     return float(time + latency * total)
 
 
-@kernel()
+@kernel(entry=False)
 def by_nearest(first: int, between: np.ndarray) -> np.ndarray:
     """Return an order of all places that begins with ``first`` and always goes to the nearest place left."""
     count = between.shape[0]
@@ -74,7 +74,7 @@ def by_nearest(first: int, between: np.ndarray) -> np.ndarray:
     return order
 
 
-@kernel()
+@kernel(entry=False)
 def _reverse(order: np.ndarray, i: int, j: int) -> None:
     """Reverse the places from ``i`` to ``j``, both included."""
     while i < j:
@@ -82,7 +82,7 @@ def _reverse(order: np.ndarray, i: int, j: int) -> None:
         i, j = i + 1, j - 1
 
 
-@kernel()
+@kernel(entry=False)
 def _move(order: np.ndarray, i: int, j: int) -> None:
     """Take the place at ``i`` out and put it in at ``j``."""
     place, step = order[i], 1 if j > i else -1
@@ -92,7 +92,7 @@ def _move(order: np.ndarray, i: int, j: int) -> None:
     order[j] = place
 
 
-@kernel()
+@kernel(entry=False)
 def improve(
     order: np.ndarray,
     start: np.ndarray,

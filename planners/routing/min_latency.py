@@ -18,7 +18,7 @@ ROUNDS = 8
 LEAST_SAVING = 1e-9
 
 
-@kernel()
+@kernel(entry=False)
 def improved_cost(
     order: np.ndarray, start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float
 ) -> float:

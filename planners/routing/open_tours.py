@@ -49,7 +49,7 @@ def _nearest_neighbour(costs: np.ndarray, first: int) -> np.ndarray:
     return order
 
 
-@kernel()
+@kernel(entry=False)
 def _two_opt(costs: np.ndarray, order: np.ndarray) -> bool:
     """Reverse pieces of ``order`` whose reversal saves something; return whether there was one."""
     count, found = order.shape[0], False
@@ -69,13 +69,13 @@ def _two_opt(costs: np.ndarray, order: np.ndarray) -> bool:
     return found
 
 
-@kernel()
+@kernel(entry=False)
 def _joined(costs: np.ndarray, before: int, head: int, tail: int, after: int) -> float:
     """Return what the edges into and out of a piece cost; -1 for ``after`` is the free end."""
     return float(costs[before, head] + (costs[tail, after] if after >= 0 else 0.0))
 
 
-@kernel()
+@kernel(entry=False)
 def _moved(order: np.ndarray, i: int, size: int, at: int, turned: bool) -> None:
     """Move ``order[i : i + size]`` to where it follows the place at ``at``, reversed when ``turned``."""
     piece = order[i : i + size].copy()
@@ -89,7 +89,7 @@ def _moved(order: np.ndarray, i: int, size: int, at: int, turned: bool) -> None:
         order[at + 1 - size : at + 1] = piece
 
 
-@kernel()
+@kernel(entry=False)
 def _or_opt(costs: np.ndarray, order: np.ndarray) -> bool:
     """Move short pieces of ``order`` that are cheaper elsewhere; return whether there was one."""
     count, found = order.shape[0], False
@@ -120,7 +120,7 @@ def _improve(costs: np.ndarray, order: np.ndarray) -> None:
         pass
 
 
-@kernel()
+@kernel(entry=False)
 def _cheapest(costs: np.ndarray, order: np.ndarray, place: int) -> tuple[int, float]:
     """Return after which index of ``order`` a place costs least to insert, and what it costs there."""
     where, least = 0, np.inf

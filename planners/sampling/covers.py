@@ -8,7 +8,7 @@ from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.bitsets import bit_count
 
 
-@kernel()
+@kernel(entry=False)
 def _new(bits: np.ndarray, left: np.ndarray) -> int:
     """Count the ones of a row of words that are also in ``left``."""
     count = np.uint64(0)
@@ -37,7 +37,7 @@ def distinct(bits: np.ndarray, overlap: float, most: int) -> np.ndarray:
     return picks[:size]
 
 
-@kernel()
+@kernel(entry=False)
 def _leaders(
     bits: np.ndarray, weights: np.ndarray, left: np.ndarray, bounds: np.ndarray, leaders: np.ndarray, least: int
 ) -> int:

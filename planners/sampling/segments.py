@@ -15,7 +15,7 @@ from indoor_explorers.env.grid.compiled import kernel
 ALL_KNOWN, BLOCKED = -1, -2
 
 
-@kernel()
+@kernel(entry=False)
 def _crossing(start: float, delta: float, cell: int) -> float:
     """Return at which share of a segment it leaves ``cell`` along one axis; infinity for never."""
     if delta > 0.0:

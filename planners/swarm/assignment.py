@@ -42,7 +42,7 @@ class AssignmentProblem(NamedTuple):
     """R, in cells."""
 
 
-@leaf()
+@leaf(entry=False)
 def _by_arrival(problem: AssignmentProblem, plan: np.ndarray, order: np.ndarray, times: np.ndarray) -> int:
     """Sort the visits i L + turn of a plan by their times of arrival, in steps; return how many they are."""
     length, count = plan.shape[1], 0
@@ -61,7 +61,7 @@ def _by_arrival(problem: AssignmentProblem, plan: np.ndarray, order: np.ndarray,
     return count
 
 
-@leaf()
+@leaf(entry=False)
 def value(problem: AssignmentProblem, plan: np.ndarray, order: np.ndarray, times: np.ndarray) -> float:
     """Return the fitness; ``order`` int and ``times`` float are scratch, (N L,) each."""
     length, total = plan.shape[1], 0.0

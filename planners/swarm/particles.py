@@ -56,7 +56,7 @@ class Code(NamedTuple):
     """(K, M) the best candidates to fly to after each candidate, best first."""
 
 
-@leaf()
+@leaf(entry=False)
 def _next(code: Code, plan: np.ndarray, turn: int, key: float) -> int:
     """Return the follower of a UAV's last goal that a key picks, of those not in its (L,) plan yet; -1 for none."""
     options = code.followers[plan[turn - 1]]
@@ -85,7 +85,7 @@ def decode(keys: np.ndarray, code: Code, out: np.ndarray) -> None:
                 break
 
 
-@leaf()
+@leaf(entry=False)
 def _advance(
     keys: np.ndarray, speed: np.ndarray, best: np.ndarray, leader: np.ndarray, chance: np.ndarray, pull: np.ndarray
 ) -> None:

@@ -30,7 +30,7 @@ class Room(NamedTuple):
     noise: int
 
 
-@leaf()
+@leaf(entry=False)
 def _on_lattice(place: int, places: int, margin: int, cells: int) -> int:
     """Return the row or column of the lattice's line ``place``, evenly spread between the margins."""
     last = max(cells - 1 - margin, margin)

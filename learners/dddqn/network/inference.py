@@ -86,7 +86,7 @@ def _tours(arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config
     return np.sum(parts, axis=0, dtype=np.float32) if parts else np.zeros(0, np.float32)
 
 
-@kernel()
+@kernel(entry=False)
 def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray) -> None:
     """Write x W + b; inputs that are zero cost nothing."""
     out[:] = bias
@@ -97,7 +97,7 @@ def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray
                 out[j] += value * weight[i, j]
 
 
-@kernel()
+@kernel(entry=False)
 def _norm(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
     """Apply layer normalisation (Ba et al. 2016) in place."""
     mean = variance = 0.0
@@ -111,13 +111,13 @@ def _norm(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
         x[j] = np.float32((x[j] - mean) * spread) * scale[j] + shift[j]
 
 
-@kernel()
+@kernel(entry=False)
 def _relu(x: np.ndarray) -> None:
     for j in range(x.shape[0]):
         x[j] = max(x[j], np.float32(0.0))
 
 
-@kernel()
+@kernel(entry=False)
 def _own_values(moves: np.ndarray, weights: NetworkWeights, out: np.ndarray) -> None:
     """Add what each move's own features say."""
     hidden = np.empty(weights.move_hidden.shape[1], np.float32)

@@ -150,7 +150,7 @@ def _start(beam: Beam, cell: int, unseen: np.ndarray, views: np.ndarray, aim: Ai
     return left
 
 
-@inner(inlined=False)
+@leaf(entry=False)
 def _expand(beam: Beam, states: int, step: int, views: np.ndarray, passages: np.ndarray, aim: Aim) -> int:
     """Rank the neighbours of all states; return how many are kept, and note the best one that is finished."""
     kept, share, done = 0, aim.isolation / 4, beam.done

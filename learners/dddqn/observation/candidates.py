@@ -59,7 +59,7 @@ def new_candidate_scratch(shape: tuple[int, int]) -> CandidateScratch:
     )
 
 
-@leaf()
+@leaf(entry=False)
 def _spread_theirs(
     belief: np.ndarray, mates: np.ndarray, ages: np.ndarray, most: float, queue: np.ndarray, theirs: np.ndarray
 ) -> None:
@@ -74,7 +74,7 @@ def _spread_theirs(
     flood(belief, FREE, tail, queue, theirs)
 
 
-@leaf()
+@leaf(entry=False)
 def _offer(
     kind: int,
     cell: int,
@@ -94,7 +94,7 @@ def _offer(
             candidates.worth[kind, k], candidates.steps[kind, k], candidates.cell[kind, k] = worth, way, cell
 
 
-@leaf()
+@leaf(entry=False)
 def _write(
     kind: int, gain: np.ndarray, sensor: Sensor, blocked: np.ndarray, candidates: CandidateScratch, out: np.ndarray
 ) -> int:
@@ -116,7 +116,7 @@ def _write(
     return int(candidates.cell[kind, best]) if best >= 0 else -1
 
 
-@leaf()
+@leaf(entry=False)
 def look_for_candidates(
     known: Known,
     memory: ObservationMemory,

@@ -27,7 +27,7 @@ HALF_DISTANCE = 8.0
 FADING = 0.95
 
 
-@leaf()
+@leaf(entry=False)
 def tabulate(belief: np.ndarray, unknown: np.ndarray, free: np.ndarray) -> None:
     """Fill the summed-area tables (H + 1, W + 1) of unknown and of known free cells."""
     for r in range(belief.shape[0]):
@@ -39,7 +39,7 @@ def tabulate(belief: np.ndarray, unknown: np.ndarray, free: np.ndarray) -> None:
             free[r + 1, c + 1] = free[r, c + 1] + row_free
 
 
-@leaf()
+@leaf(entry=False)
 def within(table: np.ndarray, top: int, left: int, bottom: int, right: int) -> int:
     """Sum a summed-area table over rows top..bottom - 1 and columns left..right - 1, cut to the map."""
     height, width = table.shape[0] - 1, table.shape[1] - 1
@@ -48,7 +48,7 @@ def within(table: np.ndarray, top: int, left: int, bottom: int, right: int) -> i
     return int(table[bottom, right] - table[top, right] - table[bottom, left] + table[top, left])
 
 
-@leaf()
+@leaf(entry=False)
 def _pool(table: np.ndarray, row: int, col: int, pixels: int, side: int, out: np.ndarray) -> None:
     """Write the share of each of pixels x pixels blocks, ``side`` (odd) cells wide, centred on (row, col)."""
     first = -((pixels * side) // 2)
@@ -60,7 +60,7 @@ def _pool(table: np.ndarray, row: int, col: int, pixels: int, side: int, out: np
             out[i * pixels + j] = (510 * count + side * side) // (2 * side * side)
 
 
-@leaf()
+@leaf(entry=False)
 def _pool_layer(layer: np.ndarray, row: int, col: int, pixels: int, side: int, mean: bool, out: np.ndarray) -> None:
     """Write the mean or the greatest value of each of pixels x pixels blocks of a layer (H, W)."""
     height, width = layer.shape
@@ -76,21 +76,21 @@ def _pool_layer(layer: np.ndarray, row: int, col: int, pixels: int, side: int, m
             out[i * pixels + j] = (2 * total + side * side) // (2 * side * side) if mean else greatest
 
 
-@leaf()
+@leaf(entry=False)
 def _show_visits(visits: np.ndarray, layer: np.ndarray) -> None:
     for r in range(layer.shape[0]):
         for c in range(layer.shape[1]):
             layer[r, c] = 255 * min(visits[r, c], VISIT_CAP) // VISIT_CAP
 
 
-@leaf()
+@leaf(entry=False)
 def _show_frontier(belief: np.ndarray, layer: np.ndarray) -> None:
     for r in range(layer.shape[0]):
         for c in range(layer.shape[1]):
             layer[r, c] = 255 if belief[r, c] == FREE and touches_unknown(belief, r, c) else 0
 
 
-@leaf()
+@leaf(entry=False)
 def _show_distance(belief: np.ndarray, rate: float, scratch: Scratch) -> None:
     """Show how far known free cells are from the nearest frontier; 255 elsewhere."""
     width, found = belief.shape[1], 0
@@ -106,13 +106,13 @@ def _show_distance(belief: np.ndarray, rate: float, scratch: Scratch) -> None:
         scratch.layer[r, c] = int(255.0 * far / (far + HALF_DISTANCE) + 0.5)
 
 
-@leaf()
+@leaf(entry=False)
 def _freshness(age: int, rate: float) -> int:
     """Return the mark of a teammate heard ``age`` steps ago: 255 for now, fading with age."""
     return int(255.0 * FADING ** (age * rate) + 0.5)
 
 
-@leaf()
+@leaf(entry=False)
 def _show_mates(
     row: int, col: int, mates: np.ndarray, ages: np.ndarray, sensor: Sensor, side: int, past: int, out: np.ndarray
 ) -> None:
@@ -128,7 +128,7 @@ def _show_mates(
             out[i * pixels + j] = max(out[i * pixels + j], _freshness(ages[m], sensor.rate))
 
 
-@leaf()
+@leaf(entry=False)
 def _write_fine(
     known: Known,
     memory: ObservationMemory,
@@ -161,7 +161,7 @@ def _write_fine(
             _pool_layer(scratch.layer, row, col, layout.crop, side, False, pixels)
 
 
-@leaf()
+@leaf(entry=False)
 def _write_sides(row: int, col: int, table: np.ndarray, disc: float, out: np.ndarray) -> None:
     """Write the unknown cells down, left, up and right of the UAV."""
     height, width = table.shape[0] - 1, table.shape[1] - 1
@@ -175,7 +175,7 @@ def _write_sides(row: int, col: int, table: np.ndarray, disc: float, out: np.nda
         out[k] = int(255.0 * sides[k] / (sides[k] + 4.0 * disc) + 0.5)
 
 
-@leaf()
+@leaf(entry=False)
 def write_map_image(
     known: Known,
     memory: ObservationMemory,

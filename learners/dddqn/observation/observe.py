@@ -74,7 +74,7 @@ def observation_context(
     )
 
 
-@leaf()
+@leaf(entry=False)
 def _remember(
     belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, memory: ObservationMemory, i: int
 ) -> int:
@@ -146,7 +146,7 @@ def _look_for_tours(
     look_for_tours(known, memory, i, context.tours, obstructed, work.blocked, out)
 
 
-@inner(inlined=False)
+@leaf(entry=False)
 def _look_ahead(
     known: Known, memory: ObservationMemory, i: int, context: ObservationContext, moves: np.ndarray
 ) -> None:
@@ -162,7 +162,7 @@ def _look_ahead(
         _look_for_tours(known, memory, i, context, moves)
 
 
-@inner(inlined=False)
+@leaf(entry=False)
 def _observe(
     known: Known,
     memory: ObservationMemory,

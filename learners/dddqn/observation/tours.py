@@ -127,7 +127,7 @@ def _is_a_mates(known: Known, i: int, r: int, c: int, sector: np.ndarray) -> boo
     return False
 
 
-@inner(inlined=False)
+@leaf(entry=False)
 def _wanted(known: Known, i: int, chance: np.ndarray, sector: np.ndarray, out: np.ndarray, stage: int) -> int:
     """Take from ``out`` (4,) what is known, from stage 1 on what is unlikely, at 2 what is a mate's; count the rest."""
     belief = known.belief[i]
@@ -148,7 +148,7 @@ def _free(belief: np.ndarray) -> int:
     return total
 
 
-@inner(inlined=False)
+@leaf(entry=False)
 def _choose_unseen(known: Known, i: int, chance: np.ndarray, scratch: TourScratch) -> tuple[int, float]:
     """Write what tours are to see (4,); return how much that is and how many cells there may be to count in all."""
     left, total, free, unseen = 0, 0.0, _free(known.belief[i]), scratch.unseen
@@ -162,7 +162,7 @@ def _choose_unseen(known: Known, i: int, chance: np.ndarray, scratch: TourScratc
     return left, total
 
 
-@inner(inlined=False)
+@leaf(entry=False)
 def _search(
     at: int,
     move: int,
@@ -237,7 +237,7 @@ def _write(goal: Tour, mark: Tour, least: np.ndarray, left: int, total: float, e
         out[_GOAL_HALFWAY] = min(max((goal.halfway - least[_LEAST_TO_MARK]) / BEYOND, 0.0), 1.0)
 
 
-@leaf()
+@leaf(entry=False)
 def look_for_tours(
     known: Known,
     memory: ObservationMemory,

@@ -26,7 +26,7 @@ AROUND, OTHERS = 2, 24
 ISOLATION = 8.0
 
 
-@leaf()
+@leaf(entry=False)
 def forget_gains(gain: np.ndarray, box: np.ndarray, reach: int) -> None:
     """Forget the gains that newly known cells in a ``box`` (top, left, bottom, right) may have changed."""
     for r in range(max(box[0] - reach, 0), min(box[2] + reach, gain.shape[0])):
@@ -35,7 +35,7 @@ def forget_gains(gain: np.ndarray, box: np.ndarray, reach: int) -> None:
                 gain[r, c] = STALE
 
 
-@leaf()
+@leaf(entry=False)
 def _weigh(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> tuple[int, float]:
     """Return how many unknown cells are in view of a cell, and how much they count with isolated ones counting more."""
     width, found, weight = belief.shape[1], 0, 0.0
@@ -48,7 +48,7 @@ def _weigh(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scra
     return found, weight
 
 
-@leaf()
+@leaf(entry=False)
 def gain_at(
     belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gain: np.ndarray, weight: np.ndarray
 ) -> int:
@@ -67,13 +67,13 @@ def gain_at(
     return max(int(gain[row, col]), 0)
 
 
-@leaf()
+@leaf(entry=False)
 def _on_lattice(row: int, col: int, shape: tuple[int, int], scale: int) -> bool:
     """Tell whether a cell lies on the lattice around the middle of the map, which turns with it."""
     return (2 * row + 1 - shape[0]) % scale == 0 and (2 * col + 1 - shape[1]) % scale == 0
 
 
-@leaf()
+@leaf(entry=False)
 def _spread(belief: np.ndarray, cell: int, scratch: Scratch, tail: int) -> int:
     """Reach the neighbours of a flat cell and hand on the moves that lead there; return the end of the queue."""
     steps, first, width = scratch.steps, scratch.first, belief.shape[1]
@@ -91,7 +91,7 @@ def _spread(belief: np.ndarray, cell: int, scratch: Scratch, tail: int) -> int:
     return tail
 
 
-@leaf()
+@leaf(entry=False)
 def _credit(gain: int, steps: int, first: int, share: float, sensor: Sensor, scratch: Scratch) -> None:
     """Credit all moves with a gain ``steps`` steps from the UAV, to which the moves ``first`` begin a shortest path.
 
@@ -109,7 +109,7 @@ def _credit(gain: int, steps: int, first: int, share: float, sensor: Sensor, scr
             ahead[k, _NEAREST] = distance
 
 
-@leaf()
+@leaf(entry=False)
 def flood_gains(
     belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gains: np.ndarray, weights: np.ndarray
 ) -> int:
@@ -146,7 +146,7 @@ def flood_gains(
     return nearest
 
 
-@leaf()
+@leaf(entry=False)
 def write_gains(move: int, here: int, sensor: Sensor, scratch: Scratch, out: np.ndarray) -> None:
     """Write the six gains of one legal move into ``out``.
 
