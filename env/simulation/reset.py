@@ -139,6 +139,16 @@ def _clear(state: State, b: int) -> None:
 
 
 @inner()
+def _place(state: State, starts: Starts, k: int, b: int) -> None:
+    """Put the true map and the spawns in place, cell by cell: numba compiles no copy of a whole array as quickly."""
+    for row in range(state.truth.shape[1]):
+        for col in range(state.truth.shape[2]):
+            state.truth[b, row, col] = starts.truth[k, row, col]
+    for n in range(state.cell.shape[1]):
+        state.cell[b, n, 0], state.cell[b, n, 1] = starts.cell[k, n, 0], starts.cell[k, n, 1]
+
+
+@inner()
 def _count(rules: Rules, state: State, starts: Starts, k: int, b: int) -> None:
     """Fix what coverage counts, the goal and the budget, from the cells that can be reached."""
     height, width = state.counts.shape[1], state.counts.shape[2]
@@ -159,7 +169,7 @@ def start_episodes(
     for k in range(first, last):
         b = episodes[k]
         _clear(state, b)
-        state.truth[b], state.cell[b] = starts.truth[k], starts.cell[k]
+        _place(state, starts, k, b)
         _count(rules, state, starts, k, b)
         state.order_key[b] = stream_key(seeds[k], ORDER, 0)
         state.radio_key[b] = stream_key(seeds[k], RADIO, 0)

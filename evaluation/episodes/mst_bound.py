@@ -96,6 +96,24 @@ def _sees(table: VisibilityTable, cell: int, words: np.ndarray) -> bool:
     return False
 
 
+@kernel(entry=False)
+def _nearest_first(steps: np.ndarray) -> np.ndarray:
+    """Return the numbers of cells in order of their steps (M,), those of equal steps in order of their numbers.
+
+    Steps are small, so they are counted: that takes numba a tenth of the time to compile that a sort does.
+    """
+    places = np.zeros(steps.max() + 2, np.int64)
+    for cell in range(steps.shape[0]):
+        places[steps[cell] + 1] += 1
+    for k in range(1, places.shape[0]):
+        places[k] += places[k - 1]
+    order = np.empty(steps.shape[0], np.int64)
+    for cell in range(steps.shape[0]):
+        order[places[steps[cell]]] = cell
+        places[steps[cell]] += 1
+    return order
+
+
 @kernel()
 def _between(table: VisibilityTable, width: int, team: int, size: int, groups: int) -> np.ndarray:
     """Return the steps between the starts, taken as one place, and the regions of groups of so many cells, (G, G)."""
@@ -117,7 +135,7 @@ def _between(table: VisibilityTable, width: int, team: int, size: int, groups: i
             between[made, other] = between[other, made] = nearest
         if made == groups:
             break
-        middle = _seen_last(table, width, number, np.argsort(least, kind="mergesort"))
+        middle = _seen_last(table, width, number, _nearest_first(least))
         words = _group(table, width, middle, size, queue, steps)
         for cell in range(count):
             regions[made + 1, cell] = _sees(table, cell, words)

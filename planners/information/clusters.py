@@ -80,14 +80,17 @@ def _moments(cells: np.ndarray, width: int) -> tuple[float, float, float, float]
 @kernel(entry=False)
 def _halved(cells: np.ndarray, width: int, row_mean: float, col_mean: float, angle: float) -> int:
     """Bring the cells on the lower side of the principal axis to the front, in order; return how many."""
-    side = np.empty(cells.shape[0], np.bool_)
+    upper, lower = np.empty(cells.shape[0], cells.dtype), 0
     for k in range(cells.shape[0]):
         row, col = cells[k] // width - row_mean, cells[k] % width - col_mean
-        side[k] = row * np.cos(angle) + col * np.sin(angle) <= 0.0
-    lower, upper = cells[side], cells[~side]
-    cells[: lower.shape[0]] = lower
-    cells[lower.shape[0] :] = upper
-    return int(max(1, min(lower.shape[0], cells.shape[0] - 1)))
+        if row * np.cos(angle) + col * np.sin(angle) <= 0.0:
+            cells[lower] = cells[k]
+            lower += 1
+        else:
+            upper[k - lower] = cells[k]
+    for k in range(lower, cells.shape[0]):
+        cells[k] = upper[k - lower]
+    return int(max(1, min(lower, cells.shape[0] - 1)))
 
 
 @kernel(entry=False)
