@@ -97,9 +97,11 @@ def candidate_views(
                 if mark[lists[j, place]] == k:
                     shared[k, j] += value[lists[j, place]]
             shared[j, k] = shared[k, j]
-    gains = np.diag(shared).copy()
+    gains = np.empty(count)
     for k in range(count):
-        shared[k] = np.minimum(shared[k] / max(gains[k], 1e-300), 1.0)  # sums in another order may differ a little
+        gains[k] = shared[k, k]
+        for j in range(count):  # sums in another order may differ a little
+            shared[k, j] = min(shared[k, j] / max(gains[k], 1e-300), 1.0)
     return gains, shared
 
 

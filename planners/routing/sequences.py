@@ -107,12 +107,13 @@ def best_sequences(
 def _rest(
     first: int, rest: np.ndarray, away: np.ndarray, between: np.ndarray, weights: np.ndarray, latency: float
 ) -> float:
-    places = np.empty(rest.shape[0] + 1, np.int64)
-    places[0], places[1:] = first, rest
-    start, weight = away[places], weights[places]
-    ways = np.empty((places.shape[0], places.shape[0]))
-    for i in range(places.shape[0]):
-        ways[i] = between[places[i]][places]
+    count = rest.shape[0] + 1
+    start, weight, ways = np.empty(count, away.dtype), np.empty(count), np.empty((count, count))
+    for i in range(count):
+        place = first if i == 0 else rest[i - 1]
+        start[i], weight[i] = away[place], weights[place]
+        for j in range(count):
+            ways[i, j] = between[place, first if j == 0 else rest[j - 1]]
     return float(improved_cost(by_nearest(0, ways), start, ways, weight / max(weight.sum(), 1e-300), latency))
 
 
