@@ -59,7 +59,7 @@ def border_cells(belief: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.nd
                 or (row + 1 < height and belief[row + 1, col] == FREE)
                 or (col + 1 < width and belief[row, col + 1] == FREE)
             ):
-                found[size] = row, col
+                found[size, 0], found[size, 1] = row, col
                 size += 1
     return found[:size]
 
