@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.engines.local import fly_jobs
 from indoor_explorers.evaluation.engines.workload import Jobs
 from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.experiment.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.experiment.request import ENGINES
 
 #: Flies jobs and yields the records of each as it finishes, in whatever order.
@@ -27,7 +27,7 @@ def make_engine(
     """Return an engine by name; every one of them flies the same episodes.
 
     ``decision_timeout`` in seconds and ``memory_limit`` in GB are what a policy may take, see
-    :mod:`indoor_explorers.evaluation.engines.limits`.
+    :mod:`indoor_explorers.evaluation.experiment.limits`.
 
     Raises:
         InputError: no such engine, arguments that it does not take, no Ray, or no cluster at ``address``.

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from queue import SimpleQueue
 
-from indoor_explorers.evaluation.engines.limits import Limits
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
 from indoor_explorers.evaluation.engines.workload import Jobs
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Job
+from indoor_explorers.evaluation.experiment.limits import Limits
 
 
 def fly_job(job: Job) -> list[Record]:

@@ -24,13 +24,13 @@ from indoor_explorers.env.errors import InputError, PolicyError, RunError
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.provenance import versions
-from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.engines.ray_connection import connected, cpus
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
 from indoor_explorers.evaluation.engines.worker_handle import ONE_THREAD
 from indoor_explorers.evaluation.engines.workload import Jobs
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.experiment.experiment import Job
+from indoor_explorers.evaluation.experiment.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.experiment.provenance import PACKAGES, source_digest
 
 #: How often Ray flies a job again whose node or process was lost, before the job counts as failed.

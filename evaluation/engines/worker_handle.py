@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 from loky.backend.process import LokyProcess
 
 from indoor_explorers.env.grid.compiled import QUIET
-from indoor_explorers.evaluation.engines.limits import Limits
 from indoor_explorers.evaluation.engines.worker import serve
 from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer, Steps, overdue_reason
+from indoor_explorers.evaluation.experiment.limits import Limits
 
 #: Every worker keeps to one thread: the processes are the parallelism.
 ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")}

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
-from indoor_explorers.evaluation.engines.limits import DECISION_TIMEOUT
+from indoor_explorers.evaluation.experiment.limits import DECISION_TIMEOUT
 from indoor_explorers.evaluation.options import (
     Option,
     read_count,

@@ -10,13 +10,13 @@ import pytest
 
 from indoor_explorers.env import PRESETS
 from indoor_explorers.env.errors import RunError
-from indoor_explorers.evaluation.engines.limits import Limits
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
 from indoor_explorers.evaluation.engines.worker_handle import WorkerHandle
 from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
 from indoor_explorers.evaluation.episodes.record import Outcome
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice, Task
+from indoor_explorers.evaluation.experiment.limits import Limits
 from tests.evaluation.plugins import WAYS, Wander
 
 TEAM = PRESETS["thesis-team-2"].for_evaluation().with_settings({"radio.model": "unlimited", "budget": 60})

@@ -85,9 +85,9 @@ def test_crashed_uavs_end_the_episode():
 
 @pytest.mark.parametrize("workers", [0, 2])
 def test_engines_fly_the_same_episodes(workers):
-    from indoor_explorers.evaluation.engines.limits import limits_for
     from indoor_explorers.evaluation.engines.local import fly_jobs
     from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice
+    from indoor_explorers.evaluation.experiment.limits import limits_for
 
     choice = PolicyChoice.model_validate("random")
     jobs = [Job(choice, TEAM, tuple(tasks(3, start))) for start in (0, 3, 6)]
