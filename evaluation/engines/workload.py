@@ -67,6 +67,7 @@ class Workload:
                 missing = [t for t in tasks if t.scenario == scenario.name and (choice.name, t) not in finished]
                 if missing:
                     self._waiting[choice.name, scenario.name] = choice, scenario, missing
+        self._pairs, self._total = tuple(self._waiting), len(self)
         self._tried: set[tuple[str, str]] = set()
         self._flying: Counter[tuple[str, str]] = Counter()
         self._flown: Counter[tuple[str, str]] = Counter()
@@ -97,12 +98,14 @@ class Workload:
         self._done.append((self._clock(), sum(self._seconds.values()) + self._flying_seconds() / 2))
 
     def seconds_left(self) -> float | None:
-        """Estimate the seconds until all episodes are flown; None before the first are.
+        """Estimate the seconds until all episodes are flown; None before enough is known.
 
-        The pace is that of the latest half of the run, so that what was compiled at its start does not count.
+        That is when each policy was flown in each scenario, or a fifth of all episodes. The pace is that of the latest
+        half of the run, so that what was compiled at its start does not count.
         """
         now, done = self._clock(), self._done
-        if done[-1][1] == 0.0:
+        known = all(self._flown[pair] for pair in self._pairs) or 5 * sum(self._flown.values()) >= self._total
+        if done[-1][1] == 0.0 or not known:
             return None
         begun = done[0][0]
         since, before = done[max(0, bisect_left(done, (begun + (now - begun) / 2, 0.0)) - 1)]

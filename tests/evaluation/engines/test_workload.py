@@ -94,3 +94,14 @@ def test_the_first_job_of_each_pair_is_one_episode_and_then_the_longest_come_fir
 def test_nothing_is_said_before_anything_is_flown():
     work = Workload(experiment(3), set(), 2)
     assert work.seconds_left() is None
+
+
+def test_nothing_is_said_of_the_time_left_before_all_pairs_or_a_fifth_of_all_episodes_were_flown():
+    work = Workload(experiment(episodes=10), set(), workers=1)
+    told = []
+    for job in iter(work):
+        work.add([record(job, task, 1.0) for task in job.tasks])
+        told.append(work.seconds_left() is not None)
+    pairs = len(POLICIES) * len(SCENARIOS)
+    assert told.index(True) == pairs - 1
+    assert all(told[pairs:])
