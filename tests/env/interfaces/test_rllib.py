@@ -43,6 +43,7 @@ def _one_thread():
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("connected", "_one_thread")
+@pytest.mark.filterwarnings("ignore:.*Overriding environment rllib")  # it registers its own with every algorithm
 def test_a_team_trains_with_shared_parameters_as_the_readme_shows():
     (snippet,) = (text for text in re.findall(r"```python\n(.*?)```", README, re.DOTALL) if "from ray" in text)
     shown = {}
