@@ -22,7 +22,6 @@ from numba.core.registry import cpu_target
 _ENTRIES = ("_ZN7cpython", "cfunc.")
 #: Entries of numba's own helpers, which only compiled code calls.
 _HELPERS = "_ZN7cpython5numba"
-_ENVIRONMENT = "_ZN08NumbaEnv"
 
 #: What is built on, of numba's class for the code of one function.
 _PARTS = ("_get_module_for_linking", "_finalize_dynamic_globals", "_finalize_final_module", "_unserialize")
