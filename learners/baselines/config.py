@@ -8,13 +8,13 @@ from pydantic import Field, model_validator
 
 from indoor_explorers.env.observations import Egocentric, Flat
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.learners.sessions.settings import Settings
+from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 #: The observation that is the same on maps of any size.
 EGOCENTRIC = "egocentric"
 
 
-class BaselineConfig(Settings):
+class BaselineConfig(LearnerSettings):
     """Describe one training completely, together with its scenario and seed."""
 
     total_steps: int = Field(1_000_000, ge=1)

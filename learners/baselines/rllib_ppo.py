@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from pydantic import Field
 from ray.rllib.algorithms.ppo import PPOConfig
 from ray.rllib.algorithms.ppo.torch.default_ppo_torch_rl_module import DefaultPPOTorchRLModule
@@ -11,7 +9,7 @@ from ray.rllib.core.rl_module.rl_module import RLModule
 
 from indoor_explorers.learners.baselines.rllib_masking import MaskedPPOModule
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig
-from indoor_explorers.learners.baselines.rllib_training import train_rllib
+from indoor_explorers.learners.baselines.rllib_training import trainer
 
 
 class TrainingConfig(RllibConfig):
@@ -71,4 +69,4 @@ class TrainingConfig(RllibConfig):
         )
 
 
-train = partial(train_rllib, "rllib-ppo")
+train = trainer("rllib-ppo")

@@ -7,15 +7,13 @@ knows no action mask; in evaluation and as a policy the best legal action is flo
 
 from __future__ import annotations
 
-from functools import partial
-
 from pydantic import Field
 from ray.rllib.algorithms.sac import SACConfig
 from ray.rllib.algorithms.sac.torch.default_sac_torch_rl_module import DefaultSACTorchRLModule
 from ray.rllib.core.rl_module.rl_module import RLModule
 
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig
-from indoor_explorers.learners.baselines.rllib_training import train_rllib
+from indoor_explorers.learners.baselines.rllib_training import trainer
 
 
 class TrainingConfig(RllibConfig):
@@ -77,4 +75,4 @@ class TrainingConfig(RllibConfig):
         return description.reporting(min_time_s_per_iteration=0)
 
 
-train = partial(train_rllib, "rllib-sac")
+train = trainer("rllib-sac")

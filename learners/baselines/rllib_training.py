@@ -13,8 +13,9 @@ import math
 import os
 import pickle
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any, cast
@@ -25,18 +26,23 @@ from numpy.typing import NDArray
 from ray.rllib.algorithms.algorithm import Algorithm
 from ray.rllib.core.rl_module.multi_rl_module import MultiRLModuleSpec
 from ray.rllib.core.rl_module.torch import TorchRLModule
+from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 from ray.tune.registry import register_env
 from safetensors.torch import save_file
 
 from indoor_explorers.env.errors import InputError, RunError
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.interfaces.common import new_world
+from indoor_explorers.env.interfaces.pettingzoo_env import TeamEnv
+from indoor_explorers.env.observations import Observation
+from indoor_explorers.env.observations.base import Arrays
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.baselines.rllib import Rllib
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig, quietly
-from indoor_explorers.learners.baselines.rllib_team import TrainingTeam, rllib_team
-from indoor_explorers.learners.baselines.trainee import BaselineTrainee, new_record
+from indoor_explorers.learners.baselines.trainee import BaselineTrainee, baseline_record
 from indoor_explorers.learners.sessions.seeds import training_seeds
-from indoor_explorers.learners.sessions.session import Progress, Session
+from indoor_explorers.learners.sessions.session import Session
+from indoor_explorers.learners.sessions.train import TrainingMethod, train
 
 CHECKPOINT = "checkpoint"
 PACKAGES = ("ray", "pettingzoo")
@@ -48,41 +54,42 @@ DAMAGE = (pickle.UnpicklingError, ValueError, KeyError, AttributeError, RuntimeE
 STORE = 100 * 2**20
 
 
-def train_rllib(
-    learner: str,
-    config: RllibConfig,
-    scenario: Scenario,
-    out: Path,
-    *,
-    seed: int,
-    resume: bool = False,
-    report: Callable[[Progress], None] | None = None,
-) -> Path:
-    """Train and return the path of the weights that did best in evaluation.
+class TrainingTeam(TeamEnv):
+    """A team, or one UAV, whose episodes have the seeds of the training, whatever seeds RLlib resets with."""
 
-    Ctrl-C ends the round, writes a checkpoint and raises :class:`KeyboardInterrupt`. A resumed training begins new
-    episodes, so that it differs from one that was not stopped.
+    def __init__(self, scenario: Scenario, observation: Observation, seeds: Iterator[int]) -> None:
+        super().__init__(scenario, observation, None, None, 0)
+        self._seeds = seeds
 
-    Raises:
-        InputError: ``out`` holds another training, or one that was not asked to be resumed, or a damaged one.
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Arrays], dict[str, dict[str, Any]]]:
+        """Start the next episode of the training."""
+        return super().reset(next(self._seeds), options)
 
+
+def trainer(learner: str) -> partial[Path]:
+    """Return the ``train`` function of an algorithm.
+
+    A resumed training begins new episodes, so that it differs from one that was not stopped.
     """
-    first = training_seeds(seed)
-    task = config.task(scenario)
-    briefing = TrainingTeam(task, config.recipe, iter(())).world.briefing(0, 0)
-    record = new_record(learner, PACKAGES, config, scenario, briefing, seed)
-    session = Session(record, config, out, CHECKPOINT, resume=resume, report=report)
-    seeds = count(first + session.record.steps)
-    register_env(TEAM, lambda _: rllib_team(task, config.environment_recipe, seeds))
+    record = partial(baseline_record, learner, PACKAGES, new_world)
+    return partial(train, TrainingMethod(record, _trainee, CHECKPOINT, Rllib.MODEL))
+
+
+@contextmanager
+def _trainee(config: RllibConfig, scenario: Scenario, seed: int, session: Session) -> Iterator[RllibTrainee]:
+    seeds = count(training_seeds(seed) + session.record.steps)
+    task, observation = config.task(scenario), config.environment_recipe
+    register_env(TEAM, lambda _: ParallelPettingZooEnv(TrainingTeam(task, observation, seeds)))
     with _local_ray(), quietly():
         trainee = RllibTrainee(config, _algorithm(config, seed), scenario, seed)
         try:
             if session.checkpoint is not None:
                 trainee.restore(session.checkpoint)
-            session.run(trainee, trainee.update)
+            yield trainee
         finally:
             trainee.stop()
-    return out / Rllib.MODEL
 
 
 def _algorithm(config: RllibConfig, seed: int) -> Algorithm:
@@ -128,8 +135,8 @@ class RllibTrainee(BaselineTrainee):
     def keep(self, folder: Path) -> None:
         """Write the network as the one to fly."""
         state = self._module().state_dict()
-        with written_whole(folder / Rllib.MODEL) as partial:
-            save_file({name: tensor.contiguous() for name, tensor in state.items()}, partial)
+        with written_whole(folder / Rllib.MODEL) as unfinished:
+            save_file({name: tensor.contiguous() for name, tensor in state.items()}, unfinished)
 
     def _module(self) -> TorchRLModule:
         return cast(TorchRLModule, self._algorithm.get_module(SHARED))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 from pydantic import Field
@@ -13,7 +12,7 @@ from indoor_explorers.learners.baselines.sb3_training import (
     Kind,
     StableBaselinesConfig,
     logits,
-    train_stable_baselines,
+    trainer,
 )
 
 KIND = Kind("sb3-a2c", A2C, ActorCriticPolicy, logits)
@@ -46,4 +45,4 @@ class TrainingConfig(StableBaselinesConfig):
         }
 
 
-train = partial(train_stable_baselines, KIND)
+train = trainer(KIND)

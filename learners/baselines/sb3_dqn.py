@@ -6,7 +6,6 @@ illegal moves cost. In evaluation and as a policy the best legal action is flown
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import torch
@@ -15,7 +14,7 @@ from stable_baselines3 import DQN
 from stable_baselines3.common.buffers import NStepReplayBuffer
 from stable_baselines3.dqn.policies import DQNPolicy
 
-from indoor_explorers.learners.baselines.sb3_training import Kind, StableBaselinesConfig, train_stable_baselines
+from indoor_explorers.learners.baselines.sb3_training import Kind, StableBaselinesConfig, trainer
 
 
 def values(policy: DQNPolicy, rows: torch.Tensor) -> torch.Tensor:
@@ -73,4 +72,4 @@ class TrainingConfig(StableBaselinesConfig):
         }
 
 
-train = partial(train_stable_baselines, KIND)
+train = trainer(KIND)

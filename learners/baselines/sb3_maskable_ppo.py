@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from sb3_contrib import MaskablePPO
 from sb3_contrib.common.maskable.policies import MaskableActorCriticPolicy
 
 from indoor_explorers.learners.baselines import sb3_ppo
-from indoor_explorers.learners.baselines.sb3_training import Kind, logits, train_stable_baselines
+from indoor_explorers.learners.baselines.sb3_training import Kind, logits, trainer
 
 KIND = Kind("sb3-maskable-ppo", MaskablePPO, MaskableActorCriticPolicy, logits)
 
@@ -17,4 +15,4 @@ class TrainingConfig(sb3_ppo.TrainingConfig):
     """Every hyperparameter of a MaskablePPO: those of the PPO."""
 
 
-train = partial(train_stable_baselines, KIND)
+train = trainer(KIND)

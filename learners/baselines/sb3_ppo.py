@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 from pydantic import Field
@@ -13,7 +12,7 @@ from indoor_explorers.learners.baselines.sb3_training import (
     Kind,
     StableBaselinesConfig,
     logits,
-    train_stable_baselines,
+    trainer,
 )
 
 KIND = Kind("sb3-ppo", PPO, ActorCriticPolicy, logits)
@@ -55,4 +54,4 @@ class TrainingConfig(StableBaselinesConfig):
         }
 
 
-train = partial(train_stable_baselines, KIND)
+train = trainer(KIND)

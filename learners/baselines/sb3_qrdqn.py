@@ -5,7 +5,6 @@ Like the DQN it knows no action mask; in evaluation and as a policy the legal ac
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import torch
@@ -14,7 +13,7 @@ from sb3_contrib import QRDQN
 from sb3_contrib.qrdqn.policies import QRDQNPolicy
 
 from indoor_explorers.learners.baselines import sb3_dqn
-from indoor_explorers.learners.baselines.sb3_training import Kind, train_stable_baselines
+from indoor_explorers.learners.baselines.sb3_training import Kind, trainer
 
 
 def means(policy: QRDQNPolicy, rows: torch.Tensor) -> torch.Tensor:
@@ -37,4 +36,4 @@ class TrainingConfig(sb3_dqn.TrainingConfig):
         return super().network() | {"n_quantiles": self.quantiles}
 
 
-train = partial(train_stable_baselines, KIND)
+train = trainer(KIND)

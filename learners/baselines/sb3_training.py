@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 import pickle
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 from zipfile import BadZipFile
@@ -25,13 +27,15 @@ from stable_baselines3.common.policies import BasePolicy
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.interfaces.common import new_lone_world
 from indoor_explorers.env.interfaces.stable_baselines import StableBaselinesVecEnv
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.baselines.config import BaselineConfig
 from indoor_explorers.learners.baselines.stable_baselines import StableBaselines
-from indoor_explorers.learners.baselines.trainee import BaselineRecord, BaselineTrainee, new_record
+from indoor_explorers.learners.baselines.trainee import BaselineTrainee, baseline_record
 from indoor_explorers.learners.sessions.seeds import training_seeds
-from indoor_explorers.learners.sessions.session import Progress, Session
+from indoor_explorers.learners.sessions.session import Session
+from indoor_explorers.learners.sessions.train import TrainingMethod, train
 
 CHECKPOINT, REPLAY = "checkpoint.zip", "replay.pkl"
 PACKAGES = ("stable-baselines3", "sb3-contrib")
@@ -80,48 +84,28 @@ def logits(policy: Any, rows: torch.Tensor) -> torch.Tensor:
     return found
 
 
-def train_stable_baselines(
-    kind: Kind,
-    config: StableBaselinesConfig,
-    scenario: Scenario,
-    out: Path,
-    *,
-    seed: int,
-    resume: bool = False,
-    report: Callable[[Progress], None] | None = None,
-) -> Path:
-    """Train and return the path of the model that did best in evaluation.
+def trainer(kind: Kind) -> partial[Path]:
+    """Return the ``train`` function of an algorithm.
 
-    Ctrl-C ends the round, writes a checkpoint and raises :class:`KeyboardInterrupt`. The same seed gives the same
-    model; a resumed training begins new episodes and draws anew, so that it differs from one that was not stopped.
-
-    Raises:
-        InputError: ``out`` holds another training, or one that was not asked to be resumed, or a damaged one;
-            or the scenario has a larger team.
-
+    The same seed gives the same model; a resumed training begins new episodes and draws anew, so that it differs from
+    one that was not stopped.
     """
-    first = training_seeds(seed)
-    envs = StableBaselinesVecEnv(
-        config.environments, scenario=config.task(scenario), observation=config.recipe, first_seed=first
-    )
-    record = new_record(kind.learner, PACKAGES, config, scenario, envs.envs.world.briefing(0, 0), seed)
-    session = Session(record, config, out, CHECKPOINT, resume=resume, report=report)
+    record = partial(baseline_record, kind.learner, PACKAGES, new_lone_world)
+    return partial(train, TrainingMethod(record, partial(_trainee, kind), CHECKPOINT, StableBaselines.MODEL))
+
+
+def _trainee(
+    kind: Kind, config: StableBaselinesConfig, scenario: Scenario, seed: int, session: Session
+) -> AbstractContextManager[StableBaselinesTrainee]:
+    task, first = config.task(scenario), training_seeds(seed)
+    envs = StableBaselinesVecEnv(config.environments, scenario=task, observation=config.recipe, first_seed=first)
     trainee = StableBaselinesTrainee(kind, _model(kind, config, envs, session, seed), config, scenario, seed)
     envs.seed(first + trainee.steps)
-    with session.running(trainee):
-        remaining = config.total_steps - trainee.steps
-        if remaining > 0:
-            callback = _Callback(session, trainee)
-            trainee.model.learn(remaining, callback, log_interval=None, reset_num_timesteps=False)  # type: ignore[arg-type]  # None is meant: never
-    return out / StableBaselines.MODEL
+    return nullcontext(trainee)
 
 
 def _model(
-    kind: Kind,
-    config: StableBaselinesConfig,
-    envs: StableBaselinesVecEnv,
-    session: Session[BaselineRecord],
-    seed: int,
+    kind: Kind, config: StableBaselinesConfig, envs: StableBaselinesVecEnv, session: Session, seed: int
 ) -> BaseAlgorithm:
     if session.checkpoint is None:
         return kind.algorithm("MlpPolicy", envs, seed=seed, device="cpu", **config.arguments())
@@ -150,6 +134,12 @@ class StableBaselinesTrainee(BaselineTrainee):
         """Moves made."""
         return self.model.num_timesteps
 
+    def train(self, session: Session) -> None:
+        """Train by the library's own loop."""
+        remaining = self.config.total_steps - self.steps
+        if remaining > 0:
+            self.model.learn(remaining, _Callback(session, self), log_interval=None, reset_num_timesteps=False)  # type: ignore[arg-type]  # None is meant: never
+
     @property
     def loss(self) -> float:
         """The latest loss; not a number before the first one."""
@@ -174,18 +164,18 @@ class StableBaselinesTrainee(BaselineTrainee):
         """Write the checkpoint."""
         self._save(folder / CHECKPOINT)
         if isinstance(self.model, OffPolicyAlgorithm):
-            with written_whole(folder / REPLAY) as partial:
-                self.model.save_replay_buffer(partial)
+            with written_whole(folder / REPLAY) as unfinished:
+                self.model.save_replay_buffer(unfinished)
 
     def _save(self, path: Path) -> None:
-        with written_whole(path) as partial:
-            self.model.save(partial)
+        with written_whole(path) as unfinished:
+            self.model.save(unfinished)
 
 
 class _Callback(BaseCallback):
     """Evaluate and write between updates, report, and stop after a Ctrl-C."""
 
-    def __init__(self, session: Session[BaselineRecord], trainee: StableBaselinesTrainee) -> None:
+    def __init__(self, session: Session, trainee: StableBaselinesTrainee) -> None:
         super().__init__()
         self._session, self._trainee = session, trainee
 

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
 from indoor_explorers.env.observations import make_encoder
-from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.baselines.config import BaselineConfig
 from indoor_explorers.learners.baselines.evaluation import evaluate
-from indoor_explorers.learners.sessions.record import TrainingRecord, record_facts
+from indoor_explorers.learners.sessions.record import TrainingRecord, new_record
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds
 from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus
 
@@ -28,18 +28,19 @@ class BaselineRecord(TrainingRecord):
     """Numbers in an observation."""
 
 
-def new_record(
+def baseline_record(
     learner: str,
     packages: Iterable[str],
+    make_world: Callable[[Scenario, int, int], World],
     config: BaselineConfig,
     scenario: Scenario,
-    briefing: Briefing,
     seed: int,
 ) -> BaselineRecord:
-    """Return the record of a training that begins; ``briefing`` is that of one of its episodes."""
-    facts = record_facts(learner, ("gymnasium", *packages), config, scenario, [config.task(scenario)], seed)
+    """Return the record of a new training; ``make_world`` refuses what the learner cannot train on."""
+    briefing = make_world(config.task(scenario), 1, 0).briefing(0, 0)
     inputs = int(np.prod(make_encoder(config.recipe, briefing).space.shape or ()))
-    return BaselineRecord(**facts, shape=briefing.shape, inputs=inputs)
+    record = new_record(learner, config, scenario, seed, ("gymnasium", *packages))
+    return BaselineRecord(**vars(record), shape=briefing.shape, inputs=inputs)
 
 
 class BaselineTrainee(Trainee):

@@ -11,10 +11,10 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE, sensor
-from indoor_explorers.learners.sessions.settings import Settings
+from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 
-class TrainingConfig(Settings):
+class TrainingConfig(LearnerSettings):
     """Describe one training completely, together with its scenario and seed."""
 
     observation: ObservationConfig = ObservationConfig()

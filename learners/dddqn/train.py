@@ -1,9 +1,15 @@
-"""Train a DDDQN: a session around :class:`indoor_explorers.learners.dddqn.learning.training.Training`."""
+"""Train a DDDQN: a session around :class:`indoor_explorers.learners.dddqn.learning.training.Training`.
+
+The folder gets ``weights.safetensors`` (the averaged weights that did best in evaluation), ``training.json``
+(configuration, seed, versions, commits, evaluations), ``checkpoint.safetensors`` (everything, to resume from) and
+``tensorboard/``. The same seed gives the same weights, resumed or not.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
 
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.dddqn.ablations import ABLATION_SETTINGS, ABLATIONS, TEAM_ABLATIONS, flown
@@ -11,11 +17,9 @@ from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.tensorboard import Scalars
 from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.presets import PRESETS
-from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
-from indoor_explorers.learners.sessions.process import one_thread
-from indoor_explorers.learners.sessions.record import TrainingRecord, record_facts
+from indoor_explorers.learners.sessions import train as sessions
+from indoor_explorers.learners.sessions.record import new_record
 from indoor_explorers.learners.sessions.session import Progress, Session
-from indoor_explorers.learners.sessions.tensors import WEIGHTS
 
 __all__ = [
     "ABLATIONS",
@@ -29,36 +33,11 @@ __all__ = [
 ]
 
 
-def train(
-    config: TrainingConfig,
-    scenario: Scenario,
-    out: Path,
-    *,
-    seed: int,
-    resume: bool = False,
-    report: Callable[[Progress], None] | None = None,
-) -> Path:
-    """Train on a scenario and return the path of the weights in the folder ``out``.
+@contextmanager
+def _trainee(config: TrainingConfig, scenario: Scenario, seed: int, session: Session) -> Iterator[Training]:
+    with Scalars(session.out) as scalars:
+        session.listeners.append(scalars.write)
+        yield Training(config, scenario, seed, session.checkpoint)
 
-    Writes ``weights.safetensors`` (the averaged weights that did best in evaluation), ``training.json``
-    (configuration, seed, versions, commits, evaluations) and ``checkpoint.safetensors`` (everything, to
-    resume from). Ctrl-C finishes the tick, writes a checkpoint and raises :class:`KeyboardInterrupt`; a
-    second one stops at once. The same seed gives the same weights, resumed or not: torch runs on one thread.
 
-    Raises:
-        InputError: ``out`` holds another training, or one that was not asked to be resumed.
-
-    """
-    scalars = Scalars(out)
-
-    def tell(progress: Progress) -> None:
-        scalars.write(progress)
-        if report is not None:
-            report(progress)
-
-    record = TrainingRecord(**record_facts("dddqn", (), config, scenario, config.tasks(scenario), seed))
-    session = Session(record, config, out, CHECKPOINT, resume=resume, report=tell)
-    with one_thread(), scalars:
-        training = Training(config, scenario, seed, session.checkpoint)
-        session.run(training, training.update)
-    return out / WEIGHTS
+train = partial(sessions.train, sessions.TrainingMethod(partial(new_record, "dddqn"), _trainee))

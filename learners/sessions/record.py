@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,6 +15,7 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.scenarios.validation import validated
+from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 RECORD = "training.json"
 #: Packages that the result of any training depends on.
@@ -79,37 +80,22 @@ class TrainingRecord(BaseModel):
 Kind = TypeVar("Kind", bound=TrainingRecord)
 
 
-def record_facts(
-    learner: str,
-    packages: Iterable[str],
-    config: BaseModel,
-    scenario: Scenario,
-    tasks: Sequence[Scenario],
-    seed: int,
-) -> dict[str, Any]:
-    """Return the fields of the :class:`TrainingRecord` of a training that begins.
-
-    Args:
-        learner: Name of the learner.
-        packages: What its result depends on beside :data:`PACKAGES`.
-        config: Its hyperparameters.
-        scenario: What it is trained on.
-        tasks: The same as it is flown in training, with its goal and rewards, and further ones.
-        seed: Of the training.
-
-    """
+def new_record(
+    learner: str, config: LearnerSettings, scenario: Scenario, seed: int, packages: Iterable[str] = ()
+) -> TrainingRecord:
+    """Return the record of a new training; its result depends on ``packages`` beside :data:`PACKAGES`."""
     commit = source_commit()
-    return {
-        "learner": learner,
-        "seed": seed,
-        "scenario": scenario.model_dump(mode="json"),
-        "fingerprint": scenario.fingerprint,
-        "task": " ".join(task.fingerprint for task in tasks),
-        "config": config.model_dump(mode="json"),
-        "versions": {"python": platform.python_version()} | versions((*PACKAGES, *packages)),
-        "commit": commit,
-        "commits": (commit,),
-    }
+    return TrainingRecord(
+        learner=learner,
+        seed=seed,
+        scenario=scenario.model_dump(mode="json"),
+        fingerprint=scenario.fingerprint,
+        task=" ".join(task.fingerprint for task in config.tasks(scenario)),
+        config=config.model_dump(mode="json"),
+        versions={"python": platform.python_version()} | versions((*PACKAGES, *packages)),
+        commit=commit,
+        commits=(commit,),
+    )
 
 
 def write_record(record: TrainingRecord, folder: Path, results: Mapping[str, Any]) -> None:

@@ -10,15 +10,15 @@ import math
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Generic, Protocol, TypeVar
+from typing import Any, ClassVar
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.learners.sessions.process import deferred_interrupt, one_thread
+from indoor_explorers.learners.sessions.process import deferred_interrupt
 from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, read_record, write_record
+from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 #: Seconds between two reports.
 REPORT_EVERY = 0.5
@@ -68,6 +68,17 @@ class Trainee(ABC):
     def done(self) -> bool:
         """Tell whether the training has come to its end."""
 
+    def update(self) -> None:
+        """Fly and learn for a moment, which a Ctrl-C never interrupts."""
+        raise NotImplementedError
+
+    def train(self, session: Session) -> None:
+        """Train to the end or to a Ctrl-C; a learner whose library has a loop of its own runs that one."""
+        while not self.done and not session.interrupted:
+            self.update()
+            session.after_update(self)
+            session.report(self)
+
     @abstractmethod
     def status(self) -> TrainingStatus:
         """Return what to report."""
@@ -96,27 +107,12 @@ class Trainee(ABC):
         return {}
 
 
-class Schedule(Protocol):
-    """When a training is evaluated and written: the part of its configuration that a session reads."""
-
-    @property
-    def evaluation_every(self) -> int:
-        """Steps, or another unit, between two evaluations."""
-
-    @property
-    def checkpoint_every(self) -> int:
-        """The same between two checkpoints."""
-
-
-Kind = TypeVar("Kind", bound=TrainingRecord)
-
-
-class Session(Generic[Kind]):
+class Session:
     """Run one training in the folder ``out``.
 
     Args:
         record: How the training is made.
-        schedule: When it is evaluated and written.
+        config: Its hyperparameters.
         out: Its folder, which is made.
         checkpoint: Name of the learner's checkpoint in it.
         resume: Go on with the training that the folder holds, if there is one.
@@ -129,8 +125,8 @@ class Session(Generic[Kind]):
 
     def __init__(
         self,
-        record: Kind,
-        schedule: Schedule,
+        record: TrainingRecord,
+        config: LearnerSettings,
         out: Path,
         checkpoint: str,
         *,
@@ -140,7 +136,9 @@ class Session(Generic[Kind]):
         self.record, self.out = record, out
         self.checkpoint: Path | None = None
         """What to go on from; None for a training that begins."""
-        self._schedule, self._report = schedule, report or (lambda progress: None)
+        self.listeners = [] if report is None else [report]
+        """Called with the progress now and then."""
+        self._config = config
         self._evaluations: list[dict[str, int | float]] = []
         self._interrupted = threading.Event()
         self._first_step = self._count = 0
@@ -169,32 +167,18 @@ class Session(Generic[Kind]):
         """Whether somebody pressed Ctrl-C."""
         return self._interrupted.is_set()
 
-    def run(self, trainee: Trainee, update: Callable[[], None]) -> None:
-        """Train to the end; ``update`` flies and learns for a moment, which is never interrupted.
+    def run(self, trainee: Trainee) -> None:
+        """Train to the end; then, or after a Ctrl-C, write everything.
 
         Raises:
-            KeyboardInterrupt: after a Ctrl-C, with everything written.
-
-        """
-        with self.running(trainee):
-            while not trainee.done and not self.interrupted:
-                update()
-                self.after_update(trainee)
-                self.report(trainee)
-
-    @contextmanager
-    def running(self, trainee: Trainee) -> Iterator[None]:
-        """Train inside of this; at the end, or after a Ctrl-C, everything is written.
-
-        Raises:
-            KeyboardInterrupt: after a Ctrl-C.
+            KeyboardInterrupt: After a Ctrl-C, with everything written.
 
         """
         self._first_step, self._count = trainee.steps, self._counted(trainee)
         self._evaluations = [each for each in self.record.evaluations if each[trainee.unit] <= self._count]
         self._seconds_before, self._began = self.record.seconds, time.monotonic()
-        with one_thread(), deferred_interrupt() as self._interrupted:
-            yield
+        with deferred_interrupt() as self._interrupted:
+            trainee.train(self)
             if self.interrupted:
                 self._write(trainee)
                 raise KeyboardInterrupt
@@ -204,13 +188,13 @@ class Session(Generic[Kind]):
             self._show(trainee)
 
     def after_update(self, trainee: Trainee) -> None:
-        """Evaluate and write what is due; the end of the training is left to :meth:`running`."""
+        """Evaluate and write what is due; what is due at the end is left to :meth:`run`."""
         if trainee.done:
             return
         before, self._count = self._count, self._counted(trainee)
-        if crossed_multiple(before, self._count, self._schedule.evaluation_every):
+        if crossed_multiple(before, self._count, self._config.evaluation_every):
             self._evaluate(trainee)
-        if crossed_multiple(before, self._count, self._schedule.checkpoint_every):
+        if crossed_multiple(before, self._count, self._config.checkpoint_every):
             self._write(trainee)
 
     def report(self, trainee: Trainee) -> None:
@@ -224,14 +208,14 @@ class Session(Generic[Kind]):
 
     def _show(self, trainee: Trainee) -> None:
         self._reported = time.monotonic()
-        self._report(
-            Progress(
-                **vars(trainee.status()),
-                steps=trainee.steps,
-                steps_per_second=(trainee.steps - self._first_step) / max(self._reported - self._began, 1e-9),
-                evaluation=self._evaluations[-1] if self._evaluations else None,
-            )
+        progress = Progress(
+            **vars(trainee.status()),
+            steps=trainee.steps,
+            steps_per_second=(trainee.steps - self._first_step) / max(self._reported - self._began, 1e-9),
+            evaluation=self._evaluations[-1] if self._evaluations else None,
         )
+        for listener in self.listeners:
+            listener(progress)
 
     def _evaluate(self, trainee: Trainee) -> None:
         """Evaluate the network, and keep it when it is the best so far."""

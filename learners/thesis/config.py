@@ -9,7 +9,7 @@ from pydantic import Field
 from indoor_explorers.env.scenarios.codes import StuckRuleName
 from indoor_explorers.env.scenarios.presets import REWARDS
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.learners.sessions.settings import Settings
+from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 #: What every switch says once its mistake is mended.
 MENDED: dict[str, Any] = {
@@ -23,7 +23,7 @@ MENDED: dict[str, Any] = {
 }
 
 
-class TrainingConfig(Settings):
+class TrainingConfig(LearnerSettings):
     """Describe one training completely, together with its scenario and seed; the defaults are the thesis's."""
 
     episodes: int = Field(10_000, ge=1)

@@ -1,46 +1,29 @@
-"""Train the thesis's DDDQN: a session around :class:`indoor_explorers.learners.thesis.training.Training`."""
+"""Train the thesis's DDDQN: a session around :class:`indoor_explorers.learners.thesis.training.Training`.
+
+The folder gets ``weights.safetensors`` (the network as it is at the end, as the thesis's), ``episodes.csv`` (every
+training episode: the thesis's curve), ``training.json`` (configuration, seed, versions, commits, evaluations) and
+``checkpoint.safetensors`` (everything, to resume from). The same seed gives the same weights, resumed or not.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
-from indoor_explorers.learners.sessions.process import one_thread
-from indoor_explorers.learners.sessions.record import TrainingRecord, record_facts
-from indoor_explorers.learners.sessions.session import Progress, Session
-from indoor_explorers.learners.sessions.tensors import WEIGHTS
+from indoor_explorers.learners.sessions import train as sessions
+from indoor_explorers.learners.sessions.record import new_record
+from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.training import Training
 
-__all__ = ["MENDED", "Progress", "TrainingConfig", "train"]
+__all__ = ["MENDED", "TrainingConfig", "train"]
 
 
-def train(
-    config: TrainingConfig,
-    scenario: Scenario,
-    out: Path,
-    *,
-    seed: int,
-    resume: bool = False,
-    report: Callable[[Progress], None] | None = None,
-) -> Path:
-    """Train on a scenario and return the path of the weights in the folder ``out``.
+def _trainee(
+    config: TrainingConfig, scenario: Scenario, seed: int, session: Session
+) -> AbstractContextManager[Training]:
+    return nullcontext(Training(config, scenario, seed, session.checkpoint))
 
-    Writes ``weights.safetensors`` (the network as it is at the end, as the thesis's), ``episodes.csv`` (every
-    training episode: the thesis's curve), ``training.json`` (configuration, seed, versions, commits, evaluations)
-    and ``checkpoint.safetensors`` (everything, to resume from). Ctrl-C finishes the move, writes a checkpoint and
-    raises :class:`KeyboardInterrupt`; a second one stops at once. The same seed gives the same weights, resumed or
-    not.
 
-    Raises:
-        InputError: ``out`` holds another training, or one that was not asked to be resumed.
-
-    """
-    record = TrainingRecord(**record_facts("dddqn-thesis", (), config, scenario, [config.task(scenario)], seed))
-    session = Session(record, config, out, CHECKPOINT, resume=resume, report=report)
-    with one_thread():
-        training = Training(config, scenario, seed, session.checkpoint)
-        session.run(training, training.update)
-    return out / WEIGHTS
+train = partial(sessions.train, sessions.TrainingMethod(partial(new_record, "dddqn-thesis"), _trainee))

@@ -14,11 +14,12 @@ import numpy as np
 import pytest
 import ray
 import torch
+from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 
 from indoor_explorers.env import InputError, World, check_policy, make_policy
 from indoor_explorers.learners.baselines.rllib import Rllib
 from indoor_explorers.learners.baselines.rllib_ppo import TrainingConfig
-from indoor_explorers.learners.baselines.rllib_team import rllib_team
+from indoor_explorers.learners.baselines.rllib_training import TrainingTeam
 from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from tests.learners.baselines.tiny import flown, record_of, train
 from tests.learners.dddqn.rooms import small_room
@@ -53,7 +54,7 @@ def test_a_training_says_how_it_was_made(trained: Path) -> None:
 def test_the_pilots_see_what_training_saw_bit_for_bit(mask: bool, trained: Path) -> None:
     config = TrainingConfig(side=5, zones=2, hidden=(16,), mask=mask)
     task = config.task(small_room().with_settings(PAIR))
-    team = rllib_team(task, config.environment_recipe, count(7))
+    team = ParallelPettingZooEnv(TrainingTeam(task, config.environment_recipe, count(7)))
     seen, _ = team.reset(seed=99)
     world = World(task)
     world.reset(team.par_env.world.seeds)
@@ -130,7 +131,7 @@ def test_discrete_sac_trains_and_flies(tmp_path: Path) -> None:
 
 
 def test_episodes_of_a_training_are_its_own() -> None:
-    team = rllib_team(small_room(), "thesis", count(SEED_BLOCK))
+    team = ParallelPettingZooEnv(TrainingTeam(small_room(), "thesis", count(SEED_BLOCK)))
     seeds = []
     for _ in range(3):
         team.reset(seed=5)

@@ -222,6 +222,7 @@ def test_bad_settings_are_one_line(
 def test_a_team_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert train("sb3-ppo", tmp_path / "out", *SETTINGS["sb3-ppo"], team=2) == 2
     assert "expected a scenario with one UAV" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 def test_an_observation_of_the_whole_map_flies_on_maps_of_its_size_alone(tmp_path: Path) -> None:

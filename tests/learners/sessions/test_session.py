@@ -8,18 +8,17 @@ import os
 import signal
 from collections.abc import Mapping
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from indoor_explorers.env import InputError
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, read_record, record_facts
+from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, new_record, read_record
 from indoor_explorers.learners.sessions.session import Session, Trainee, TrainingStatus, crossed_multiple
 from tests.learners.dddqn.rooms import small_room
 
 CHECKPOINT = "checkpoint.txt"
-SCHEDULE = SimpleNamespace(evaluation_every=10, checkpoint_every=20)
+CONFIG = TrainingConfig(evaluation_every=10, checkpoint_every=20)
 
 
 class Counter(Trainee):
@@ -28,7 +27,7 @@ class Counter(Trainee):
     steps = 0
     done = False
 
-    def __init__(self, session: Session[TrainingRecord], costs: Mapping[int, float] | None = None) -> None:
+    def __init__(self, session: Session, costs: Mapping[int, float] | None = None) -> None:
         self.costs = costs or {}
         self.kept: list[int] = []
         if session.checkpoint is not None:
@@ -54,10 +53,9 @@ class Counter(Trainee):
         (folder / CHECKPOINT).write_text(str(self.steps))
 
 
-def session(out: Path, seed: int = 1, *, resume: bool = False) -> Session[TrainingRecord]:
-    room, config = small_room(), TrainingConfig()
-    record = TrainingRecord(**record_facts("counter", (), config, room, [config.task(room)], seed))
-    return Session(record, SCHEDULE, out, CHECKPOINT, resume=resume, report=None)
+def session(out: Path, seed: int = 1, *, resume: bool = False) -> Session:
+    record = new_record("counter", CONFIG, small_room(), seed)
+    return Session(record, CONFIG, out, CHECKPOINT, resume=resume, report=None)
 
 
 def steps(out: Path) -> list[float]:
@@ -72,7 +70,7 @@ def test_a_multiple_is_crossed_once() -> None:
 def test_evaluations_are_due_by_steps_and_at_the_end_and_the_best_is_kept(tmp_path: Path) -> None:
     run = session(tmp_path)
     trainee = Counter(run, {12: 3.0, 21: 2.0, 30: 4.0, 42: 2.0, 51: 5.0})
-    run.run(trainee, trainee.update)
+    run.run(trainee)
     assert steps(tmp_path) == [12, 21, 30, 42, 51]
     assert trainee.kept == [12, 21, 42]
     record = read_record(tmp_path, TrainingRecord, ["counter"])
@@ -80,34 +78,33 @@ def test_evaluations_are_due_by_steps_and_at_the_end_and_the_best_is_kept(tmp_pa
 
 
 def test_a_killed_training_goes_on_from_its_checkpoint_and_evaluates_again(tmp_path: Path) -> None:
+    class Killed(Counter):
+        def update(self) -> None:
+            super().update()
+            if self.steps > 40:
+                raise MemoryError
+
     run = session(tmp_path)
-    trainee = Counter(run)
-
-    def update() -> None:
-        trainee.update()
-        if trainee.steps > 40:
-            raise MemoryError
-
     with pytest.raises(MemoryError):
-        run.run(trainee, update)
+        run.run(Killed(run))
     assert (steps(tmp_path), (tmp_path / CHECKPOINT).read_text()) == ([12, 21, 30], "21")
     run = session(tmp_path, resume=True)
     trainee = Counter(run)
     assert trainee.steps == 21
-    run.run(trainee, trainee.update)
+    run.run(trainee)
     assert steps(tmp_path) == [12, 21, 30, 42, 51]
 
 
 def test_an_interrupt_waits_for_the_update_and_everything_is_written(tmp_path: Path) -> None:
+    class Interrupted(Counter):
+        def update(self) -> None:
+            os.kill(os.getpid(), signal.SIGINT)
+            super().update()
+
     run = session(tmp_path)
-    trainee = Counter(run)
-
-    def update() -> None:
-        os.kill(os.getpid(), signal.SIGINT)
-        trainee.update()
-
+    trainee = Interrupted(run)
     with pytest.raises(KeyboardInterrupt):
-        run.run(trainee, update)
+        run.run(trainee)
     assert ((tmp_path / CHECKPOINT).read_text(), trainee.kept) == ("3", [3])
     assert (read_record(tmp_path, TrainingRecord, ["counter"]).done, steps(tmp_path)) == (False, [])
 
@@ -115,7 +112,7 @@ def test_an_interrupt_waits_for_the_update_and_everything_is_written(tmp_path: P
 def test_other_trainings_are_refused(tmp_path: Path) -> None:
     run = session(tmp_path)
     trainee = Counter(run)
-    run.run(trainee, trainee.update)
+    run.run(trainee)
     with pytest.raises(InputError, match="already holds a training; give --resume"):
         session(tmp_path)
     with pytest.raises(InputError, match="expected seed 2, got 1"):
@@ -128,7 +125,7 @@ def test_a_record_of_before_is_resumed(tmp_path: Path) -> None:
     """It had neither a task nor, in some, commits, and said ``policy``."""
     run = session(tmp_path)
     trainee = Counter(run)
-    run.run(trainee, trainee.update)
+    run.run(trainee)
     facts = json.loads((tmp_path / RECORD).read_text())
     facts["policy"], facts["commit"] = facts.pop("learner"), "first"
     for name in ("task", "commits", "done", "seconds"):
