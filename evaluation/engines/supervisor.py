@@ -11,7 +11,7 @@ from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.engines.worker_handle import WorkerExit, WorkerHandle
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.running import RunningEpisode, failed_record
-from indoor_explorers.evaluation.episodes.shared_steps import Steps
+from indoor_explorers.evaluation.episodes.steps import Steps
 from indoor_explorers.evaluation.experiment.experiment import Job
 from indoor_explorers.evaluation.experiment.limits import Limits
 

@@ -15,7 +15,8 @@ from loky.backend.process import LokyProcess
 
 from indoor_explorers.env.grid.compiled import QUIET
 from indoor_explorers.evaluation.engines.worker import serve
-from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer, Steps, overdue_reason
+from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer, overdue_reason
+from indoor_explorers.evaluation.episodes.steps import Steps
 from indoor_explorers.evaluation.experiment.limits import Limits
 
 #: Every worker keeps to one thread: the processes are the parallelism.

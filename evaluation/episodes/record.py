@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.evaluation.episodes.steps import Steps
 from indoor_explorers.evaluation.experiment.experiment import Task
 
 #: What coverage can be drawn against, and the unit of each.
@@ -30,11 +31,11 @@ class Outcome(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class Record(Steps):
     """What is kept of one episode of S steps by N UAVs.
 
     Map, seed and actions make the whole episode again, step by step, see
-    :mod:`indoor_explorers.evaluation.episodes.resimulate`; the arrays beside them are what figures are drawn from.
+    :mod:`indoor_explorers.evaluation.episodes.resimulate`; the other arrays are what figures are drawn from.
     """
 
     policy: str
@@ -48,20 +49,8 @@ class Record:
     outcome: Outcome
     reason: str
     """Why a failed episode failed, or what ended the UAVs; empty when all is well."""
-    steps: int
-    """Steps flown."""
     metrics: dict[str, float | None]
     """By the names of :data:`indoor_explorers.evaluation.episodes.metrics.MEASURES`, and what the pilots tallied."""
-    covered: NDArray[np.int32] = field(repr=False)
-    """(S + 1, 1 + N) covered cells after each step: the team's union, then each UAV's own map."""
-    cells: NDArray[np.int16] = field(repr=False)
-    """(S + 1, N, 2) row and column of each UAV after each step."""
-    actions: NDArray[np.uint8] = field(repr=False)
-    """(S, N) what each UAV chose at each step; ``stay`` once it has ended."""
-    seconds: NDArray[np.float32] = field(repr=False)
-    """(S + 1,) seconds that the team's decisions took up to each step, all UAVs together."""
-    sent: NDArray[np.int64] = field(repr=False)
-    """(S + 1,) bytes that the team sent by radio up to each step."""
 
     @property
     def curve(self) -> NDArray[np.float64]:

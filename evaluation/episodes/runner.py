@@ -15,7 +15,7 @@ from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.recorder import Log
 from indoor_explorers.evaluation.episodes.running import RunningEpisode, failed_record
-from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer, Steps
+from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer
 from indoor_explorers.evaluation.episodes.thinking_time import thinking_time
 from indoor_explorers.evaluation.experiment.experiment import Task
 
@@ -67,15 +67,17 @@ def _fly_batch(
     buffer: SharedStepBuffer | None,
 ) -> list[Record]:
     world = World(scenario, len(tasks))
-    flights = [RunningEpisode.begin(world, place, *task) for place, task in enumerate(tasks)]
+    flights = [RunningEpisode(place, task) for place, (task, _) in enumerate(tasks)]
+    for flight, (_, floorplan) in zip(flights, tasks, strict=True):
+        flight.begin(world, floorplan)
     batch = _Batch(policy, world, flights, buffer)
     batch.fly()
     return [
-        failed_record(flight, name, scenario, floorplan, Steps(flown.actions, flown.seconds[1:], flown.sent[1:]))
+        failed_record(flight, name, scenario, floorplan, steps)
         if flight.failure
-        else flight.record(name, world, flown)
+        else flight.record(name, world, batch.log, steps)
         for flight, (_, floorplan) in zip(flights, tasks, strict=True)
-        for flown in [batch.log.flown(flight.place)]
+        for steps in [batch.log.steps(flight.place)]
     ]
 
 
@@ -101,6 +103,7 @@ class _Batch:
         """Fly every episode to its end."""
         if self._buffer is not None:
             self._buffer.begin()
+            self._buffer.add(self.log.latest[0])
         for flight in self._flights:
             self._brief(flight)
         for actions in rollout(self._world, self._ask):
@@ -108,7 +111,7 @@ class _Batch:
                 break
             self.log.add(actions, self._seconds)
             if self._buffer is not None:
-                self._buffer.add(actions[0], self._seconds[0], int(self._world.state.sent_bytes[0].sum()))
+                self._buffer.add(self.log.latest[0])
         for flight in self._flights:
             self._tally(flight)
 

@@ -12,9 +12,9 @@ from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.episodes.lower_bounds import least_steps
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, team_metrics
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.episodes.recorder import Flown, Log
-from indoor_explorers.evaluation.episodes.shared_steps import Steps
+from indoor_explorers.evaluation.episodes.recorder import Log
 from indoor_explorers.evaluation.episodes.stalling import behaviour_metrics
+from indoor_explorers.evaluation.episodes.steps import Steps
 from indoor_explorers.evaluation.experiment.experiment import Task
 
 
@@ -33,17 +33,17 @@ class RunningEpisode:
     """Means over the UAVs of what their pilots tallied, prefixed by ``pilot_``."""
     failure: str = ""
 
-    @classmethod
-    def begin(cls, world: World, place: int, task: Task, floorplan: Floorplan) -> RunningEpisode:
-        """Begin an episode in its place of the world."""
-        world.begin(place, task.seed, floorplan=floorplan)
-        return cls(place, task, least_steps(world, place, LEVELS["t99"]))
+    def begin(self, world: World, floorplan: Floorplan) -> None:
+        """Begin the episode in its place of the world."""
+        world.begin(self.place, self.task.seed, floorplan=floorplan)
+        self.bound = least_steps(world, self.place, LEVELS["t99"])
 
-    def record(self, policy: str, world: World, flown: Flown) -> Record:
-        """Return the record of the episode, which has just ended."""
+    def record(self, policy: str, world: World, log: Log, steps: Steps) -> Record:
+        """Return the record of the episode, which has just ended; its ``steps`` are those of the log."""
         state, b = world.state, self.place
         outcome, reason = self._outcome(world)
         return Record(
+            **vars(steps),
             policy=policy,
             task=self.task,
             floorplan=world.floorplan(b),
@@ -52,13 +52,7 @@ class RunningEpisode:
             reachable=int(state.total[b]),
             outcome=outcome,
             reason=reason,
-            steps=len(flown.actions),
-            metrics=self._metrics(world, flown),
-            covered=flown.covered,
-            cells=flown.cells,
-            actions=flown.actions,
-            seconds=flown.seconds,
-            sent=flown.sent,
+            metrics=self._metrics(world, log, steps),
         )
 
     def _outcome(self, world: World) -> tuple[Outcome, str]:
@@ -71,11 +65,11 @@ class RunningEpisode:
             return Outcome.BUDGET, ""
         return Outcome.ENDED, ", ".join(f"UAV {n}: {end.name.lower().replace('_', ' ')}" for n, end in enumerate(ends))
 
-    def _metrics(self, world: World, flown: Flown) -> dict[str, float | None]:
+    def _metrics(self, world: World, log: Log, steps: Steps) -> dict[str, float | None]:
         state, b = world.state, self.place
         sensed, total, budget = state.sensed_count[b], int(state.total[b]), int(state.budget[b])
-        covered = int(flown.covered[-1, 0])
-        of_team = team_metrics(flown.covered, total, budget)
+        covered = int(steps.covered[-1, 0])
+        of_team = team_metrics(steps.covered, total, budget)
         late = of_team["t99"] if of_team["t99"] is not None else budget
         return {
             **of_team,
@@ -86,10 +80,10 @@ class RunningEpisode:
             "balance": float((sensed / total).std()),
             "collisions": float(state.collisions[b].sum()),
             "blocked": float(state.blocked[b].sum()),
-            **behaviour_metrics(world, b, flown),
-            "messages_bytes": float(flown.sent[-1]),
-            "age_of_information": flown.age,
-            "latency_total_s": float(flown.seconds[-1]),
+            **behaviour_metrics(world, b, steps, log.aloft[b]),
+            "messages_bytes": float(steps.sent[-1]),
+            "age_of_information": log.age(b),
+            "latency_total_s": float(steps.seconds[-1]),
             "latency_p50_us": float(np.percentile(self.latencies, 50) * 1e6) if self.latencies else None,
             "latency_p99_us": float(np.percentile(self.latencies, 99) * 1e6) if self.latencies else None,
             **self.tallies,
@@ -97,20 +91,18 @@ class RunningEpisode:
 
 
 def failed_record(
-    flight: RunningEpisode, policy: str, scenario: Scenario, floorplan: Floorplan, steps: Steps
+    flight: RunningEpisode, policy: str, scenario: Scenario, floorplan: Floorplan, broken: Steps
 ) -> Record:
     """Return the record of an episode that broke off, from the steps before: they are flown again.
 
     So everything in it is what it was after the last whole step, whatever became of the world it was flown in.
     """
-    world = World(scenario)
-    again = replace(
-        RunningEpisode.begin(world, 0, flight.task, floorplan), latencies=flight.latencies, failure=flight.failure
-    )
+    world, again = World(scenario), replace(flight, place=0)
+    again.begin(world, floorplan)
     log = Log(world)
-    for actions in steps.actions:
+    for actions in broken.actions:
         world.step(actions[None])
         log.add(actions[None], np.zeros(1))
-    flown = log.flown(0)
-    flown.seconds[1:], flown.sent[1:] = steps.seconds, steps.sent
-    return again.record(policy, world, flown)
+    steps = log.steps(0)
+    steps.seconds[1:], steps.sent[1:] = broken.seconds[1:], broken.sent[1:]
+    return again.record(policy, world, log, steps)

@@ -1,7 +1,7 @@
 """Memory that a worker shares with its driver: since when it decides, and the steps of its episode, if it dies.
 
 The first page is a clock of the decision that is going on. The rows behind it are the steps of an episode that is
-flown alone: what its record needs and flying it again cannot tell.
+flown alone.
 """
 
 from __future__ import annotations
@@ -12,10 +12,11 @@ import tempfile
 import time
 from collections.abc import Callable
 from multiprocessing.reduction import DupFd
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from indoor_explorers.evaluation.episodes.steps import Steps, step_type
 
 #: Numbers of the first page: when the decision going on was asked for, the one that takes too long (0 is none), and
 #: the limit in seconds that it broke.
@@ -68,17 +69,6 @@ def overdue_reason(limit: float) -> str:
     return f"decision took longer than {limit:g} s (--decision-timeout)"
 
 
-class Steps(NamedTuple):
-    """The S steps of an episode of N UAVs, without what flying it again tells."""
-
-    actions: NDArray[np.uint8]
-    """(S, N) what each UAV chose."""
-    seconds: NDArray[np.float32]
-    """(S,) seconds that the decisions took up to and with each step."""
-    sent: NDArray[np.int64]
-    """(S,) bytes sent from the start to after each step."""
-
-
 class SharedStepBuffer:
     """Share a clock and the steps of one episode between two processes; pickled only while one of them starts."""
 
@@ -100,22 +90,15 @@ class SharedStepBuffer:
         """Forget the steps of the episode before."""
         os.ftruncate(self._file, mmap.PAGESIZE)
 
-    def add(self, actions: NDArray[np.integer], seconds: float, sent: int) -> None:
-        """Append a step: the (N,) actions, the seconds that choosing them took, the bytes sent since the start."""
-        row = np.zeros(1, _row(len(actions)))
-        row["actions"], row["seconds"], row["sent"] = actions, seconds, sent
+    def add(self, row: np.void) -> None:
+        """Append a row of :func:`~indoor_explorers.evaluation.episodes.steps.step_type`; the first is the start."""
         os.pwrite(self._file, row.tobytes(), os.fstat(self._file).st_size)
 
     def steps(self, team: int) -> Steps:
         """Return the whole steps of an episode of ``team`` UAVs."""
-        kind = _row(team)
+        kind = step_type(team)
         held = os.fstat(self._file).st_size - mmap.PAGESIZE
-        rows = np.frombuffer(os.pread(self._file, held - held % kind.itemsize, mmap.PAGESIZE), kind)
-        return Steps(rows["actions"], np.cumsum(rows["seconds"], dtype=np.float32), rows["sent"])
-
-
-def _row(team: int) -> np.dtype[Any]:
-    return np.dtype([("actions", np.uint8, (team,)), ("seconds", np.float64), ("sent", np.int64)])
+        return Steps.of(np.frombuffer(os.pread(self._file, held - held % kind.itemsize, mmap.PAGESIZE), kind))
 
 
 def _anonymous_file() -> int:

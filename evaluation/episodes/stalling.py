@@ -12,26 +12,29 @@ from scipy import ndimage
 
 from indoor_explorers.env import World
 from indoor_explorers.env.grid.cells import FREE
-from indoor_explorers.evaluation.episodes.recorder import Flown
+from indoor_explorers.evaluation.episodes.steps import Steps
 
 
-def behaviour_metrics(world: World, episode: int, flown: Flown) -> dict[str, float]:
-    """Return ``longest_idle``, ``longest_dither`` and ``idle_share`` of an episode that has ended."""
-    searching = np.arange(len(flown.actions))[:, None] < searching_steps(world, episode, flown)
-    still = stood_still(flown.cells) & searching
+def behaviour_metrics(world: World, episode: int, steps: Steps, aloft: NDArray[np.integer]) -> dict[str, float]:
+    """Return ``longest_idle``, ``longest_dither`` and ``idle_share`` of an episode that has ended.
+
+    Each UAV flew ``aloft`` (N,) of its ``steps``.
+    """
+    searching = np.arange(steps.steps)[:, None] < searching_steps(world, episode, steps, aloft)
+    still = stood_still(steps.cells) & searching
     return {
         "longest_idle": float(longest_run(still)),
-        "longest_dither": float(longest_run(to_and_fro(flown.cells) & searching)),
+        "longest_dither": float(longest_run(to_and_fro(steps.cells) & searching)),
         "idle_share": float(still.sum() / max(1, searching.sum())),
     }
 
 
-def searching_steps(world: World, episode: int, flown: Flown) -> list[int]:
+def searching_steps(world: World, episode: int, steps: Steps, aloft: NDArray[np.integer]) -> list[int]:
     """Return for each UAV how many steps it began with something left to find."""
     parts, _ = ndimage.label(world.state.truth[episode] == FREE)
     return [
-        min(steps, _step_complete(world, episode, agent, flown.covered[:, 1 + agent], parts))
-        for agent, steps in enumerate(flown.aloft.tolist())
+        min(flown, _step_complete(world, episode, agent, steps.covered[:, 1 + agent], parts))
+        for agent, flown in enumerate(aloft.tolist())
     ]
 
 

@@ -252,7 +252,6 @@ class Store:
                 reachable=reachable,
                 outcome=Outcome(outcome),
                 reason=reason,
-                steps=steps,
                 metrics=json.loads(metrics),
                 covered=_unpacked(covered, np.int32, steps + 1, 1 + team),
                 cells=_unpacked(cells, np.int16, steps + 1, team, 2),

@@ -1,11 +1,13 @@
 """What runs in a worker process, without the process."""
 
 import numba
+import numpy as np
 import pytest
 from numba.core import event
 
 from indoor_explorers.evaluation.engines.worker import Compiling
 from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer
+from indoor_explorers.evaluation.episodes.steps import step_type
 
 
 def test_compiling_is_not_put_down_to_a_decision():
@@ -39,12 +41,15 @@ def test_only_the_overdue_decision_is_interrupted_and_only_once():
 
 def test_a_step_buffer_holds_whole_steps():
     buffer = SharedStepBuffer()
+    assert buffer.steps(2).steps == 0
     for step in range(3):
-        buffer.add([step, 4], 0.5, 10 * step)
+        row = np.zeros((), step_type(2))
+        row["actions"], row["seconds"], row["sent"] = (step, 4), step / 2, 10 * step
+        buffer.add(row[()])
     steps = buffer.steps(2)
-    assert steps.actions.tolist() == [[0, 4], [1, 4], [2, 4]]
-    assert steps.seconds.tolist() == [0.5, 1.0, 1.5]
+    assert steps.actions.tolist() == [[1, 4], [2, 4]]
+    assert steps.seconds.tolist() == [0.0, 0.5, 1.0]
     assert steps.sent.tolist() == [0, 10, 20]
     buffer.begin()
-    assert len(buffer.steps(2).actions) == 0
+    assert buffer.steps(2).steps == 0
     buffer.close()

@@ -30,12 +30,11 @@ def flown(rows, spawns, *plans, **settings):
     for actions in zip(*plans, strict=True):
         world.step(np.array([actions]))
         log.add(np.array([actions]), np.zeros(1))
-    return world, log.flown(0)
+    return world, 0, log.steps(0), log.aloft[0]
 
 
 def measured(*arguments, **settings):
-    world, log = flown(*arguments, **settings)
-    return behaviour_metrics(world, 0, log)
+    return behaviour_metrics(*flown(*arguments, **settings))
 
 
 @pytest.mark.parametrize(
@@ -67,22 +66,22 @@ def test_a_move_against_a_wall_or_a_teammate_is_standing_still():
 
 def test_who_knows_all_it_can_reach_may_stand_still():
     plan = [RIGHT, RIGHT] + [STAY] * 9
-    world, log = flown(["....#.."], [(0, 0), (0, 5)], plan, [STAY] * 11)
-    assert searching_steps(world, 0, log) == [2, 0]
-    assert behaviour_metrics(world, 0, log) == {"longest_idle": 0, "longest_dither": 0, "idle_share": 0}
+    episode = flown(["....#.."], [(0, 0), (0, 5)], plan, [STAY] * 11)
+    assert searching_steps(*episode) == [2, 0]
+    assert behaviour_metrics(*episode) == {"longest_idle": 0, "longest_dither": 0, "idle_share": 0}
 
 
 def test_what_a_teammate_tells_of_another_part_of_the_map_is_nothing_left_to_find():
     plans = [RIGHT, RIGHT] + [STAY] * 4, [RIGHT] * 4 + [STAY] * 2
-    world, log = flown(["....#......"], [(0, 0), (0, 5)], *plans, **{"radio.model": "unlimited"})
-    assert searching_steps(world, 0, log) == [2, 4]
+    episode = flown(["....#......"], [(0, 0), (0, 5)], *plans, **{"radio.model": "unlimited"})
+    assert searching_steps(*episode) == [2, 4]
 
 
 def test_who_has_ended_wastes_no_steps():
     plans = [LEFT] + [STAY] * 7, [RIGHT] * 8
-    world, log = flown(["." * 20], [(0, 0), (0, 1)], *plans, on_collision="end")
-    assert searching_steps(world, 0, log) == [1, 8]
-    assert behaviour_metrics(world, 0, log)["longest_idle"] == 1
+    episode = flown(["." * 20], [(0, 0), (0, 1)], *plans, on_collision="end")
+    assert searching_steps(*episode) == [1, 8]
+    assert behaviour_metrics(*episode)["longest_idle"] == 1
 
 
 def test_before_the_first_step_nothing_was_wasted():

@@ -30,7 +30,6 @@ def made_up(policy: str, task: Task, late: float | None, *, team: int = 1, **met
         reachable=64,
         outcome=Outcome.BUDGET if late is None else Outcome.COMPLETE,
         reason="",
-        steps=STEPS,
         metrics={**dict.fromkeys(MEASURES, 1.0), **levels, **metrics},
         covered=np.repeat(covered[:, None], 1 + team, axis=1),
         cells=np.full((STEPS + 1, team, 2), 3, np.int16),

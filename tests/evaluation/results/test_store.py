@@ -146,7 +146,7 @@ def test_a_full_disk_is_said_and_what_was_added_stays(tmp_path):
 def test_only_failed_episodes_are_replaced(tmp_path):
     good = filled(tmp_path / "results.db")[0]
     failed = replace(good, outcome=Outcome.FAILED, task=good.task._replace(seed=99))
-    other = {"steps": 1, "actions": good.actions[:1], "covered": good.covered[:2], "cells": good.cells[:2]}
+    other = {"actions": good.actions[:1], "covered": good.covered[:2], "cells": good.cells[:2]}
     other |= {"seconds": good.seconds[:2], "sent": good.sent[:2]}
     with Store(tmp_path / "results.db") as store:
         store.add(failed, 1)

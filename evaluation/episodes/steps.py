@@ -1,0 +1,49 @@
+"""What an episode was, step by step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def step_type(team: int) -> np.dtype[Any]:
+    """Return the kind of rows that steps are logged in: what held after a step of N UAVs; row 0 is the start."""
+    return np.dtype(
+        [
+            ("covered", np.int32, (1 + team,)),
+            ("cells", np.int16, (team, 2)),
+            ("actions", np.uint8, (team,)),
+            ("seconds", np.float32),
+            ("sent", np.int64),
+        ]
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """The S steps of an episode by N UAVs."""
+
+    covered: NDArray[np.int32] = field(repr=False)
+    """(S + 1, 1 + N) cells covered after each step: by the team's union, then by each UAV's own map."""
+    cells: NDArray[np.int16] = field(repr=False)
+    """(S + 1, N, 2) row and column of each UAV after each step."""
+    actions: NDArray[np.uint8] = field(repr=False)
+    """(S, N) what each UAV chose at each step; ``stay`` once it has ended."""
+    seconds: NDArray[np.float32] = field(repr=False)
+    """(S + 1,) seconds that the team's decisions took up to each step, all UAVs together."""
+    sent: NDArray[np.int64] = field(repr=False)
+    """(S + 1,) bytes that the team sent by radio up to each step."""
+
+    @classmethod
+    def of(cls, rows: NDArray[np.void]) -> Steps:
+        """Copy the steps from S + 1 rows of :func:`step_type`; there are none where not even the start was logged."""
+        arrays = {name: rows[name].copy() for name in rows.dtype.names or ()}
+        return cls(**arrays | {"actions": arrays["actions"][1:]})
+
+    @property
+    def steps(self) -> int:
+        """How many steps were flown."""
+        return len(self.actions)
