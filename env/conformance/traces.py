@@ -72,7 +72,7 @@ def first_difference(found: Trace, expected: Trace) -> int | None:
     return next((step for step, (one, other) in enumerate(pairs) if one != other), shorter)
 
 
-class Comparison(NamedTuple):
+class TraceComparison(NamedTuple):
     """What comparing two episodes by what each UAV knew has shown."""
 
     compared: int
@@ -81,7 +81,7 @@ class Comparison(NamedTuple):
     """The first such decision that is another one, as (UAV, step); None when all are the same."""
 
 
-def compare(changed: Trace, recorded: Trace, agents: Sequence[int]) -> Comparison:
+def compare(changed: Trace, recorded: Trace, agents: Sequence[int]) -> TraceComparison:
     """Demand that UAVs which knew the same up to a step choose the same at that step.
 
     Each of ``agents`` is followed until its own view differs for the first time or it has ended in one of the
@@ -92,6 +92,6 @@ def compare(changed: Trace, recorded: Trace, agents: Sequence[int]) -> Compariso
         alike = {n for n in alike if n in now and n in then and now[n].view == then[n].view}
         for n in sorted(alike):
             if now[n].choice != then[n].choice:
-                return Comparison(compared, (n, step))
+                return TraceComparison(compared, (n, step))
         compared += len(alike)
-    return Comparison(compared, None)
+    return TraceComparison(compared, None)

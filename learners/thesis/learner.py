@@ -15,14 +15,14 @@ from indoor_explorers.learners.sessions.networks import learner_tensors, restore
 from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.network import ThesisNetwork, new_network
 from indoor_explorers.learners.thesis.observation import LEVELS
-from indoor_explorers.learners.thesis.replay import Batch
+from indoor_explorers.learners.thesis.replay import ThesisBatch
 from indoor_explorers.learners.thesis.sizes import ImageFormat
 
 #: Of Adam, as the thesis's library has it; torch's own is 1e-8.
 ADAM_EPSILON = 1e-7
 
 
-class Learner:
+class ThesisLearner:
     """Hold the network, the target network and the optimiser."""
 
     def __init__(self, config: TrainingConfig, image_format: ImageFormat, seed: int) -> None:
@@ -38,7 +38,7 @@ class Learner:
         self.online.load_state_dict(state)
         self.target.load_state_dict(state)
 
-    def update(self, batch: Batch) -> Tensor:
+    def update(self, batch: ThesisBatch) -> Tensor:
         """Learn from one batch; return the loss, a scalar."""
         loss = td_loss(self.online, self.target, batch, self.config.gamma, self.config.terminal_target)
         self.optimiser.zero_grad()
@@ -69,7 +69,7 @@ class Learner:
 def td_targets(
     online: ThesisNetwork,
     target: ThesisNetwork,
-    batch: Batch,
+    batch: ThesisBatch,
     gamma: float,
     terminal_target: Literal["zero", "reward"],
 ) -> Tensor:
@@ -83,7 +83,7 @@ def td_targets(
 def td_loss(
     online: ThesisNetwork,
     target: ThesisNetwork,
-    batch: Batch,
+    batch: ThesisBatch,
     gamma: float,
     terminal_target: Literal["zero", "reward"],
 ) -> Tensor:

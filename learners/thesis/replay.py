@@ -26,7 +26,7 @@ class Transitions(NamedTuple):
     """(M,) nothing is expected after it."""
 
 
-class Batch(NamedTuple):
+class ThesisBatch(NamedTuple):
     """B sampled transitions."""
 
     image_BKHW: Tensor
@@ -36,7 +36,7 @@ class Batch(NamedTuple):
     next_image_BKHW: Tensor
 
 
-class Replay:
+class ThesisReplay:
     """Keep the last ``places`` transitions."""
 
     def __init__(self, places: int, image_format: ImageFormat) -> None:
@@ -61,11 +61,11 @@ class Replay:
                 store[at] = getattr(new, name)[i]
             self.written += 1
 
-    def sample(self, size: int, rng: np.random.Generator) -> Batch:
+    def sample(self, size: int, rng: np.random.Generator) -> ThesisBatch:
         """Draw ``size`` different transitions; ``size`` is at most :attr:`filled`."""
         chosen = rng.choice(self.filled, size, replace=False)
         levels = torch.from_numpy(LEVELS[self.data.images[chosen]])
-        return Batch(
+        return ThesisBatch(
             levels[:, :-1],
             torch.from_numpy(self.data.action[chosen]),
             torch.from_numpy(self.data.reward[chosen]),

@@ -1,4 +1,4 @@
-"""Train the thesis's DDDQN: a session around :class:`indoor_explorers.learners.thesis.training.Training`.
+"""Train the thesis's DDDQN: a session around :class:`indoor_explorers.learners.thesis.training.ThesisTraining`.
 
 The folder gets ``weights.safetensors`` (the network as it is at the end, as the thesis's), ``episodes.csv`` (every
 training episode: the thesis's curve), ``training.json`` (configuration, seed, versions, commits, evaluations) and
@@ -15,15 +15,15 @@ from indoor_explorers.learners.sessions import train as sessions
 from indoor_explorers.learners.sessions.record import new_record
 from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
-from indoor_explorers.learners.thesis.training import Training
+from indoor_explorers.learners.thesis.training import ThesisTraining
 
 __all__ = ["MENDED", "TrainingConfig", "train"]
 
 
 def _trainee(
     config: TrainingConfig, scenario: Scenario, seed: int, session: Session
-) -> AbstractContextManager[Training]:
-    return nullcontext(Training(config, scenario, seed, session.checkpoint))
+) -> AbstractContextManager[ThesisTraining]:
+    return nullcontext(ThesisTraining(config, scenario, seed, session.checkpoint))
 
 
 train = partial(sessions.train, sessions.TrainingMethod(partial(new_record, "dddqn-thesis"), _trainee))

@@ -19,8 +19,8 @@ from indoor_explorers.learners.sessions.tensors import WEIGHTS
 from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.evaluation import evaluate
 from indoor_explorers.learners.thesis.history import History
-from indoor_explorers.learners.thesis.learner import Learner, greedy
-from indoor_explorers.learners.thesis.replay import Replay, Transitions
+from indoor_explorers.learners.thesis.learner import ThesisLearner, greedy
+from indoor_explorers.learners.thesis.replay import ThesisReplay, Transitions
 from indoor_explorers.learners.thesis.sizes import MOVES, ImageFormat
 from indoor_explorers.learners.thesis.vector_flight import ImageFlight
 from indoor_explorers.learners.thesis.weights import load_weights, write_weights
@@ -28,7 +28,7 @@ from indoor_explorers.learners.thesis.weights import load_weights, write_weights
 EPISODES = "episodes.csv"
 
 
-class Training(Trainee):
+class ThesisTraining(Trainee):
     """Train on the world's batch directly; an update is a move of all UAVs, and learning as often as is due."""
 
     unit = "episodes"
@@ -47,8 +47,8 @@ class Training(Trainee):
         looks: dict[str, Any] = {"frames": config.frame_stack, "identity": config.identity}
         self.flight = ImageFlight(self.task, config.environments, self._next_seed, pilots=pilots, **looks)
         self.image_format = ImageFormat(*self.flight.shape, **looks)
-        self.learner = Learner(config, self.image_format, seed)
-        self.replay = Replay(config.memory, self.image_format)
+        self.learner = ThesisLearner(config, self.image_format, seed)
+        self.replay = ThesisReplay(config.memory, self.image_format)
         self.history = History(config.environments)
         if config.initial_weights is not None:
             self.learner.start_from(self._weights(Path(config.initial_weights)))

@@ -5,7 +5,7 @@ import torch
 from torch import nn
 
 from indoor_explorers.learners.thesis.learner import td_loss, td_targets
-from indoor_explorers.learners.thesis.replay import Batch
+from indoor_explorers.learners.thesis.replay import ThesisBatch
 
 
 class Table(nn.Module):
@@ -22,7 +22,7 @@ class Table(nn.Module):
 ONLINE = Table([[1.0, 2.0, 0.0, 0.0], [5.0, 1.0, 9.0, 2.0]])
 TARGET = Table([[10.0, 20.0, 30.0, 40.0], [50.0, 60.0, 70.0, 80.0]])
 #: Three moves: to state 1; to state 0; to state 1, which ends the episode.
-BATCH = Batch(
+BATCH = ThesisBatch(
     torch.tensor([0.0, 1.0, 0.0]).view(3, 1, 1, 1),
     torch.tensor([1, 3, 0]),
     torch.tensor([0.5, -10.0, -400.0]),

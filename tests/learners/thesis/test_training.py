@@ -15,7 +15,7 @@ from indoor_explorers.learners.sessions.record import RECORD
 from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.train import train
-from indoor_explorers.learners.thesis.training import EPISODES, Training
+from indoor_explorers.learners.thesis.training import EPISODES, ThesisTraining
 
 from .rooms import TINY, short, write_network
 
@@ -25,7 +25,7 @@ def changed(**settings):
 
 
 def flown(config, scenario, ticks, seed=1):
-    training = Training(config, scenario, seed)
+    training = ThesisTraining(config, scenario, seed)
     for _ in range(ticks):
         training.update()
     return training
@@ -39,7 +39,7 @@ class Stop(Exception):
 def test_a_training_cut_at_any_moment_goes_on_bit_for_bit(tmp_path, monkeypatch, settings):
     config, scenario = changed(**settings), short("thesis-team-2-radio-3")
     whole = train(config, scenario, tmp_path / "whole", seed=3)
-    monkeypatch.setattr(Training, "evaluate", _stopping(Training.evaluate, after=1))
+    monkeypatch.setattr(ThesisTraining, "evaluate", _stopping(ThesisTraining.evaluate, after=1))
     with pytest.raises(Stop):
         train(config, scenario, tmp_path / "cut", seed=3)
     monkeypatch.undo()
@@ -74,7 +74,7 @@ def test_a_resumed_training_records_each_commit_that_it_ran_under(tmp_path, monk
     monkeypatch.setattr("indoor_explorers.learners.sessions.record.source_commit", lambda: next(commits))
     for after in (0, 1):
         with monkeypatch.context() as cut:
-            cut.setattr(Training, "evaluate", _stopping(Training.evaluate, after))
+            cut.setattr(ThesisTraining, "evaluate", _stopping(ThesisTraining.evaluate, after))
             with pytest.raises(Stop):
                 train(TINY, short("thesis-open"), tmp_path, seed=3, resume=True)
     train(TINY, short("thesis-open"), tmp_path, seed=3, resume=True)
@@ -127,7 +127,7 @@ def test_a_score_is_the_sum_of_an_episodes_rewards():
 
 def test_learning_is_due_every_ten_moves_and_copying_by_the_target_interval(monkeypatch):
     config = changed(environments=3, learn_every=10, target_every=50, batch=4)
-    training = Training(config, short("thesis-open"), 1)
+    training = ThesisTraining(config, short("thesis-open"), 1)
     copies = []
     monkeypatch.setattr(training.learner, "copy_target", lambda: copies.append(training.steps))
     for _ in range(60):
@@ -181,7 +181,7 @@ def test_only_the_first_uavs_moves_are_learned_from_or_everybodys(mates, learnin
 
 def test_random_mates_fly_at_random_and_evaluations_fly_all_by_the_network():
     training = flown(changed(epsilon_first=0.01), short("thesis-team-4-radio-0"), 1)
-    twin = Training(changed(epsilon_first=0.01), short("thesis-team-4-radio-0"), 1)
+    twin = ThesisTraining(changed(epsilon_first=0.01), short("thesis-team-4-radio-0"), 1)
     for network in (twin.learner.online, twin.learner.target):
         for value in network.parameters():
             value.data.neg_()
@@ -219,18 +219,18 @@ def test_training_and_evaluation_never_share_an_episode():
 
 def test_a_team_starts_from_the_weights_of_one_uav(tmp_path):
     path = write_network(tmp_path / "alone.safetensors", 9)
-    training = Training(changed(initial_weights=path), short("thesis-team-2-radio-0"), 1)
-    other = Training(TINY, short("thesis-team-2-radio-0"), 9)
+    training = ThesisTraining(changed(initial_weights=path), short("thesis-team-2-radio-0"), 1)
+    other = ThesisTraining(TINY, short("thesis-team-2-radio-0"), 9)
     weight = other.learner.online.first.weight.detach()
     assert torch.allclose(training.learner.online.first.weight, weight, atol=1e-3)
     assert torch.equal(training.learner.online.first.weight, training.learner.target.first.weight)
     with pytest.raises(InputError, match="expected weights of a network that sees"):
-        Training(changed(initial_weights=path, frame_stack=4), short("thesis-team-2-radio-0"), 1)
+        ThesisTraining(changed(initial_weights=path, frame_stack=4), short("thesis-team-2-radio-0"), 1)
 
 
 def test_a_negative_seed_is_refused():
     with pytest.raises(InputError, match="expected a seed from 0 to 1048575, got -1"):
-        Training(TrainingConfig(), short("thesis-open"), -1)
+        ThesisTraining(TrainingConfig(), short("thesis-open"), -1)
 
 
 @pytest.mark.slow
@@ -245,7 +245,7 @@ def test_a_short_training_learns_to_explore():
         learn_every=8,
         evaluation_episodes=30,
     )
-    training = Training(config, short("thesis-open", 60), 1)
+    training = ThesisTraining(config, short("thesis-open", 60), 1)
     before = training.evaluate()
     while training.steps < 3500:
         training.update()
