@@ -7,6 +7,7 @@ import pickle
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any, ClassVar
@@ -14,6 +15,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
+from safetensors import SafetensorError
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.observations import Encoder, make_encoder
@@ -69,6 +71,8 @@ class TrainedPolicy(Policy):
 
     MODEL: ClassVar[str]
     """The file of the model that did best."""
+    LEARNERS: ClassVar[tuple[str, ...]]
+    """The learners whose networks this policy flies; each has a module of that name."""
 
     path: str
     """The folder that ``indoor-explorers train`` wrote, or a model file in it."""
@@ -82,11 +86,11 @@ class TrainedPolicy(Policy):
 
     @staticmethod
     @abstractmethod
-    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> TrainedModel:
-        """Open a training's model; what it returns may be kept as long as the files have not ``changed``.
+    def scores(module: Any, config: Any, inputs: int, model: Path) -> Scores:
+        """Return the network in the file ``model``, for observations of ``inputs`` numbers.
 
         Raises:
-            InputError: it is missing, damaged or another library's.
+            DAMAGE: the file holds no weights, or another network's.
 
         """
 
@@ -97,7 +101,7 @@ class TrainedPolicy(Policy):
     def trained(self) -> TrainedModel:
         """Return what the path holds."""
         folder, model = folder_and_model(self.path, self.MODEL)
-        return self.opened(folder, model, changed(folder / RECORD, model))
+        return _read_once(type(self), folder, model, changed(folder / RECORD, model))
 
     def provenance(self) -> dict[str, str]:
         """Return the hash of the model, and what trained it."""
@@ -130,8 +134,21 @@ class TrainedPilot(WatchedPilot):
         return seen
 
 
+@lru_cache(maxsize=8)
+def _read_once(kind: type[TrainedPolicy], folder: Path, model: Path, changed: tuple[int, ...]) -> TrainedModel:
+    """Return what a folder holds; read again only when its files have ``changed``."""
+    record, module, config = read_training(folder, kind.LEARNERS)
+    try:
+        return TrainedModel(record, config, kind.scores(module, config, record.inputs, model))
+    except DAMAGE as error:
+        raise InputError(
+            f"{model}: expected the weights that {record.learner} trained with this {RECORD}, got something else "
+            f"({error!r:.200})"
+        ) from error
+
+
 #: What libraries raise on a file that holds no weights, or those of another network.
-DAMAGE = (RuntimeError, KeyError, ValueError, BadZipFile, pickle.UnpicklingError, OSError)
+DAMAGE = (SafetensorError, RuntimeError, KeyError, ValueError, BadZipFile, pickle.UnpicklingError, OSError)
 
 
 def folder_and_model(path: str, model: str) -> tuple[Path, Path]:

@@ -77,3 +77,27 @@ class BaselineConfig(LearnerSettings):
                 "rewards.goal": self.reward_goal,
             }
         )
+
+
+class ActorCriticSettings(BaselineConfig):
+    """What A2C and PPO have in common, whatever the library."""
+
+    gae_lambda: float = Field(0.95, ge=0.0, le=1.0)
+    """Trade-off of bias and variance in the advantages (Schulman et al. 2016, arXiv:1506.02438)."""
+    entropy: float = Field(0.01, ge=0.0)
+    """Weight of the entropy in the loss, which keeps exploration up."""
+    value_weight: float = Field(0.5, ge=0.0)
+    """Weight of the value's error in the loss."""
+    gradient_clip: float = Field(0.5, gt=0.0)
+    """Largest Euclidean norm of a gradient; a longer one is scaled down to it."""
+
+
+class PPOSettings(ActorCriticSettings):
+    """What PPO has in common, whatever the library."""
+
+    batch: int = Field(512, ge=2)
+    """Moves in one update."""
+    epochs: int = Field(4, ge=1)
+    """How often each round of updates goes through its moves."""
+    clip: float = Field(0.2, gt=0.0)
+    """How far the ratio of new and old probabilities may leave 1 with gain."""

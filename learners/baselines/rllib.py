@@ -8,22 +8,12 @@ where you trust it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
+from typing import Any
 
-from safetensors import SafetensorError
-
-from indoor_explorers.env.errors import InputError
-from indoor_explorers.learners.baselines.acting import (
-    DAMAGE,
-    TrainedModel,
-    TrainedPolicy,
-    read_training,
-)
-from indoor_explorers.learners.sessions.record import RECORD
-
-#: The learners whose networks this policy flies; each has a module of that name.
-LEARNERS = ("rllib-ppo", "rllib-sac")
+from indoor_explorers.learners.baselines.acting import TrainedPolicy
+from indoor_explorers.learners.baselines.evaluation import Scores
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,21 +21,13 @@ class Rllib(TrainedPolicy):
     """Fly what ``rllib-ppo`` and its like have trained: ``rllib:DIR``."""
 
     MODEL = "weights.safetensors"
+    LEARNERS = ("rllib-ppo", "rllib-sac")
 
     @staticmethod
-    @lru_cache(maxsize=8)
-    def opened(folder: Path, model: Path, changed: tuple[int, ...]) -> TrainedModel:
-        """Open a training's model."""
+    def scores(module: Any, config: Any, inputs: int, model: Path) -> Scores:
+        """Return the network in a file."""
         from safetensors.torch import load_file  # torch loads when it is used, and not to list the policies
 
-        record, _, config = read_training(folder, LEARNERS)
-        module = config.untrained(record.inputs)
-        try:
-            weights = load_file(model)  # the critic's among them, which flying does without
-            module.load_state_dict({name: weights[name] for name in module.state_dict()})
-        except (SafetensorError, *DAMAGE) as error:
-            raise InputError(
-                f"{model}: expected the weights that {record.learner} trained with this {RECORD}, got something else "
-                f"({error!r:.200})"
-            ) from error
-        return TrainedModel(record, config, partial(config.rate, module))
+        network, weights = config.untrained(inputs), load_file(model)
+        network.load_state_dict({name: weights[name] for name in network.state_dict()})  # without the critic's
+        return partial(config.rate, network)

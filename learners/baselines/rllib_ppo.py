@@ -7,12 +7,13 @@ from ray.rllib.algorithms.ppo import PPOConfig
 from ray.rllib.algorithms.ppo.torch.default_ppo_torch_rl_module import DefaultPPOTorchRLModule
 from ray.rllib.core.rl_module.rl_module import RLModule
 
+from indoor_explorers.learners.baselines.config import PPOSettings
 from indoor_explorers.learners.baselines.rllib_masking import MaskedPPOModule
 from indoor_explorers.learners.baselines.rllib_model import RllibConfig
 from indoor_explorers.learners.baselines.rllib_training import trainer
 
 
-class TrainingConfig(RllibConfig):
+class TrainingConfig(RllibConfig, PPOSettings):
     """Every hyperparameter of a PPO; those not named here are the library's own."""
 
     total_steps: int = Field(500_000, ge=1)
@@ -25,22 +26,8 @@ class TrainingConfig(RllibConfig):
     """Adam's step size."""
     rollout: int = Field(2048, ge=2)
     """Steps of all environments together between two rounds of updates."""
-    batch: int = Field(512, ge=2)
-    """Moves in one update."""
-    epochs: int = Field(4, ge=1)
-    """How often each round goes through its moves."""
-    gae_lambda: float = Field(0.95, ge=0.0, le=1.0)
-    """Trade-off of bias and variance in the advantages (Schulman et al. 2016, arXiv:1506.02438)."""
-    clip: float = Field(0.2, gt=0.0)
-    """How far the ratio of new and old probabilities may leave 1 with gain."""
     value_clip: float = Field(100.0, gt=0.0)
     """The largest squared error of a value that is learned from."""
-    entropy: float = Field(0.01, ge=0.0)
-    """Weight of the entropy in the loss, which keeps exploration up."""
-    value_weight: float = Field(0.5, ge=0.0)
-    """Weight of the value's error in the loss."""
-    gradient_clip: float = Field(0.5, gt=0.0)
-    """Longest gradient, as a Euclidean norm, that is followed unshortened."""
 
     @property
     def masked(self) -> bool:

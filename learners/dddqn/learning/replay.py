@@ -31,25 +31,25 @@ MOST_AGE = 2**16 - 1
 Places = NDArray[np.int64]
 
 
-class Slots(NamedTuple):
-    """What the ring holds, T slots by C columns. One slot is one tick of all UAVs in training."""
+class Tick(NamedTuple):
+    """One tick of all C UAVs in training; the ring holds T of them, (T, C, ...)."""
 
     scene: NDArray[np.uint8]
-    """(T, C, S) the state's scene, alone."""
-    moves: NDArray[np.float16]
-    """(T, C, 4, F) its move features."""
-    action: NDArray[np.uint8]
-    """(T, C) the move made there."""
-    reward: NDArray[np.float32]
-    """(T, C) what it paid."""
+    """(C, S) the state's scene, alone."""
+    moves: NDArray[np.floating[Any]]
+    """(C, 4, F) its move features; the ring stores them in half precision."""
+    action: NDArray[np.integer[Any]]
+    """(C,) the move made there."""
+    reward: NDArray[np.floating[Any]]
+    """(C,) what it paid."""
     terminal: Mask
-    """(T, C) the reward ended the episode for good."""
+    """(C,) the reward ended the episode for good."""
     explored: Mask
-    """(T, C) the move was drawn at random."""
+    """(C,) the move was drawn at random."""
     over: Mask
-    """(T, C) the episode had ended before: the state is its final one and no move was made."""
-    age: NDArray[np.uint16]
-    """(T, C) ticks since the episode began."""
+    """(C,) the episode had ended before: the state is its final one and no move was made."""
+    age: NDArray[np.integer[Any]]
+    """(C,) ticks since the episode began."""
 
 
 class Batch(NamedTuple):
@@ -68,9 +68,9 @@ class Batch(NamedTuple):
     """(B,) where each is kept, counted from the first ever; for :meth:`Replay.reprioritise`."""
 
 
-def _empty(slots: int, columns: int, layout: ObservationLayout) -> Slots:
+def _empty(slots: int, columns: int, layout: ObservationLayout) -> Tick:
     place = (slots, columns)
-    return Slots(
+    return Tick(
         scene=np.zeros((*place, layout.scene), np.uint8),
         moves=np.zeros((*place, 4, layout.features), np.float16),
         action=np.zeros(place, np.uint8),
@@ -133,32 +133,12 @@ class Replay:
         """Return how many slots can be drawn from when transitions take ``steps`` steps."""
         return max(self.written - steps - self._first, 0)
 
-    def add(
-        self,
-        scene: NDArray[np.uint8],
-        moves: NDArray[np.float32],
-        action: NDArray[np.int64],
-        reward: NDArray[np.float64],
-        terminal: Mask,
-        explored: Mask,
-        over: Mask,
-        age: NDArray[np.integer[Any]],
-    ) -> None:
-        """Write one tick of all columns over the oldest one."""
+    def add(self, tick: Tick) -> None:
+        """Write one tick over the oldest one."""
         at = self.written % len(self.data.action)
-        ring: tuple[NDArray[Any], ...] = self.data
-        tick: tuple[NDArray[Any], ...] = (
-            scene,
-            moves,
-            action,
-            reward,
-            terminal,
-            explored,
-            over,
-            np.minimum(age, MOST_AGE),
-        )
-        for store, new in zip(ring, tick, strict=True):
-            store[at] = new
+        new = tick._replace(age=np.minimum(tick.age, MOST_AGE))
+        for name, kept in self.data._asdict().items():
+            kept[at] = getattr(new, name)
         self.written += 1
         if self._tree is not None:
             self._prioritise(self._tree, self._first - 1, 0.0)

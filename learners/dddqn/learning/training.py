@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
 from indoor_explorers.learners.dddqn.learning.multi_task_flight import MultiTaskFlight
 from indoor_explorers.learners.dddqn.learning.prior_fitting import collect_all, fit_prior
-from indoor_explorers.learners.dddqn.learning.replay import Replay
+from indoor_explorers.learners.dddqn.learning.replay import Replay, Tick
 from indoor_explorers.learners.dddqn.network.model import arrays
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT
 from indoor_explorers.learners.dddqn.observation.map_prior import MapPrior, no_prior, prior_arrays, prior_from
@@ -28,19 +28,6 @@ from indoor_explorers.learners.sessions.evaluation import T90, mean_evaluation
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds, prior_seeds, training_seeds
 from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus
 from indoor_explorers.learners.sessions.tensors import WEIGHTS
-
-
-class Tick(NamedTuple):
-    """One tick of all C UAVs, as the replay stores it."""
-
-    scene: NDArray[np.uint8]
-    moves: NDArray[np.float32]
-    action: NDArray[np.int64]
-    reward: NDArray[np.float64]
-    terminal: Mask
-    explored: Mask
-    over: Mask
-    age: NDArray[np.int64]
 
 
 class Training(Trainee):
@@ -115,7 +102,7 @@ class Training(Trainee):
         if self.steps >= self.config.warmup_steps and self.replay.ready(self.config.return_steps) > 0:
             self.losses += [self._learn() for _ in range(self.config.updates_per_tick)]
         flown = flying.result()
-        self.replay.add(*flown)
+        self.replay.add(flown)
         self.steps += int((~flown.over).sum())
         self.ended += self.flight.renew(flown.over)
 

@@ -24,7 +24,7 @@ from indoor_explorers.env.interfaces.stable_baselines import StableBaselinesVecE
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice, Task
 from indoor_explorers.learners.baselines import sb3_ppo
-from indoor_explorers.learners.baselines.stable_baselines import LEARNERS, StableBaselines
+from indoor_explorers.learners.baselines.stable_baselines import StableBaselines
 from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from tests.learners.baselines.tiny import TINY, flown, record_of, train
 from tests.learners.dddqn.rooms import small_room
@@ -44,7 +44,7 @@ SETTINGS = {
 @pytest.fixture(scope="module")
 def trained(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """A folder for each learner."""
-    folders = {learner: tmp_path_factory.mktemp("trained") / learner for learner in LEARNERS}
+    folders = {learner: tmp_path_factory.mktemp("trained") / learner for learner in SETTINGS}
     for learner, out in folders.items():
         assert train(learner, out, *SETTINGS[learner]) == 0
     return folders
@@ -56,7 +56,7 @@ def copy(trained: dict[str, Path], tmp_path: Path) -> Path:
     return shutil.copytree(trained["sb3-ppo"], tmp_path / "copy")
 
 
-@pytest.mark.parametrize("learner", LEARNERS)
+@pytest.mark.parametrize("learner", SETTINGS)
 def test_a_training_says_how_it_was_made(learner: str, trained: dict[str, Path]) -> None:
     record = record_of(trained[learner])
     assert (record["learner"], record["seed"], record["shape"]) == (learner, 3, [8, 8])
@@ -68,7 +68,7 @@ def test_a_training_says_how_it_was_made(learner: str, trained: dict[str, Path])
     assert not list(trained[learner].glob(".*"))
 
 
-@pytest.mark.parametrize("learner", LEARNERS)
+@pytest.mark.parametrize("learner", SETTINGS)
 def test_the_policy_chooses_as_the_library_does(learner: str, trained: dict[str, Path]) -> None:
     """Without our mask, its choice is the library's own ``predict``."""
     policy = StableBaselines(path=str(trained[learner]), mask=False)
@@ -104,7 +104,7 @@ def test_the_pilot_sees_what_training_saw_bit_for_bit(trained: dict[str, Path]) 
         assert not over.any()
 
 
-@pytest.mark.parametrize("learner", LEARNERS)
+@pytest.mark.parametrize("learner", SETTINGS)
 def test_acting_together_equals_acting_alone(learner: str, trained: dict[str, Path]) -> None:
     policy = make_policy(f"sb3:{trained[learner]}")
     together = flown(policy, [1, 2, 3, 4, 5], together=True)
@@ -246,7 +246,7 @@ def refusal(path: Path) -> str:
 def test_what_is_no_training_is_one_line(copy: Path, tmp_path: Path) -> None:
     assert "found no training.json in it" in refusal(tmp_path / "none")
     (copy / "model.zip").write_bytes(b"no zip")
-    assert "expected the zip of a model that sb3-ppo trained" in refusal(copy)
+    assert "expected the weights that sb3-ppo trained" in refusal(copy)
     (copy / "model.zip").unlink()
     assert "model.zip" in refusal(copy)
     (copy / "training.json").write_text(json.dumps(record_of(copy) | {"learner": "rllib-ppo"}))
@@ -283,7 +283,7 @@ def test_nothing_in_a_model_runs(copy: Path, tmp_path: Path, monkeypatch: pytest
     torch.save(Bomb(), buffer)
     with ZipFile(copy / "model.zip", "w") as archive:
         archive.writestr("policy.pth", buffer.getvalue())
-    assert "expected the zip of a model" in refusal(copy)
+    assert "expected the weights that sb3-ppo trained" in refusal(copy)
     assert not (tmp_path / "gone off").exists()
 
 

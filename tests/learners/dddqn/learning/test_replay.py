@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import torch
 
-from indoor_explorers.learners.dddqn.learning.replay import Batch, Replay
+from indoor_explorers.learners.dddqn.learning.replay import Batch, Replay, Tick
 from indoor_explorers.learners.dddqn.learning.sum_tree import SumTree
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import observation_layout, symmetries
@@ -29,7 +29,7 @@ def add(replay: Replay, tick: int, **flags: Any) -> None:
     moves = np.full((columns, 4, PLAN.features), tick, np.float32)
     no = np.zeros(columns, np.bool_)
     slot: dict[str, Any] = {"terminal": no, "explored": no, "over": no, "age": np.full(columns, tick)} | flags
-    replay.add(scene, moves, np.full(columns, tick % 4), np.full(columns, float(tick)), **slot)
+    replay.add(Tick(scene, moves, np.full(columns, tick % 4), np.full(columns, float(tick)), **slot))
 
 
 def ticks(batch: Batch) -> np.ndarray:
@@ -80,7 +80,7 @@ def test_samples_are_turned_as_one_or_not_at_all(on: bool, frames: int) -> None:
     no = np.zeros(1, np.bool_)
     for tick in range(10):
         slot = scenes[tick], moves[tick].astype(np.float32), np.array([tick % 4]), np.array([float(tick)])
-        replay.add(*slot, no, no, no, np.array([tick]))
+        replay.add(Tick(*slot, no, no, no, np.array([tick])))
     batch = replay.sample(200, 1, 1.0, rng)
     tables, seen = symmetries(SMALL), set()
     for i in range(200):
