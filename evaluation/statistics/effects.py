@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from numpy.typing import ArrayLike
-from scipy import special, stats
+from scipy import special
 
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, episode_values
@@ -67,5 +67,5 @@ def smallest_detectable_difference(
     count = len(units)
     if count < 2 or 2.0 ** (1 - count) > level:
         return math.inf
-    found, missed = (float(stats.t.ppf(share, count - 1)) for share in (1 - level / 2, power))
+    found, missed = (float(special.stdtrit(count - 1, share)) for share in (1 - level / 2, power))
     return (found + missed) * float(units.std(ddof=1)) / math.sqrt(count)

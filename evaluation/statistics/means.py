@@ -12,7 +12,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
 
 from indoor_explorers.evaluation.statistics.estimate import (
     FEWEST,
@@ -77,7 +76,11 @@ def bootstrap_iqm(values: ArrayLike, *, resamples: int = RESAMPLES, maps: ArrayL
 
 def interquartile_mean(values: ArrayLike) -> float:
     """Return the mean of the middle half of (E,) values (Agarwal et al. 2021, arXiv:2108.13264, section 4.3)."""
-    return float(stats.trim_mean(np.asarray(values, np.float64), TRIMMED))
+    sample = np.asarray(values, np.float64)
+    if not len(sample):
+        return float("nan")
+    cut = int(TRIMMED * len(sample))
+    return float(np.partition(sample, (cut, len(sample) - cut - 1))[cut : len(sample) - cut].mean())
 
 
 def paired_difference(

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import special
 
 from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST, Estimate
 
@@ -44,5 +44,5 @@ def _estimate(samples: list[NDArray[np.float64]], by_episode: NDArray[np.float64
     if total == 0.0:
         return Estimate(point, point, point)
     spread = sum(variance**2 / (len(unit) - 1) for variance, unit in zip(variances, units, strict=True))
-    reach = math.sqrt(total) * float(stats.t.ppf((1 + CONFIDENCE) / 2, total**2 / spread))
+    reach = math.sqrt(total) * float(special.stdtrit(total**2 / spread, (1 + CONFIDENCE) / 2))
     return Estimate(point, point - reach, point + reach)

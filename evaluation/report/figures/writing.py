@@ -6,6 +6,9 @@ colour, so the figures survive a greyscale printer.
 
 from __future__ import annotations
 
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import matplotlib as mpl
@@ -24,7 +27,7 @@ def write_figures(results: Results, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     styles = policy_styles(results.policies)
     paths = []
-    with mpl.rc_context(LOOK):
+    with mpl.rc_context(LOOK), _older_objects_uncollected():
         for number, scenario in enumerate(results.scenarios, 1):
             comparison = Comparison(results, scenario)
             if comparison.groups:
@@ -36,3 +39,13 @@ def write_figures(results: Results, folder: Path) -> list[Path]:
         for name, figure in sweep_figures(results, styles):
             paths += save(figure, folder, name)
     return paths
+
+
+@contextmanager
+def _older_objects_uncollected() -> Iterator[None]:
+    """Keep the garbage collector to what figures leave behind; a sixth of their time went into the loaded modules."""
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
