@@ -14,7 +14,7 @@ from indoor_explorers.env import InputError, Policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.engines.factory import make_engine
 from indoor_explorers.evaluation.engines.workload import Workload
-from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.experiment.experiment import Experiment
 from indoor_explorers.evaluation.experiment.provenance import run_facts
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
@@ -36,7 +36,7 @@ class Watcher(Protocol):
     def begin(self, total: int, missing: int) -> None:
         """Be told how many episodes there are, and how many of them are not in the store yet."""
 
-    def flown(self, records: Sequence[Record], seconds_left: float | None) -> None:
+    def flown(self, records: Sequence[FlownEpisode], seconds_left: float | None) -> None:
         """Be told of newly stored episodes, and in how many seconds all will be; None where that is not known."""
 
 

@@ -14,7 +14,7 @@ from rich.text import Text
 
 from indoor_explorers.evaluation.cli.compile_status import CompileStatus
 from indoor_explorers.evaluation.cli.running_means import RunningMeans
-from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, shared
 
@@ -67,7 +67,7 @@ class ProgressBar:
         self._start = self._said = time.monotonic()
         self._bar.reset(self._task, total=missing, rate="", left="")
 
-    def flown(self, records: Sequence[Record], seconds_left: float | None = None) -> None:
+    def flown(self, records: Sequence[FlownEpisode], seconds_left: float | None = None) -> None:
         """Count finished episodes; ``seconds_left`` is how long the others will take."""
         self._left = "" if seconds_left is None else f"some {seconds_left:.0f} s left"
         for record in records:

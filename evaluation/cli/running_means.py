@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome
 from indoor_explorers.evaluation.experiment.experiment import Task
 
 
@@ -42,7 +42,7 @@ class RunningMeans:
         self._flown: dict[str, dict[Task, Figures]] = {}
         self._sums: dict[str, Figures] = {}
 
-    def add(self, record: Record, reached: bool) -> None:
+    def add(self, record: FlownEpisode, reached: bool) -> None:
         """Take in an episode, and whether the team reached the coverage that its scenario is judged by."""
         name = record.policy
         if name not in self._flown:  # which has flown nothing yet: no task is common to all any more

@@ -9,12 +9,12 @@ from functools import partial
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.engines.local import fly_jobs
 from indoor_explorers.evaluation.engines.workload import Jobs
-from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.experiment.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.experiment.request import ENGINES
 
 #: Flies jobs and yields the records of each as it finishes, in whatever order.
-Engine = Callable[[Jobs], Iterator[list[Record]]]
+Engine = Callable[[Jobs], Iterator[list[FlownEpisode]]]
 
 
 def make_engine(
@@ -42,7 +42,7 @@ def make_engine(
     return partial(fly_jobs, workers=crew, limits=limits_for(crew, decision_timeout, memory_limit))
 
 
-def _ray_engine(workers: int | None, address: str | None) -> Callable[..., Iterator[list[Record]]]:
+def _ray_engine(workers: int | None, address: str | None) -> Callable[..., Iterator[list[FlownEpisode]]]:
     if workers == 0:
         raise InputError("expected at least 1 of --workers with --engine ray, got 0; leave it out for all CPUs")
     try:

@@ -8,7 +8,7 @@ from queue import SimpleQueue
 
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
 from indoor_explorers.evaluation.engines.workload import Jobs
-from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.record import FlownEpisode, Record
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Job
 from indoor_explorers.evaluation.experiment.limits import Limits
@@ -16,10 +16,10 @@ from indoor_explorers.evaluation.experiment.limits import Limits
 
 def fly_job(job: Job) -> list[Record]:
     """Fly a job in this process, unprotected: a policy that hangs or ends its process does that to this one."""
-    return list(fly(job.policy.make(), job.policy.name, job.scenario, job.tasks))
+    return list(fly(job.policy.make(), job.policy.name, job.scenario, job.tasks, bounds=job.bounds))
 
 
-def fly_jobs(jobs: Jobs, workers: int, limits: Limits) -> Iterator[list[Record]]:
+def fly_jobs(jobs: Jobs, workers: int, limits: Limits) -> Iterator[list[FlownEpisode]]:
     """Yield the records of each job as it finishes; ``workers`` 0 flies them one by one in this process.
 
     The workers start as fresh interpreters that never import the caller's main module, so that a script
@@ -48,10 +48,10 @@ def fly_jobs(jobs: Jobs, workers: int, limits: Limits) -> Iterator[list[Record]]
 
 def _as_completed(
     threads: Executor, jobs: Jobs, idle: SimpleQueue[Supervisor], in_flight: int
-) -> Iterator[list[Record]]:
+) -> Iterator[list[FlownEpisode]]:
     """Keep a few jobs in flight, so that stopping early leaves little behind."""
     waiting = iter(jobs)
-    running: set[Future[list[Record]]] = set()
+    running: set[Future[list[FlownEpisode]]] = set()
     while True:
         while len(running) < in_flight and (job := next(waiting, None)) is not None:
             running.add(threads.submit(_fly_by_any, idle, job))
@@ -62,7 +62,7 @@ def _as_completed(
             yield future.result()
 
 
-def _fly_by_any(idle: SimpleQueue[Supervisor], job: Job) -> list[Record]:
+def _fly_by_any(idle: SimpleQueue[Supervisor], job: Job) -> list[FlownEpisode]:
     """Fly a job by a supervisor that has nothing to do."""
     supervisor = idle.get()
     try:

@@ -28,7 +28,7 @@ from indoor_explorers.evaluation.engines.ray_connection import connected, cpus
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
 from indoor_explorers.evaluation.engines.worker_handle import ONE_THREAD
 from indoor_explorers.evaluation.engines.workload import Jobs
-from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.experiment.experiment import Job
 from indoor_explorers.evaluation.experiment.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.experiment.provenance import PACKAGES, source_digest
@@ -90,7 +90,7 @@ def settle(origin: Origin) -> None:
 
 def fly_on_node(
     origin: Origin, allowed: tuple[float | None, float | None], job: Job, *plans: Floorplan
-) -> list[Record]:
+) -> list[FlownEpisode]:
     """Fly a job on a node.
 
     Args:
@@ -117,7 +117,7 @@ def fly_jobs_on_ray(
     address: str | None = None,
     decision_timeout: float | None = DECISION_TIMEOUT,
     memory_limit: float | None = None,
-) -> Iterator[list[Record]]:
+) -> Iterator[list[FlownEpisode]]:
     """Yield the records of each job as it finishes, from at most ``workers`` tasks at a time.
 
     Args:
@@ -153,7 +153,7 @@ class _JobQueue:
         self._running: dict[Any, Job] = {}
         self._room, self._counted = 0, -COUNT_EVERY
 
-    def fly(self, jobs: Jobs) -> Iterator[list[Record]]:
+    def fly(self, jobs: Jobs) -> Iterator[list[FlownEpisode]]:
         """Yield the records of each job as it finishes; a failed one ends the flight when the others have landed."""
         waiting, failure = iter(jobs), None
         while True:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.engines.worker_handle import WorkerExit, WorkerHandle
-from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.record import FlownEpisode, Record
 from indoor_explorers.evaluation.episodes.running import RunningEpisode, failed_record
 from indoor_explorers.evaluation.episodes.steps import Steps
 from indoor_explorers.evaluation.experiment.experiment import Job
@@ -25,7 +25,7 @@ CLOSED = "the supervisor of these workers was closed"
 class _Attempt(NamedTuple):
     """What flying a job in the process gave."""
 
-    records: list[Record]
+    records: list[FlownEpisode]
     """Of all its tasks, or of those that were finished when the process ended."""
     exit: WorkerExit | None
     """How it ended, None when all is well."""
@@ -53,7 +53,7 @@ class Supervisor:
         self._workers: list[WorkerHandle] = []
         weakref.finalize(self, _close_all, self._workers)
 
-    def fly(self, job: Job) -> list[Record]:
+    def fly(self, job: Job) -> list[FlownEpisode]:
         """Return a record for every task of the job.
 
         Raises:
@@ -77,7 +77,7 @@ class Supervisor:
         with self._turn:
             _close_all(self._workers)
 
-    def _fly_alone(self, job: Job) -> Record:
+    def _fly_alone(self, job: Job) -> FlownEpisode:
         exits = 0
         while True:
             tried = self._try(job)
@@ -94,7 +94,7 @@ class Supervisor:
         try:
             worker.send(job)
             records = []
-            while isinstance(message := worker.hear(), Record):
+            while isinstance(message := worker.hear(), FlownEpisode):
                 records.append(message)
             if isinstance(message, WorkerExit) and not self._closed.is_set():
                 return _Attempt(records, message, fresh, self._discard(worker, job.scenario.team))
@@ -136,5 +136,5 @@ def _close_all(workers: list[WorkerHandle]) -> None:
 def _failed(job: Job, ended: WorkerExit, steps: Steps) -> Record:
     (task,) = job.tasks
     floorplan = draw_floorplan(job.scenario, task.seed, task.map_index)
-    flight = RunningEpisode(0, task, failure=ended.reason)
-    return failed_record(flight, job.policy.name, job.scenario, floorplan, steps)
+    flight = RunningEpisode(0, task, floorplan, job.bounds.get(task), failure=ended.reason)
+    return failed_record(flight, job.policy.name, job.scenario, steps)

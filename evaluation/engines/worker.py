@@ -57,8 +57,9 @@ def _leave_with(driver: int) -> None:
 
 def _serve_job(job: Job, connection: Connection, buffer: SharedStepBuffer) -> None:
     try:
-        for record in fly(_made(job, buffer.clock), job.policy.name, job.scenario, job.tasks, buffer):
-            connection.send(record)
+        made = _made(job, buffer.clock)
+        for record in fly(made, job.policy.name, job.scenario, job.tasks, buffer, job.bounds):
+            connection.send(record.without_map() if record.task in job.bounds else record)
         connection.send(None)
     except InputError as error:
         connection.send(error)

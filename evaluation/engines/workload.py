@@ -11,7 +11,7 @@ from typing import NamedTuple, Protocol
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.simulation.spawns import draw_floorplan
-from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.experiment.experiment import Experiment, Job, PolicyChoice, Task
 
 #: The most episodes of a job, and its most cells x steps x UAVs: what a worker loses at most when a run is killed.
@@ -72,6 +72,7 @@ class Workload:
         self._flying: Counter[tuple[str, str]] = Counter()
         self._flown: Counter[tuple[str, str]] = Counter()
         self._seconds: defaultdict[tuple[str, str], float] = defaultdict(float)
+        self._bounds: dict[Task, int] = {}
         self._done = [(clock(), 0.0)]
         """When records came, and the seconds of work that were done by then; half of what was being flown is."""
 
@@ -87,11 +88,12 @@ class Workload:
             self._tried.add(pair)
             yield self._cut(pair, 1 if untried else self._episodes(pair))
 
-    def add(self, records: Sequence[Record]) -> None:
-        """Take in what finished episodes have cost."""
+    def add(self, records: Sequence[FlownEpisode]) -> None:
+        """Take in what finished episodes have cost, and the bounds of their tasks; they must have been stored."""
         for record in records:
             pair = record.policy, record.task.scenario
             seconds = float(record.seconds[-1]) + EPISODE + STEP * record.steps * record.team
+            self._bounds[record.task] = record.bound
             self._flying[pair] -= 1
             self._flown[pair] += 1
             self._seconds[pair] += seconds
@@ -143,7 +145,7 @@ class Workload:
         if not tasks:
             del self._waiting[pair]
         self._flying[pair] += len(taken)
-        return Job(choice, scenario, tuple(taken))
+        return Job(choice, scenario, tuple(taken), {t: self._bounds[t] for t in taken if t in self._bounds})
 
 
 def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]], workers: int) -> Iterator[Job]:

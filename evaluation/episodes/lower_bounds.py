@@ -8,14 +8,11 @@ UAV needs to get there.
 from __future__ import annotations
 
 import math
-from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
 from indoor_explorers.env import World
-from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED
+from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bitsets import bit_count
 from indoor_explorers.env.search.visibility import VisibilityTable, add_visible, visibility_table
@@ -43,42 +40,18 @@ def least_steps(world: World, episode: int, share: float) -> int:
     one leaves out the largest gain available in some step, taking it there instead loses nothing, now or later.
     On very large maps walls are left out, and the first bound alone is left.
     """
-    state, lidar = world.state, world.scenario.lidar
-    cells = np.stack([state.truth[episode] == FREE, state.counts[episode]])
-    starts = tuple((row, col) for row, col in state.cell[episode].tolist())
-    count_all_cells = world.scenario.denominator == "map"
-    task = _Key(np.packbits(cells).tobytes(), cells.shape, starts, lidar.range, lidar.model, count_all_cells)
-    return _least_steps(task, share)
-
-
-class _Key(NamedTuple):
-    """What bounds depend on, as values that can be compared."""
-
-    cells: bytes
-    """Bits of (2, H, W): which cells are free, and which coverage counts."""
-    shape: tuple[int, ...]
-    """(2, H, W)."""
-    starts: tuple[Cell, ...]
-    lidar_range: float
-    lidar_model: str
-    count_all_cells: bool
-
-
-@lru_cache(maxsize=512)
-def _least_steps(task: _Key, share: float) -> int:
-    """Return the bound of a task; kept, as all policies of a comparison fly the same tasks."""
-    bits = np.frombuffer(task.cells, np.uint8)
-    free, counts = np.unpackbits(bits, count=math.prod(task.shape)).view(np.bool_).reshape(task.shape)
-    truth, starts = np.where(free, FREE, OCCUPIED).astype(np.uint8), task.starts
-    total, team = int(counts.sum()), len(starts)
-    lidar = lidar_model(task.lidar_range, task.lidar_model)
+    state, sensor = world.state, world.scenario.lidar
+    truth, counts, team = state.truth[episode], state.counts[episode], world.scenario.team
+    starts = [(row, col) for row, col in state.cell[episode].tolist()]
+    total = int(counts.sum())
+    lidar = lidar_model(sensor.range, sensor.model)
     looks = total * lidar.disc <= EFFORT
     lidar = lidar if looks else lidar_model(0.0)
-    table = visibility_table(truth, starts, lidar, count_all_cells=task.count_all_cells)
+    table = visibility_table(truth, starts, lidar, count_all_cells=world.scenario.denominator == "map")
     needed = math.ceil(share * total - 1e-9)
     steps = _steps_from_starts(table, team)
-    overshoot = 0.5 if task.lidar_model == "marsexplorer" else 0.0  # cells that this model sees beyond the range
-    half_widths = lidar_model(task.lidar_range + overshoot).half_widths
+    overshoot = 0.5 if sensor.model == "marsexplorer" else 0.0  # cells that this model sees beyond the range
+    half_widths = lidar_model(sensor.range + overshoot).half_widths
     within, edges = _range_gains(counts, table.cells, team, half_widths)
     by_range = _steps_by_gain(edges, steps, needed - within, team)
     if not looks:

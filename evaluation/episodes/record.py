@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from functools import cached_property
 
@@ -31,16 +31,11 @@ class Outcome(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Record(Steps):
-    """What is kept of one episode of S steps by N UAVs.
-
-    Map, seed and actions make the whole episode again, step by step, see
-    :mod:`indoor_explorers.evaluation.episodes.resimulate`; the other arrays are what figures are drawn from.
-    """
+class FlownEpisode(Steps):
+    """What is kept of one episode of S steps by N UAVs, but for its map, which all episodes of a task share."""
 
     policy: str
     task: Task
-    floorplan: Floorplan = field(repr=False)
     team: int
     budget: int
     """Steps."""
@@ -51,6 +46,12 @@ class Record(Steps):
     """Why a failed episode failed, or what ended the UAVs; empty when all is well."""
     metrics: dict[str, float | None]
     """By the names of :data:`indoor_explorers.evaluation.episodes.metrics.MEASURES`, and what the pilots tallied."""
+
+    @property
+    def bound(self) -> int:
+        """Steps to 99 % that no team can do without on this task."""
+        ratio, late = self.metrics["t99_to_bound"], self.metrics["t99"]
+        return round((self.budget if late is None else late) / ratio) if ratio else 0
 
     @property
     def curve(self) -> NDArray[np.float64]:
@@ -74,7 +75,7 @@ class Record(Steps):
         moved = np.abs(np.diff(self.cells.astype(np.int64), axis=0)).sum(axis=(1, 2))
         return np.concatenate(([0], np.cumsum(moved)))
 
-    def flew_like(self, other: Record) -> bool:
+    def flew_like(self, other: FlownEpisode) -> bool:
         """Return whether both are the same flight, step for step; the time that decisions took does not count."""
         names = ("covered", "cells", "actions", "sent")
         same_end = (self.outcome, self.steps) == (other.outcome, other.steps)
@@ -86,3 +87,18 @@ class Record(Steps):
             return self.distance.astype(np.float64)
         spent = {"steps": np.arange(self.steps + 1), "seconds": self.seconds, "bytes": self.sent}
         return np.asarray(spent[axis], np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Record(FlownEpisode):
+    """An episode with its map.
+
+    Map, seed and actions make the whole episode again, step by step, see
+    :mod:`indoor_explorers.evaluation.episodes.resimulate`; the other arrays are what figures are drawn from.
+    """
+
+    floorplan: Floorplan = field(repr=False)
+
+    def without_map(self) -> FlownEpisode:
+        """Return the episode as it is sent to where its map is known."""
+        return FlownEpisode(**{each.name: getattr(self, each.name) for each in fields(FlownEpisode)})

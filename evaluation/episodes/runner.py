@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 
 import numpy as np
@@ -35,12 +35,14 @@ def fly(
     scenario: Scenario,
     tasks: Sequence[Task],
     buffer: SharedStepBuffer | None = None,
+    bounds: Mapping[Task, int] | None = None,
 ) -> Iterator[Record]:
     """Fly the tasks of one scenario and yield their records.
 
     Tasks on maps of one shape fly in lock-step, so that a batched policy gets one forward pass for all of
     them. A policy that raises costs only the episode it raised in. A ``buffer`` is told of decisions that are going
-    on and, of a task alone, of every step. What numba compiles or loads meanwhile is left out of all times.
+    on and, of a task alone, of every step. ``bounds`` are what is known of the tasks' lower bounds; others are worked
+    out. What numba compiles or loads meanwhile is left out of all times.
     """
     drawn = {task: draw_floorplan(scenario, task.seed, task.map_index) for task in tasks}
 
@@ -49,7 +51,7 @@ def fly(
 
     for (height, width), group in groupby(sorted(tasks, key=shape), key=shape):
         batch = max(1, BATCH_CELLS // (height * width * scenario.team))
-        alike = [(task, drawn[task]) for task in group]
+        alike = [(task, drawn[task], (bounds or {}).get(task)) for task in group]
         for start in range(0, len(alike), batch):
             some = alike[start : start + batch]
             try:
@@ -63,20 +65,18 @@ def _fly_batch(
     policy: Policy,
     name: str,
     scenario: Scenario,
-    tasks: Sequence[tuple[Task, Floorplan]],
+    tasks: Sequence[tuple[Task, Floorplan, int | None]],
     buffer: SharedStepBuffer | None,
 ) -> list[Record]:
     world = World(scenario, len(tasks))
-    flights = [RunningEpisode(place, task) for place, (task, _) in enumerate(tasks)]
-    for flight, (_, floorplan) in zip(flights, tasks, strict=True):
-        flight.begin(world, floorplan)
+    flights = [RunningEpisode(place, *task) for place, task in enumerate(tasks)]
+    for flight in flights:
+        flight.begin(world)
     batch = _Batch(policy, world, flights, buffer)
     batch.fly()
     return [
-        failed_record(flight, name, scenario, floorplan, steps)
-        if flight.failure
-        else flight.record(name, world, batch.log, steps)
-        for flight, (_, floorplan) in zip(flights, tasks, strict=True)
+        failed_record(flight, name, scenario, steps) if flight.failure else flight.record(name, world, batch.log, steps)
+        for flight in flights
         for steps in [batch.log.steps(flight.place)]
     ]
 

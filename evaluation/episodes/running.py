@@ -24,8 +24,9 @@ class RunningEpisode:
 
     place: int
     task: Task
-    bound: int = 0
-    """Steps that no team can do without on its way to 99 %."""
+    floorplan: Floorplan
+    bound: int | None = None
+    """Steps that no team can do without on its way to 99 %; None before they are worked out."""
     pilots: list[Pilot] = field(default_factory=list)
     latencies: list[float] = field(default_factory=list)
     """Seconds of each decision."""
@@ -33,10 +34,11 @@ class RunningEpisode:
     """Means over the UAVs of what their pilots tallied, prefixed by ``pilot_``."""
     failure: str = ""
 
-    def begin(self, world: World, floorplan: Floorplan) -> None:
+    def begin(self, world: World) -> None:
         """Begin the episode in its place of the world."""
-        world.begin(self.place, self.task.seed, floorplan=floorplan)
-        self.bound = least_steps(world, self.place, LEVELS["t99"])
+        world.begin(self.place, self.task.seed, floorplan=self.floorplan)
+        if self.bound is None:
+            self.bound = least_steps(world, self.place, LEVELS["t99"])
 
     def record(self, policy: str, world: World, log: Log, steps: Steps) -> Record:
         """Return the record of the episode, which has just ended; its ``steps`` are those of the log."""
@@ -46,7 +48,7 @@ class RunningEpisode:
             **vars(steps),
             policy=policy,
             task=self.task,
-            floorplan=world.floorplan(b),
+            floorplan=self.floorplan,
             team=world.scenario.team,
             budget=int(state.budget[b]),
             reachable=int(state.total[b]),
@@ -90,15 +92,13 @@ class RunningEpisode:
         }
 
 
-def failed_record(
-    flight: RunningEpisode, policy: str, scenario: Scenario, floorplan: Floorplan, broken: Steps
-) -> Record:
+def failed_record(flight: RunningEpisode, policy: str, scenario: Scenario, broken: Steps) -> Record:
     """Return the record of an episode that broke off, from the steps before: they are flown again.
 
     So everything in it is what it was after the last whole step, whatever became of the world it was flown in.
     """
     world, again = World(scenario), replace(flight, place=0)
-    again.begin(world, floorplan)
+    again.begin(world)
     log = Log(world)
     for actions in broken.actions:
         world.step(actions[None])

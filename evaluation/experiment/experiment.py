@@ -66,6 +66,8 @@ class Job(NamedTuple):
     policy: PolicyChoice
     scenario: Scenario
     tasks: tuple[Task, ...]
+    bounds: Mapping[Task, int] = {}
+    """Lower bounds of those tasks whose bounds and maps the driver has already: neither is asked for again."""
 
 
 class Experiment(BaseModel):

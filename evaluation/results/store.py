@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Experiment, Task, merged_experiments
 
 FORMAT = 3
@@ -96,6 +96,8 @@ class Store:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self._floorplans: dict[Task, str] = {}
+        """The digests of the maps that were added."""
         existed = path.exists()
         try:
             self._db = sqlite3.connect(path, isolation_level=None)
@@ -198,22 +200,27 @@ class Store:
         rows = self._db.execute(f"SELECT policy, scenario, map_index, seed FROM episode {which}")
         return {(policy, Task(scenario, index, seed)) for policy, scenario, index, seed in rows}
 
-    def add(self, record: Record, run: int, *, replace_failed: bool = False) -> None:
+    def add(self, record: FlownEpisode, run: int, *, replace_failed: bool = False) -> None:
         """Append one episode in a transaction of its own; one that is there already is left as it is.
 
-        With ``replace_failed`` it takes the place of a failed one.
+        The first one of a task that is added must be a :class:`Record`, which has the map. With ``replace_failed`` it
+        takes the place of a failed one.
 
         Raises:
             RunError: there is no room on the disk; what was added before is kept.
 
         """
         with _transaction(self._db, self.path):
-            self._db.execute(f"INSERT OR IGNORE INTO floorplan VALUES ({_marks(9)})", _floorplan_row(record.floorplan))
+            if isinstance(record, Record):
+                row = _floorplan_row(record.floorplan)
+                self._db.execute(f"INSERT OR IGNORE INTO floorplan VALUES ({_marks(9)})", row)
+                self._floorplans[record.task] = record.floorplan.digest
             if replace_failed:
                 key = "policy = ? AND scenario = ? AND map_index = ? AND seed = ?"
                 gone = (record.policy, *record.task, Outcome.FAILED)
                 self._db.execute(f"DELETE FROM episode WHERE {key} AND outcome = ?", gone)
-            self._db.execute(f"INSERT OR IGNORE INTO episode VALUES ({_marks(18)})", _episode_row(record, run))
+            row = _episode_row(record, run, self._floorplans[record.task])
+            self._db.execute(f"INSERT OR IGNORE INTO episode VALUES ({_marks(18)})", row)
 
     def policies(self) -> dict[str, dict[str, Any]]:
         """Return the facts of each policy by name, in the order of the experiment."""
@@ -270,9 +277,9 @@ def _floorplan_row(plan: Floorplan) -> tuple[Any, ...]:
     return (plan.digest, plan.name, *plan.shape, plan.resolution, plan.kept, _packed(plan.truth), *start)
 
 
-def _episode_row(record: Record, run: int) -> tuple[Any, ...]:
+def _episode_row(record: FlownEpisode, run: int, floorplan: str) -> tuple[Any, ...]:
     return (
-        *(record.policy, *record.task, run, record.floorplan.digest, record.team, record.budget, record.reachable),
+        *(record.policy, *record.task, run, floorplan, record.team, record.budget, record.reachable),
         *(str(record.outcome), record.reason, record.steps, json.dumps(record.metrics)),
         _packed(record.covered.astype(np.int32)),
         _packed(record.cells.astype(np.int16)),

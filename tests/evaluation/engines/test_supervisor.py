@@ -13,7 +13,7 @@ from indoor_explorers.env.errors import RunError
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
 from indoor_explorers.evaluation.engines.worker_handle import WorkerHandle
 from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
-from indoor_explorers.evaluation.episodes.record import Outcome
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice, Task
 from indoor_explorers.evaluation.experiment.limits import Limits
@@ -160,6 +160,18 @@ def test_closing_ends_a_flight_at_once():
     thread.join(10.0)
     assert not thread.is_alive()
     assert raised == ["the supervisor of these workers was closed"]
+
+
+@pytest.mark.parametrize("policy", ["Wander", "Exits"])
+def test_a_task_of_which_the_driver_has_an_episode_brings_no_map_and_the_known_bound(policy, supervisor):
+    plain = job(policy)
+    new, told = supervisor.fly(plain), supervisor.fly(plain._replace(bounds={task: 7 for task in plain.tasks[:2]}))
+    assert [isinstance(record, Record) for record in sorted(new, key=lambda r: r.task)] == [True] * 3
+    for record, other in zip(*(sorted(records, key=lambda r: r.task) for records in (new, told)), strict=True):
+        known = other.task in plain.tasks[:2]
+        assert isinstance(other, Record) is (not known or other.outcome is Outcome.FAILED)
+        assert other.bound == (7 if known else record.bound) > 0
+        assert record.flew_like(other)
 
 
 @pytest.mark.usefixtures("plugins_found")

@@ -21,7 +21,7 @@ def experiment(episodes):
 
 
 def record(job, task, seconds):
-    flown = {"policy": job.policy.name, "task": task, "steps": 0, "team": 1}
+    flown = {"policy": job.policy.name, "task": task, "steps": 0, "team": 1, "bound": 10 + task.seed}
     return SimpleNamespace(**flown, seconds=np.array([0.0, seconds - EPISODE]))
 
 
@@ -89,6 +89,15 @@ def test_the_first_job_of_each_pair_is_one_episode_and_then_the_longest_come_fir
     assert costs[-1] == min(costs)
     work = 10 * sum(POLICIES.values()) * sum(SLOWER.values())
     assert total < 1.25 * work / 2
+
+
+def test_jobs_tell_what_is_known_of_their_tasks():
+    known = {}
+    for job in iter(work := Workload(experiment(10), set(), 2)):
+        assert job.bounds == {task: known[task] for task in job.tasks if task in known}
+        work.add([record(job, task, 1.0) for task in job.tasks])
+        known |= {task: 10 + task.seed for task in job.tasks}
+    assert len(known) == 10 * len(SCENARIOS)
 
 
 def test_nothing_is_said_before_anything_is_flown():

@@ -121,18 +121,7 @@ def test_where_looking_would_take_too_long_range_alone_counts(monkeypatch):
     world = begun(np.ones((16, 16), np.uint8), [(8, 8)], 3.0)
     full = least_steps(world, 0, 1.0)
     monkeypatch.setattr(lower_bounds, "EFFORT", 0)
-    lower_bounds._least_steps.cache_clear()
     assert 0 < least_steps(world, 0, 1.0) <= full
-    lower_bounds._least_steps.cache_clear()
-
-
-def test_the_bound_of_a_task_is_worked_out_once():
-    room = np.ones((16, 16), np.uint8)
-    lower_bounds._least_steps.cache_clear()
-    assert least_steps(begun(room, [(8, 8)], 3.0), 0, 0.99) == least_steps(begun(room, [(8, 8)], 3.0), 0, 0.99)
-    for other in (begun(room, [(8, 7)], 3.0), begun(room, [(8, 8)], 4.0)):
-        least_steps(other, 0, 0.99)
-    assert lower_bounds._least_steps.cache_info()[:2] == (1, 3)
 
 
 @pytest.mark.parametrize("largest", [1, 4, 80])

@@ -82,6 +82,19 @@ def test_floor_plans_are_read_back_whole(tmp_path):
     assert (plans[-1].name, plans[-1].resolution, plans[-1].kept) == ("marked", 0.25, 0.5)
 
 
+def test_the_map_of_a_task_is_given_once(tmp_path):
+    planned = experiment(policies=[{"use": POLICY, "name": name} for name in "wv"])
+    (record,) = fly(Wander(), "w", planned.scenarios[0], planned.tasks()[:1])
+    other = replace(record, policy="v").without_map()
+    with Store(tmp_path / "results.db") as store:
+        run = store.begin_run(planned, about(planned), {})
+        with pytest.raises(KeyError):
+            store.add(other, run)
+        for each in (record, other):
+            store.add(each, run)
+        assert [(r.policy, r.floorplan.digest) for r in store.records()] == [(n, record.floorplan.digest) for n in "wv"]
+
+
 def test_an_experiment_may_grow(tmp_path):
     filled(tmp_path / "results.db")
     grown = experiment(episodes=5, policies=[{"use": POLICY, "name": "w"}, {"use": POLICY, "name": "v"}])
