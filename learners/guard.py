@@ -4,8 +4,8 @@ A greedy network can oscillate between two cells for ever. The guard leaves cont
 gains new cells. It takes over when there was no gain for twice the path length to the nearest frontier (at least
 :data:`PATIENCE` steps), or when the UAV oscillates between two cells. Then it flies to the nearest frontier
 (Yamauchi 1997) until the UAV gains a cell, so that every episode ends. After each takeover, the next one comes
-sooner and lasts longer: a network far from what it was trained on costs little more than the nearest frontier
-alone. Gains under the network's control earn credit, which takes takeovers back.
+sooner and lasts longer, so that a network which fails on a map needs few steps more than the nearest frontier alone.
+Gains under the network's control earn credit; enough credit undoes a takeover.
 
 Behind a teammate in the way the UAV backs off at random, longer with every retreat, so that two UAVs in a corridor
 do not wait for each other for ever. Planners resolve deadlocks in another way
@@ -27,9 +27,9 @@ from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, ne
 
 #: Steps without a gain before which the guard never takes over.
 PATIENCE = 8
-#: Takeovers that still make a difference.
+#: Largest number of takeovers that is counted.
 MOST_TAKEOVERS = 9
-#: Gains under the policy's control that take a takeover back.
+#: Gains under the policy's control that undo one takeover.
 CREDIT = 64
 #: Returns in a row to the cell before the last one, before the guard takes over.
 OSCILLATIONS = 3
@@ -41,7 +41,7 @@ LONGEST_WAIT = 4
 
 @kernel()
 def nearest_frontier(belief: np.ndarray, row: int, col: int, queue: np.ndarray, steps: np.ndarray) -> int:
-    """Return the flat index of the nearest known free cell next to an unknown one, -1 when none is in reach.
+    """Return the flat index of the nearest known free cell next to an unknown one, -1 when none is reachable.
 
     Fills ``steps`` (H, W) int32 with the distances from (row, col); ``queue`` (H*W,) int32 is scratch.
     """
@@ -54,9 +54,9 @@ def nearest_frontier(belief: np.ndarray, row: int, col: int, queue: np.ndarray, 
 
 @leaf()
 def discovered(belief: np.ndarray, row: int, col: int, lidar: LidarModel, scan: Scan, noted: np.ndarray) -> int:
-    """Count the known cells in view of a UAV that ``noted`` (H, W) uint8 lacks: what it has discovered itself.
+    """Count the known cells in view of a UAV that ``noted`` (H, W) uint8 lacks: those that its own lidar discovered.
 
-    What is not in its view came by radio, and says nothing about whether it is getting anywhere.
+    Newly known cells outside its view came by radio; they are no progress of this UAV.
     """
     found = 0
     for k in range(visible_cells(belief, row, col, lidar, scan)):
@@ -87,7 +87,10 @@ class Guard:
         return self.guarded / max(self.decisions, 1)
 
     def review(self, view: View, gained: int, proposal: int) -> int:
-        """Return the move to make: ``proposal``, or a better one; ``gained`` counts the cells it gained itself."""
+        """Return the move to make: ``proposal`` or the guard's own.
+
+        ``gained`` is the number of cells that the UAV's own lidar has discovered so far.
+        """
         self.decisions += 1
         self._count_oscillations(view.cell)
         self._update_progress(view, gained)
@@ -98,11 +101,11 @@ class Guard:
         action = self._own_move(view)
         self.guarded += action is not None
         chosen = proposal if action is None else action
-        self._last = (view.cell, chosen) if view.legal[chosen] else None  # a wall is no teammate in the way
+        self._last = (view.cell, chosen) if view.legal[chosen] else None  # walls do not count as blocked
         return chosen
 
     def rest(self) -> None:
-        """Tell the guard that the UAV stays because nothing within its reach is unknown."""
+        """Note that the UAV stays because it can reach no frontier."""
         self._last = None
 
     def _count_oscillations(self, cell: Cell) -> None:
@@ -127,7 +130,7 @@ class Guard:
             self._takeover_steps = 2**self._takeovers - 2
 
     def _earn_credit(self) -> None:
-        """Count a gain under the policy's control; enough of them take a takeover back."""
+        """Count a gain under the policy's control; :data:`CREDIT` of them undo a takeover."""
         if self._takeover_steps > 0:
             return
         self._credit += 1
@@ -161,7 +164,7 @@ class Guard:
         return int(step_towards(self._steps, *divmod(goal, view.belief.shape[1]))) if goal >= 0 else Action.STAY
 
     def _back_off(self, view: View) -> None:
-        """Draw a cell to retreat to, not behind the teammate in the way, and for how many steps."""
+        """Draw a retreat cell that is reachable without passing the teammate, and the steps of the retreat."""
         assert self._last is not None
         row, col = np.array(view.cell) + MOVES[self._last[1]]
         around = view.belief.copy()
@@ -192,7 +195,7 @@ class WatchedPilot(Pilot):
         self._gained = 0
 
     def review(self, view: View, proposal: int) -> int:
-        """Return the move to make: ``proposal``, or the guard's; stay when nothing unknown is within reach."""
+        """Return the move to make: ``proposal`` or the guard's own; stay when no frontier is reachable."""
         if self._guard is None:
             return proposal
         self._gained += int(discovered(view.belief, *view.cell, self._lidar, self._scan, self._noted))
@@ -203,5 +206,5 @@ class WatchedPilot(Pilot):
         return self._guard.review(view, self._gained, proposal)
 
     def tally(self) -> dict[str, float]:
-        """Return ``guarded_share``, the share of the decisions that the guard took over."""
+        """Return ``guarded_share``, the share of the decisions that the guard made; nothing without a guard."""
         return {} if self._guard is None else {"guarded_share": self._guard.share}

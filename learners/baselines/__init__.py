@@ -1,9 +1,8 @@
-"""Baselines: learners of well-kept libraries, trained and flown beside the project's own.
+"""Baselines: learners of Stable-Baselines3, sb3-contrib and RLlib.
 
-To train: ``sb3_ppo``, ``sb3_a2c``, ``sb3_dqn``, ``sb3_qrdqn`` and ``sb3_maskable_ppo`` (Stable-Baselines3 and
-sb3-contrib, one UAV), ``rllib_ppo`` and ``rllib_sac`` (RLlib, a team with shared parameters, or one UAV); each is
-a ``TrainingConfig`` and a ``train``. They share ``config``, ``trainee`` (a model as a training session sees it),
-``evaluation``, and ``sb3_training`` or ``rllib_training``; the session itself is that of all learners. To act:
-``acting``, ``stable_baselines`` and ``rllib``, the policies ``sb3:DIR`` and ``rllib:DIR``. Libraries load only when one
-of their learners or policies is used.
+Training: ``sb3_ppo``, ``sb3_a2c``, ``sb3_dqn``, ``sb3_qrdqn`` and ``sb3_maskable_ppo`` (Stable-Baselines3 and
+sb3-contrib, one UAV), ``rllib_ppo`` and ``rllib_sac`` (RLlib, one UAV or a team with shared parameters); each module
+has a ``TrainingConfig`` and a ``train``. They share ``config``, ``trainee`` (the interface to the training session),
+``evaluation``, and ``sb3_training`` or ``rllib_training``. Acting: ``acting``, ``stable_baselines`` and ``rllib``, the
+policies ``sb3:DIR`` and ``rllib:DIR``. A library is imported only when one of its learners or policies is used.
 """

@@ -1,4 +1,4 @@
-"""A trained network as a policy: the observation that its training saw, and the best legal action."""
+"""A trained network as a policy: it encodes views as in training and takes the best legal action."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ from indoor_explorers.learners.sessions.record import RECORD, read_record
 
 @dataclass(frozen=True)
 class TrainedModel:
-    """What a folder of a training holds, as far as flying it needs."""
+    """The content of a training's folder that a policy needs."""
 
     record: BaselineRecord
-    """How it was made."""
+    """The record of the training."""
     config: BaselineConfig
     """Its hyperparameters."""
     scores: Scores
     """The network."""
 
     def encoder(self, briefing: Briefing) -> Encoder:
-        """Return what encodes a UAV's views as in training.
+        """Return the encoder of a UAV's views that was used in training.
 
         Raises:
-            InputError: the observation depends on the map's size, which is another one.
+            InputError: the observation depends on the map's size, and the map has another one than in training.
 
         """
         if self.config.observation != EGOCENTRIC and briefing.shape != self.record.shape:
@@ -59,27 +59,27 @@ class TrainedModel:
 
 @dataclass(frozen=True, kw_only=True)
 class TrainedPolicy(Policy):
-    """Fly the network of a training, greedily and, but for the guard, without memory.
+    """Fly a trained network: greedy, and without memory except in the guard.
 
-    Torch runs on one thread meanwhile. Deterministic but for the guard's back-off. The folder is read once in each
-    process, unless it changes.
+    Torch runs on one thread during a decision. Everything but the guard's back-off is deterministic. A process reads
+    the folder once, and again when its files change.
 
     Raises:
-        InputError: ``path`` is missing or is no training of this library.
+        InputError: ``path`` is missing or holds no training with this library.
 
     """
 
     MODEL: ClassVar[str]
-    """The file of the model that did best."""
+    """Name of the file with the best network."""
     LEARNERS: ClassVar[tuple[str, ...]]
-    """The learners whose networks this policy flies; each has a module of that name."""
+    """Learners whose networks this policy flies; each has a module of that name."""
 
     path: str
     """The folder that ``indoor-explorers train`` wrote, or a model file in it."""
     mask: bool = True
-    """Choose among the legal actions alone, also for a learner that knows no mask; else among all."""
+    """Choose among the legal actions only, even if the learner was trained without an action mask."""
     guard: bool = False
-    """Hand over to the nearest frontier while the network goes nowhere."""
+    """Fly to the nearest frontier while the network makes no progress."""
 
     def __post_init__(self) -> None:
         self.trained()
@@ -90,7 +90,7 @@ class TrainedPolicy(Policy):
         """Return the network in the file ``model``, for observations of ``inputs`` numbers.
 
         Raises:
-            DAMAGE: the file holds no weights, or another network's.
+            Exception: one of :data:`DAMAGE`; the file holds no weights, or those of another network.
 
         """
 
@@ -99,23 +99,23 @@ class TrainedPolicy(Policy):
         return folder_and_model(self.path, self.MODEL)[1]
 
     def trained(self) -> TrainedModel:
-        """Return what the path holds."""
+        """Return the training that ``path`` leads to."""
         folder, model = folder_and_model(self.path, self.MODEL)
         return _read_once(type(self), folder, model, changed(folder / RECORD, model))
 
     def provenance(self) -> dict[str, str]:
-        """Return the hash of the model, and what trained it."""
+        """Return the hash of the weights, the learner and the fingerprint of the training scenario."""
         record = self.trained().record
         digest = hashlib.sha256(self.model_file().read_bytes()).hexdigest()
         return {"weights_sha256": digest, "learner": record.learner, "trained_on": record.fingerprint}
 
     def pilot(self, briefing: Briefing) -> TrainedPilot:
-        """Make the mind of one UAV for one episode."""
+        """Make the pilot of one UAV for one episode."""
         return TrainedPilot(self, self.trained().encoder(briefing), briefing)
 
 
 class TrainedPilot(WatchedPilot):
-    """Encode one UAV's views."""
+    """Encode one UAV's views and take the best action."""
 
     def __init__(self, policy: TrainedPolicy, encoder: Encoder, briefing: Briefing) -> None:
         super().__init__(briefing, guard=policy.guard)
@@ -129,14 +129,14 @@ class TrainedPilot(WatchedPilot):
         return self.review(view, int(best_moves(scores, legal[None])[0]))
 
     def perceive(self, view: View) -> NDArray[np.float32]:
-        """Return the observation (D,) that the training would have given the network."""
+        """Return the observation (D,) float32 of a view, encoded as in training."""
         seen: NDArray[np.float32] = self._encoder.observation(view)
         return seen
 
 
 @lru_cache(maxsize=8)
 def _read_once(kind: type[TrainedPolicy], folder: Path, model: Path, changed: tuple[int, ...]) -> TrainedModel:
-    """Return what a folder holds; read again only when its files have ``changed``."""
+    """Return the training in a folder; ``changed`` makes the cache miss when its files change."""
     record, module, config = read_training(folder, kind.LEARNERS)
     try:
         return TrainedModel(record, config, kind.scores(module, config, record.inputs, model))
@@ -147,12 +147,12 @@ def _read_once(kind: type[TrainedPolicy], folder: Path, model: Path, changed: tu
         ) from error
 
 
-#: What libraries raise on a file that holds no weights, or those of another network.
+#: Errors that libraries raise on a file that holds no weights, or those of another network.
 DAMAGE = (SafetensorError, RuntimeError, KeyError, ValueError, BadZipFile, pickle.UnpicklingError, OSError)
 
 
 def folder_and_model(path: str, model: str) -> tuple[Path, Path]:
-    """Return the folder of a training, and its file ``model`` unless the path is a file's own."""
+    """Return the folder of a training and its model file: ``path`` itself if it is a file, else ``model`` in it."""
     given = Path(path)
     return (given.parent, given) if given.is_file() else (given, given / model)
 
@@ -161,7 +161,7 @@ def read_training(folder: Path, learners: Sequence[str]) -> tuple[BaselineRecord
     """Return the record of a folder, the module of its learner and its configuration.
 
     Raises:
-        InputError: it is no training of one of these learners, or their library is not installed.
+        InputError: the folder holds no training of these ``learners``, or their library is not installed.
 
     """
     record = read_record(folder, BaselineRecord, learners)
@@ -173,5 +173,5 @@ def read_training(folder: Path, learners: Sequence[str]) -> tuple[BaselineRecord
 
 
 def changed(*paths: Path) -> tuple[int, ...]:
-    """Return when files were changed last, 0 for those that are missing."""
+    """Return the modification times of files in nanoseconds, 0 for missing ones."""
     return tuple(path.stat().st_mtime_ns if path.is_file() else 0 for path in paths)

@@ -1,4 +1,4 @@
-"""What the trainings of all baselines have in common: observation, network, rewards, evaluation."""
+"""Hyperparameters that all baselines share: observation, network, rewards, evaluation."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from indoor_explorers.env.observations import Egocentric, Flat
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.sessions.settings import LearnerSettings
 
-#: The observation that is the same on maps of any size.
+#: The observation whose length does not depend on the map.
 EGOCENTRIC = "egocentric"
 
 
@@ -18,12 +18,11 @@ class BaselineConfig(LearnerSettings):
     """Describe one training completely, together with its scenario and seed."""
 
     total_steps: int = Field(1_000_000, ge=1)
-    """Moves made in training, all UAVs of all environments together; the last round may go a little beyond."""
+    """Moves made in training, all UAVs of all environments together; the last rollout may exceed it a little."""
     environments: int = Field(32, ge=1, le=4096)
-    """Episodes flown side by side."""
+    """Episodes flown in parallel."""
     observation: str = Field(EGOCENTRIC, min_length=1)
-    """``egocentric``, or a name of :mod:`indoor_explorers.env.observations`
-    whose vector is as long as the map is large."""
+    """``egocentric``, or another name of :mod:`indoor_explorers.env.observations`, whose length depends on the map."""
     side: int = Field(15, ge=1)
     """Cells along a side of the egocentric crop; odd."""
     zones: int = Field(8, ge=1)
@@ -33,21 +32,21 @@ class BaselineConfig(LearnerSettings):
     learning_rate: float = Field(3e-4, gt=0.0)
     """Step size of the optimiser."""
     gamma: float = Field(0.99, gt=0.0, le=1.0)
-    """Discount a step."""
+    """Discount factor per step."""
     goal: float = Field(0.99, gt=0.0, le=1.0)
-    """Share of the reachable cells that ends a training episode."""
+    """Share of the reachable cells whose coverage ends a training episode."""
     reward_step: float = -0.1
-    """Paid for each step."""
+    """Reward for each step."""
     reward_discovered: float = 0.1
-    """Paid for each cell that the UAV's own lidar discovers."""
+    """Reward for each cell that the UAV's own lidar discovers."""
     reward_blocked: float = -0.1
-    """Paid for a move into a wall or off the map, where the UAV then stays; of no use where moves are masked."""
+    """Reward for a move into a wall or off the map, after which the UAV stays in place; unused with an action mask."""
     reward_goal: float = 1.0
-    """Paid for reaching the goal."""
+    """Reward for reaching the goal."""
     evaluation_every: int = Field(100_000, ge=1)
     """Moves between two evaluations."""
     evaluation_episodes: int = Field(100, ge=1, le=100_000)
-    """Episodes of one evaluation: greedy among the legal moves, on maps kept apart from training and comparisons."""
+    """Episodes of one evaluation: greedy among the legal moves, on maps that neither training nor comparisons use."""
     checkpoint_every: int = Field(250_000, ge=1)
     """Moves between two checkpoints."""
 
@@ -58,13 +57,13 @@ class BaselineConfig(LearnerSettings):
 
     @property
     def recipe(self) -> Flat:
-        """What the network sees, as one vector."""
+        """The network's observation, one vector."""
         if self.observation == EGOCENTRIC:
             return Flat(Egocentric(side=self.side, zones=self.zones))
         return Flat(self.observation)
 
     def task(self, scenario: Scenario) -> Scenario:
-        """Return the scenario as it is trained on: to ``goal`` of the reachable cells, with these rewards."""
+        """Return a scenario with the training's goal, ``goal`` of the reachable cells, and its rewards."""
         return scenario.for_evaluation().with_settings(
             {
                 "goal": self.goal,
@@ -80,24 +79,24 @@ class BaselineConfig(LearnerSettings):
 
 
 class ActorCriticSettings(BaselineConfig):
-    """What A2C and PPO have in common, whatever the library."""
+    """Hyperparameters that A2C and PPO share in all libraries."""
 
     gae_lambda: float = Field(0.95, ge=0.0, le=1.0)
-    """Trade-off of bias and variance in the advantages (Schulman et al. 2016, arXiv:1506.02438)."""
+    """Lambda of generalised advantage estimation (Schulman et al. 2016, arXiv:1506.02438)."""
     entropy: float = Field(0.01, ge=0.0)
-    """Weight of the entropy in the loss, which keeps exploration up."""
+    """Weight of the entropy bonus in the loss."""
     value_weight: float = Field(0.5, ge=0.0)
-    """Weight of the value's error in the loss."""
+    """Weight of the value error in the loss."""
     gradient_clip: float = Field(0.5, gt=0.0)
     """Largest Euclidean norm of a gradient; a longer one is scaled down to it."""
 
 
 class PPOSettings(ActorCriticSettings):
-    """What PPO has in common, whatever the library."""
+    """Hyperparameters that PPO has in all libraries."""
 
     batch: int = Field(512, ge=2)
-    """Moves in one update."""
+    """Moves in one minibatch."""
     epochs: int = Field(4, ge=1)
-    """How often each round of updates goes through its moves."""
+    """Passes over the moves of each rollout."""
     clip: float = Field(0.2, gt=0.0)
-    """How far the ratio of new and old probabilities may leave 1 with gain."""
+    """Clip range of the probability ratio: it is clipped to 1 - clip .. 1 + clip."""

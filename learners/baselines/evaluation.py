@@ -15,19 +15,22 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.sessions.evaluation import Evaluation, evaluate_world
 
-#: A network: observations (B, D) float32 in, one number for each of the five actions (B, 5) out.
+#: A network: maps observations (B, D) float32 to scores of the five actions (B, 5) float32.
 Scores: TypeAlias = Callable[[NDArray[np.float32]], NDArray[np.float32]]
 
 
 def best_moves(scores: NDArray[np.float32], legal: Mask) -> NDArray[np.int64]:
-    """Return the (B,) legal actions of highest score, the first of equals."""
+    """Return the legal actions (B,) of highest score, the first among equals."""
     return np.asarray(np.where(legal, scores, -np.inf).argmax(axis=1))
 
 
 def evaluate(
     scores: Scores, observation: Observation, task: Scenario, episodes: int, first_seed: int, steps: int
 ) -> Evaluation:
-    """Fly ``episodes`` episodes of the task with seeds from ``first_seed`` on, after ``steps`` moves of training."""
+    """Fly ``episodes`` episodes of a task and return their mean results.
+
+    Their seeds begin at ``first_seed``; ``steps`` is the number of training moves so far.
+    """
     world = World(task, episodes)
     world.reset(range(first_seed, first_seed + episodes))
     encoders = _encoders(world, observation)
@@ -45,7 +48,7 @@ def evaluate(
 
 
 def _encoders(world: World, observation: Observation) -> list[list[Encoder]]:
-    """Return an encoder for each UAV of each episode; those without a memory are shared between episodes."""
+    """Return an encoder for each UAV of each episode; stateless ones are shared between episodes."""
     team = range(world.scenario.team)
     first = [make_encoder(observation, world.briefing(0, n)) for n in team]
     return [first] + [

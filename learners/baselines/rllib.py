@@ -1,8 +1,8 @@
-"""The policy ``rllib:DIR``: what RLlib has trained, on a team or on one UAV.
+"""The policy ``rllib:DIR``: a network that RLlib has trained, for a team or one UAV.
 
-The network is built anew by RLlib from ``training.json``, and its weights are read from a safetensors file, which
-holds numbers and nothing that could run. The checkpoint beside it is pickled: resume, and open it with RLlib, only
-where you trust it.
+RLlib builds the network from ``training.json``; its weights are read from a safetensors file, which holds no
+executable code. The checkpoint beside it is pickled, and unpickling can run code: resume only trainings that you
+trust.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from indoor_explorers.learners.baselines.evaluation import Scores
 
 @dataclass(frozen=True, kw_only=True)
 class Rllib(TrainedPolicy):
-    """Fly what ``rllib-ppo`` and its like have trained: ``rllib:DIR``."""
+    """Fly a network trained by one of the ``rllib-*`` learners: ``rllib:DIR``."""
 
     MODEL = "weights.safetensors"
     LEARNERS = ("rllib-ppo", "rllib-sac")
 
     @staticmethod
     def scores(module: Any, config: Any, inputs: int, model: Path) -> Scores:
-        """Return the network in a file."""
-        from safetensors.torch import load_file  # torch loads when it is used, and not to list the policies
+        """Return the network with the weights of a file."""
+        from safetensors.torch import load_file  # imported late: listing the policies needs no torch
 
         network, weights = config.untrained(inputs), load_file(model)
         network.load_state_dict({name: weights[name] for name in network.state_dict()})  # without the critic's

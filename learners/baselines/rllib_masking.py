@@ -1,6 +1,6 @@
-"""RLlib's PPO network with an action mask: what is illegal is never drawn (Huang and Ontanon 2022, arXiv:2006.14171).
+"""RLlib's PPO network with an action mask: illegal actions are never drawn (Huang and Ontanon 2022, arXiv:2006.14171).
 
-RLlib ships such a network among its examples, which rests on a module that the library has deprecated.
+RLlib's own example of such a network uses a module that RLlib has deprecated.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from ray.rllib.core.columns import Columns
 
 from indoor_explorers.env.observations.factories import MASK
 
-#: What an observation is called beside its mask.
+#: Key of the observation in a dict that also holds its mask.
 UNMASKED = "observations"
 
 
 class MaskedPPOModule(DefaultPPOTorchRLModule):
-    """Take a dict of an observation and its mask, and give illegal actions the least logit there is."""
+    """Take a dict of an observation and its mask, and set the logits of illegal actions to the dtype's minimum."""
 
     def __init__(self, *, observation_space: Dict, **settings: Any) -> None:
         super().__init__(observation_space=observation_space[UNMASKED], **settings)  # type: ignore[no-untyped-call]  # RLlib leaves it untyped
@@ -31,7 +31,7 @@ class MaskedPPOModule(DefaultPPOTorchRLModule):
         return _masked(super()._forward_train(_bare(batch), **settings), batch)
 
     def compute_values(self, batch: dict[str, Any], embeddings: Any = None) -> Any:
-        """Return the values of states, which no mask changes."""
+        """Return the values of states; the mask does not affect them."""
         return super().compute_values(_bare(batch), embeddings)
 
 

@@ -1,4 +1,4 @@
-"""RLlib's networks: how they are described, and what they think of the actions."""
+"""RLlib's networks: their configuration and their action scores."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from indoor_explorers.learners.baselines.rllib_masking import UNMASKED
 
 
 class RllibConfig(BaselineConfig):
-    """What all algorithms of RLlib are told."""
+    """Hyperparameters that all algorithms of RLlib share."""
 
     @property
     def masked(self) -> bool:
-        """Whether the network is given the action mask and never draws an illegal move."""
+        """Whether the network gets the action mask and never draws an illegal move."""
         return False
 
     def algorithm(self) -> AlgorithmConfig:
-        """Return the library's description of the algorithm with these hyperparameters."""
+        """Return RLlib's configuration of the algorithm with these hyperparameters."""
         raise NotImplementedError
 
     def module(self) -> type[RLModule]:
@@ -43,18 +43,18 @@ class RllibConfig(BaselineConfig):
 
     @property
     def environment_recipe(self) -> Observation:
-        """What the environment returns."""
+        """The environment's observation, with the mask if :attr:`masked`."""
         return Masked(self.recipe, UNMASKED) if self.masked else self.recipe
 
     def spec(self) -> RLModuleSpec:
-        """Return the library's description of the network, for whatever spaces the environment has."""
+        """Return RLlib's specification of the network; its spaces are still open."""
         sizes = DefaultModelConfig(
             fcnet_hiddens=list(self.hidden), fcnet_activation="relu", head_fcnet_hiddens=[], vf_share_layers=False
         )
         return RLModuleSpec(module_class=self.module(), model_config=sizes)
 
     def untrained(self, inputs: int) -> TorchRLModule:
-        """Return the network before any training, for observations of ``inputs`` numbers."""
+        """Return an untrained network for observations of ``inputs`` numbers."""
         with quietly():
             spec = self.spec()
             space: Space[Any] = Box(0.0, 1.0, (inputs,), np.float32)
@@ -65,7 +65,7 @@ class RllibConfig(BaselineConfig):
             return cast(TorchRLModule, spec.build())
 
     def rate(self, module: TorchRLModule, rows: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return what a network thinks of the actions, (B, 5), for observations (B, D); no action is masked."""
+        """Return a network's action scores (B, 5) for observations (B, D); no action is masked."""
         seen: Any = torch.from_numpy(rows)
         if self.masked:
             seen = {UNMASKED: seen, MASK: torch.ones((len(rows), 5))}
@@ -78,7 +78,7 @@ class RllibConfig(BaselineConfig):
 
 @contextmanager
 def quietly() -> Iterator[None]:
-    """Spare the user what RLlib says of itself: its API stack, what it deprecates, environments made anew."""
+    """Silence RLlib's messages about its API stack, deprecations and re-registered environments."""
     loggers = [logging.getLogger(name) for name in ("ray", "ray.rllib")]
     levels = [logger.level for logger in loggers]
     for logger in loggers:

@@ -1,4 +1,4 @@
-"""PPO of RLlib (Schulman et al. 2017, arXiv:1707.06347) for a team with shared parameters, or for one UAV."""
+"""RLlib's PPO (Schulman et al. 2017, arXiv:1707.06347) for one UAV, or for a team with shared parameters."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from indoor_explorers.learners.baselines.rllib_training import trainer
 
 
 class TrainingConfig(RllibConfig, PPOSettings):
-    """Every hyperparameter of a PPO; those not named here are the library's own."""
+    """The hyperparameters of PPO; all others have RLlib's defaults."""
 
     total_steps: int = Field(500_000, ge=1)
-    """Moves made in training, all UAVs of all environments together; the last round may go a little beyond."""
+    """Moves made in training, all UAVs of all environments together; the last rollout may exceed it a little."""
     environments: int = Field(16, ge=1, le=4096)
-    """Episodes flown side by side."""
+    """Episodes flown in parallel."""
     mask: bool = True
-    """Whether the network is given the action mask and never draws an illegal move."""
+    """Whether the network gets the action mask and never draws an illegal move."""
     learning_rate: float = Field(5e-4, gt=0.0)
     """Adam's step size."""
     rollout: int = Field(2048, ge=2)
-    """Steps of all environments together between two rounds of updates."""
+    """Steps of all environments together in one rollout."""
     value_clip: float = Field(100.0, gt=0.0)
-    """The largest squared error of a value that is learned from."""
+    """Largest squared value error that counts in the loss."""
 
     @property
     def masked(self) -> bool:
-        """Whether the network is given the action mask and never draws an illegal move."""
+        """Whether the network gets the action mask and never draws an illegal move."""
         return self.mask
 
     def module(self) -> type[RLModule]:
@@ -39,7 +39,7 @@ class TrainingConfig(RllibConfig, PPOSettings):
         return MaskedPPOModule if self.mask else DefaultPPOTorchRLModule
 
     def algorithm(self) -> PPOConfig:
-        """Return the library's description of the algorithm with these hyperparameters."""
+        """Return RLlib's configuration of the algorithm with these hyperparameters."""
         return PPOConfig().training(
             lr=self.learning_rate,
             gamma=self.gamma,

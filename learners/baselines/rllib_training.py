@@ -1,9 +1,9 @@
-"""Train with RLlib: a team whose UAVs share one network, or one UAV.
+"""Train with RLlib: one UAV, or a team whose UAVs share one network.
 
-A folder holds ``weights.safetensors``, the network that did best in evaluation, ``checkpoint/``, the library's own
-files of the whole algorithm, and ``training.json``. To resume unpickles the checkpoint, as RLlib does: only go on
-with folders that you trust. To fly reads ``weights.safetensors`` alone, which holds numbers and nothing that could
-run. Everything happens in this process, on RLlib's new API stack, beside a local Ray without a dashboard.
+A folder holds ``weights.safetensors``, the network that did best in evaluation, ``checkpoint/``, RLlib's own files of
+the whole algorithm, and ``training.json``. Resuming unpickles the checkpoint, as RLlib does, and unpickling can run
+code: resume only trainings that you trust. Policies read ``weights.safetensors`` only, which holds no executable code.
+Training runs in this process, on RLlib's new API stack, with a local Ray without a dashboard.
 """
 
 from __future__ import annotations
@@ -46,16 +46,16 @@ from indoor_explorers.learners.sessions.train import TrainingMethod, train
 
 CHECKPOINT = "checkpoint"
 PACKAGES = ("ray", "pettingzoo")
-#: The environment's and the network's names in RLlib, and the file of a checkpoint that says how old it is.
+#: Names of the environment and of the network in RLlib, and the file in a checkpoint with the moves made so far.
 TEAM, SHARED, STEPS = "indoor-explorers-team", "shared", "moves.txt"
-#: What the library's loaders raise on damaged files.
+#: Errors that RLlib's loaders raise on damaged files.
 DAMAGE = (pickle.UnpicklingError, ValueError, KeyError, AttributeError, RuntimeError, EOFError, OSError, TypeError)
-#: Bytes of the object store, which a training in one process hardly uses.
+#: Bytes of Ray's object store, which a training in one process hardly uses.
 STORE = 100 * 2**20
 
 
 class TrainingTeam(TeamEnv):
-    """A team, or one UAV, whose episodes have the seeds of the training, whatever seeds RLlib resets with."""
+    """A team, or one UAV, that takes its episode seeds from the training and ignores those of RLlib."""
 
     def __init__(self, scenario: Scenario, observation: Observation, seeds: Iterator[int]) -> None:
         super().__init__(scenario, observation, None, None, 0)
@@ -71,7 +71,7 @@ class TrainingTeam(TeamEnv):
 def trainer(learner: str) -> partial[Path]:
     """Return the ``train`` function of an algorithm.
 
-    A resumed training begins new episodes, so that it differs from one that was not stopped.
+    A resumed training starts new episodes, so its result differs from that of an uninterrupted one.
     """
     record = partial(baseline_record, learner, PACKAGES, new_world)
     return partial(train, TrainingMethod(record, _trainee, CHECKPOINT, Rllib.MODEL))
@@ -111,7 +111,7 @@ def _shared(agent: Any, episode: Any, **_: Any) -> str:
 
 
 class RllibTrainee(BaselineTrainee):
-    """An algorithm of RLlib."""
+    """One of RLlib's algorithms in training."""
 
     config: RllibConfig
     steps = 0
@@ -122,18 +122,18 @@ class RllibTrainee(BaselineTrainee):
         self._algorithm = algorithm
 
     def update(self) -> None:
-        """Fly and learn for one round."""
+        """Run one training iteration of RLlib."""
         result = self._algorithm.train()
         self.steps += int(result["env_runners"].get("num_module_steps_sampled", {}).get(SHARED, 0))
         learned = result.get("learners", {}).get(SHARED, {})
         self.loss = float(learned.get("total_loss", math.nan))
 
     def scores(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return (B, 5) numbers, the higher the better, for observations (B, D)."""
+        """Return action scores (B, 5), higher is better, for observations (B, D)."""
         return self.config.rate(self._module(), rows)
 
     def keep(self, folder: Path) -> None:
-        """Write the network as the one to fly."""
+        """Write the current network as the best one."""
         state = self._module().state_dict()
         with written_whole(folder / Rllib.MODEL) as unfinished:
             save_file({name: tensor.contiguous() for name, tensor in state.items()}, unfinished)
@@ -142,7 +142,7 @@ class RllibTrainee(BaselineTrainee):
         return cast(TorchRLModule, self._algorithm.get_module(SHARED))
 
     def save(self, folder: Path) -> None:
-        """Write the checkpoint beside the last one, and then in its place."""
+        """Write the checkpoint to a temporary folder, then replace the last one."""
         partial, last = folder / f".{CHECKPOINT}.partial", folder / CHECKPOINT
         shutil.rmtree(partial, ignore_errors=True)
         self._algorithm.save_to_path(str(partial.resolve()))
@@ -151,7 +151,12 @@ class RllibTrainee(BaselineTrainee):
         partial.rename(last)
 
     def restore(self, checkpoint: Path) -> None:
-        """Go on from a checkpoint."""
+        """Restore the algorithm from a checkpoint.
+
+        Raises:
+            InputError: the checkpoint is damaged.
+
+        """
         try:
             self.steps = int((checkpoint / STEPS).read_text(encoding="utf-8"))
             self._algorithm.restore_from_path(str(checkpoint.resolve()))
@@ -161,7 +166,7 @@ class RllibTrainee(BaselineTrainee):
             ) from error
 
     def stop(self) -> None:
-        """Free everything, and delete the folder for logs that RLlib makes in the user's home."""
+        """Release all resources, and delete the log folder that RLlib creates in the user's home."""
         logs = self._algorithm.logdir
         self._algorithm.stop()
         shutil.rmtree(logs, ignore_errors=True)
@@ -169,10 +174,10 @@ class RllibTrainee(BaselineTrainee):
 
 @contextmanager
 def _local_ray() -> Iterator[None]:
-    """Run a Ray of our own, unless there is one already.
+    """Run a local Ray, unless this process is connected to one already.
 
     Raises:
-        RunError: it does not start.
+        RunError: Ray does not start.
 
     """
     if ray.is_initialized():

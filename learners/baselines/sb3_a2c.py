@@ -1,4 +1,4 @@
-"""A2C of Stable-Baselines3, the synchronous form of A3C: Mnih et al. 2016, arXiv:1602.01783."""
+"""A2C of Stable-Baselines3, the synchronous form of A3C (Mnih et al. 2016, arXiv:1602.01783)."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from stable_baselines3 import A2C
 from stable_baselines3.common.policies import ActorCriticPolicy
 
 from indoor_explorers.learners.baselines.config import ActorCriticSettings
-from indoor_explorers.learners.baselines.sb3_training import Kind, StableBaselinesConfig, logits, trainer
+from indoor_explorers.learners.baselines.sb3_training import Sb3Algorithm, StableBaselinesConfig, logits, trainer
 
-KIND = Kind("sb3-a2c", A2C, ActorCriticPolicy, logits)
+ALGORITHM = Sb3Algorithm("sb3-a2c", A2C, ActorCriticPolicy, logits)
 
 
 class TrainingConfig(StableBaselinesConfig, ActorCriticSettings):
-    """Every hyperparameter of an A2C; those not named here are the library's own."""
+    """The hyperparameters of A2C; all others have the library's defaults."""
 
     learning_rate: float = Field(7e-4, gt=0.0)
     """RMSprop's step size."""
@@ -33,4 +33,4 @@ class TrainingConfig(StableBaselinesConfig, ActorCriticSettings):
         }
 
 
-train = trainer(KIND)
+train = trainer(ALGORITHM)

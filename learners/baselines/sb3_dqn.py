@@ -1,7 +1,7 @@
-"""DQN of Stable-Baselines3: Mnih et al. 2015, doi:10.1038/nature14236; with n-step returns where asked for.
+"""DQN of Stable-Baselines3 (Mnih et al. 2015, doi:10.1038/nature14236) with n-step returns.
 
-The library's DQN is neither double nor dueling, samples its replay evenly, and knows no action mask: it learns what
-illegal moves cost. In evaluation and as a policy the best legal action is flown.
+The library's DQN is neither double nor dueling, replays uniformly, and has no action mask: it learns what illegal
+moves cost. Evaluations and the policy take the best legal action.
 """
 
 from __future__ import annotations
@@ -14,45 +14,45 @@ from stable_baselines3 import DQN
 from stable_baselines3.common.buffers import NStepReplayBuffer
 from stable_baselines3.dqn.policies import DQNPolicy
 
-from indoor_explorers.learners.baselines.sb3_training import Kind, StableBaselinesConfig, trainer
+from indoor_explorers.learners.baselines.sb3_training import Sb3Algorithm, StableBaselinesConfig, trainer
 
 
 def values(policy: DQNPolicy, rows: torch.Tensor) -> torch.Tensor:
-    """Return the values of the actions."""
+    """Return the action values (B, 5) for observations (B, D)."""
     found: torch.Tensor = policy.q_net(rows)
     return found
 
 
-KIND = Kind("sb3-dqn", DQN, DQNPolicy, values)
+ALGORITHM = Sb3Algorithm("sb3-dqn", DQN, DQNPolicy, values)
 
 
 class TrainingConfig(StableBaselinesConfig):
-    """Every hyperparameter of a DQN; those not named here are the library's own."""
+    """The hyperparameters of DQN; all others have the library's defaults."""
 
     total_steps: int = Field(500_000, ge=1)
     """Moves made in training, all environments together."""
     environments: int = Field(16, ge=1, le=4096)
-    """Episodes flown side by side; ``updates`` of the network follow each move of all of them."""
+    """Episodes flown in parallel; after each step of all of them the network is updated ``updates`` times."""
     updates: int = Field(2, ge=1, le=1024)
-    """Updates of the network after each move of all environments."""
+    """Updates of the network after each step of all environments."""
     batch: int = Field(128, ge=1)
     """Transitions in one update."""
     replay_steps: int = Field(50_000, ge=1)
-    """Latest moves kept for replay; each takes some 10 kB of memory, and of every checkpoint."""
+    """Size of the replay buffer in moves; each takes some 10 kB of memory, and of every checkpoint."""
     warmup_steps: int = Field(5_000, ge=0)
     """Moves made before the first update."""
     return_steps: int = Field(3, ge=1, le=100)
-    """Rewards summed before the network's own estimate takes over."""
+    """Steps of the n-step return."""
     target_every: int = Field(4_000, ge=1)
-    """Moves between two copies of the network to the one that estimates targets."""
+    """Moves between two updates of the target network."""
     epsilon_first: float = Field(1.0, ge=0.0, le=1.0)
-    """Probability of a random move, also an illegal one, at the beginning."""
+    """Initial probability of a random move, illegal ones included."""
     epsilon_last: float = Field(0.02, ge=0.0, le=1.0)
-    """The same after ``epsilon_share`` of the training."""
+    """Final probability of a random move."""
     epsilon_share: float = Field(0.3, gt=0.0, le=1.0)
-    """Share of the training over which exploration falls."""
+    """Share of the training over which that probability falls linearly."""
     gradient_clip: float = Field(10.0, gt=0.0)
-    """Longest gradient, as a Euclidean norm, that is followed unshortened."""
+    """Largest Euclidean norm of a gradient; a longer one is scaled down to it."""
 
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of the algorithm's constructor."""
@@ -72,4 +72,4 @@ class TrainingConfig(StableBaselinesConfig):
         }
 
 
-train = trainer(KIND)
+train = trainer(ALGORITHM)

@@ -1,4 +1,4 @@
-"""PPO of Stable-Baselines3: Schulman et al. 2017, arXiv:1707.06347."""
+"""PPO of Stable-Baselines3 (Schulman et al. 2017, arXiv:1707.06347)."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.policies import ActorCriticPolicy
 
 from indoor_explorers.learners.baselines.config import PPOSettings
-from indoor_explorers.learners.baselines.sb3_training import Kind, StableBaselinesConfig, logits, trainer
+from indoor_explorers.learners.baselines.sb3_training import Sb3Algorithm, StableBaselinesConfig, logits, trainer
 
-KIND = Kind("sb3-ppo", PPO, ActorCriticPolicy, logits)
+ALGORITHM = Sb3Algorithm("sb3-ppo", PPO, ActorCriticPolicy, logits)
 
 
 class TrainingConfig(StableBaselinesConfig, PPOSettings):
-    """Every hyperparameter of a PPO; those not named here are the library's own."""
+    """The hyperparameters of PPO; all others have the library's defaults."""
 
     learning_rate: float = Field(5e-4, gt=0.0)
     """Adam's step size."""
     rollout: int = Field(64, ge=2)
-    """Steps of each environment between two rounds of updates; ``batch`` best divides this times ``environments``."""
+    """Steps of each environment in one rollout; ``batch`` should divide ``rollout`` times ``environments``."""
 
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of the algorithm's constructor."""
@@ -36,4 +36,4 @@ class TrainingConfig(StableBaselinesConfig, PPOSettings):
         }
 
 
-train = trainer(KIND)
+train = trainer(ALGORITHM)

@@ -1,8 +1,9 @@
 """Train with Stable-Baselines3 or sb3-contrib: one UAV, many episodes in one batched world.
 
-A folder holds ``model.zip``, the model that did best in evaluation, ``checkpoint.zip``, the latest one with its
-optimiser, ``replay.pkl``, the replay of those that have one, and ``training.json``. These are the library's own
-files. To resume unpickles them, as SB3 does: only go on with folders that you trust. To fly reads weights alone.
+A folder holds ``model.zip``, the model that did best in evaluation, ``checkpoint.zip``, the latest model with its
+optimiser, ``replay.pkl``, the replay buffer of off-policy algorithms, and ``training.json``. The first three are the
+library's own files. Resuming unpickles them, as SB3 does, and unpickling can run code: resume only trainings that you
+trust. Policies read the weights only.
 """
 
 from __future__ import annotations
@@ -39,12 +40,12 @@ from indoor_explorers.learners.sessions.train import TrainingMethod, train
 
 CHECKPOINT, REPLAY = "checkpoint.zip", "replay.pkl"
 PACKAGES = ("stable-baselines3", "sb3-contrib")
-#: What the library's loaders raise on damaged files.
+#: Errors that the library's loaders raise on damaged files.
 DAMAGE = (BadZipFile, pickle.UnpicklingError, ValueError, KeyError, AttributeError, RuntimeError, EOFError, OSError)
 
 
 class StableBaselinesConfig(BaselineConfig):
-    """What all algorithms of Stable-Baselines3 are told."""
+    """Hyperparameters that all algorithms of Stable-Baselines3 share."""
 
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of the algorithm's constructor."""
@@ -55,83 +56,88 @@ class StableBaselinesConfig(BaselineConfig):
         return {"net_arch": list(self.hidden)}
 
 
-class Kind(NamedTuple):
+class Sb3Algorithm(NamedTuple):
     """One algorithm of the library."""
 
     learner: str
     """Name of the learner."""
-    algorithm: type[BaseAlgorithm]
-    """Its class."""
-    policy: type[BasePolicy]
-    """The class of its networks."""
+    model_class: type[BaseAlgorithm]
+    """Class of the algorithm."""
+    policy_class: type[BasePolicy]
+    """Class of its networks."""
     scores: Callable[[Any, torch.Tensor], torch.Tensor]
-    """Gives what ``policy`` thinks of the five actions, (B, 5), for observations (B, D)."""
+    """Computes the action scores (B, 5) of a policy for observations (B, D)."""
 
     def rate(self, policy: BasePolicy, rows: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return what a policy thinks of the actions (B, 5) for observations (B, D)."""
+        """Return a policy's action scores (B, 5) for observations (B, D)."""
         with torch.no_grad():
             found: NDArray[np.float32] = self.scores(policy, torch.from_numpy(rows)).numpy()
         return found
 
     def untrained(self, config: StableBaselinesConfig, inputs: int) -> BasePolicy:
-        """Return the networks of a training before it begins, for observations of ``inputs`` numbers."""
-        return self.policy(Box(0.0, 1.0, (inputs,)), Discrete(5), lambda _: 0.0, **config.network())
+        """Return untrained networks for observations of ``inputs`` numbers."""
+        return self.policy_class(Box(0.0, 1.0, (inputs,)), Discrete(5), lambda _: 0.0, **config.network())
 
 
 def logits(policy: Any, rows: torch.Tensor) -> torch.Tensor:
-    """Return the log-probabilities of an actor-critic's actions."""
+    """Return the log-probabilities (B, 5) of an actor-critic's actions for observations (B, D)."""
     found: torch.Tensor = policy.get_distribution(rows).distribution.logits
     return found
 
 
-def trainer(kind: Kind) -> partial[Path]:
+def trainer(algorithm: Sb3Algorithm) -> partial[Path]:
     """Return the ``train`` function of an algorithm.
 
-    The same seed gives the same model; a resumed training begins new episodes and draws anew, so that it differs from
-    one that was not stopped.
+    The same seed gives the same model. A resumed training starts new episodes and new random numbers, so its result
+    differs from that of an uninterrupted one.
     """
-    record = partial(baseline_record, kind.learner, PACKAGES, new_lone_world)
-    return partial(train, TrainingMethod(record, partial(_trainee, kind), CHECKPOINT, StableBaselines.MODEL))
+    record = partial(baseline_record, algorithm.learner, PACKAGES, new_lone_world)
+    return partial(train, TrainingMethod(record, partial(_trainee, algorithm), CHECKPOINT, StableBaselines.MODEL))
 
 
 def _trainee(
-    kind: Kind, config: StableBaselinesConfig, scenario: Scenario, seed: int, session: Session
+    algorithm: Sb3Algorithm, config: StableBaselinesConfig, scenario: Scenario, seed: int, session: Session
 ) -> AbstractContextManager[StableBaselinesTrainee]:
     task, first = config.task(scenario), training_seeds(seed)
     envs = StableBaselinesVecEnv(config.environments, scenario=task, observation=config.recipe, first_seed=first)
-    trainee = StableBaselinesTrainee(kind, _model(kind, config, envs, session, seed), config, scenario, seed)
+    trainee = StableBaselinesTrainee(algorithm, _model(algorithm, config, envs, session, seed), config, scenario, seed)
     envs.seed(first + trainee.steps)
     return nullcontext(trainee)
 
 
 def _model(
-    kind: Kind, config: StableBaselinesConfig, envs: StableBaselinesVecEnv, session: Session, seed: int
+    algorithm: Sb3Algorithm, config: StableBaselinesConfig, envs: StableBaselinesVecEnv, session: Session, seed: int
 ) -> BaseAlgorithm:
     if session.checkpoint is None:
-        return kind.algorithm("MlpPolicy", envs, seed=seed, device="cpu", **config.arguments())
+        return algorithm.model_class("MlpPolicy", envs, seed=seed, device="cpu", **config.arguments())
     try:
-        model = kind.algorithm.load(session.checkpoint, env=envs, device="cpu")
+        model = algorithm.model_class.load(session.checkpoint, env=envs, device="cpu")
         if isinstance(model, OffPolicyAlgorithm):
             model.load_replay_buffer(session.out / REPLAY)
     except DAMAGE as error:
         raise InputError(
-            f"{session.out}: expected a checkpoint of {kind.learner}, got a damaged one ({error!r})"
+            f"{session.out}: expected a checkpoint of {algorithm.learner}, got a damaged one ({error!r})"
         ) from error
     return model
 
 
 class StableBaselinesTrainee(BaselineTrainee):
-    """A model of Stable-Baselines3, which has a loop of its own."""
+    """A model of Stable-Baselines3, trained by the library's own loop."""
 
     def __init__(
-        self, kind: Kind, model: BaseAlgorithm, config: StableBaselinesConfig, scenario: Scenario, seed: int
+        self,
+        algorithm: Sb3Algorithm,
+        model: BaseAlgorithm,
+        config: StableBaselinesConfig,
+        scenario: Scenario,
+        seed: int,
     ) -> None:
         super().__init__(config, scenario, seed)
-        self.model, self._kind = model, kind
+        self.model, self._algorithm = model, algorithm
 
     @property
     def steps(self) -> int:
-        """Moves made."""
+        """Moves made, all environments together."""
         return self.model.num_timesteps
 
     def train(self, session: Session) -> None:
@@ -142,26 +148,26 @@ class StableBaselinesTrainee(BaselineTrainee):
 
     @property
     def loss(self) -> float:
-        """The latest loss; not a number before the first one."""
+        """The latest loss; NaN before the first one."""
         told = self.model.logger.name_to_value if hasattr(self.model, "_logger") else {}
         return float(told.get("train/loss", told.get("train/policy_loss", math.nan)))
 
     @property
     def epsilon(self) -> float | None:
-        """Probability of a random move, where the learner has one."""
+        """Current probability of a random move; None for a stochastic policy."""
         return getattr(self.model, "exploration_rate", None)
 
     def scores(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return (B, 5) numbers, the higher the better, for observations (B, D)."""
+        """Return action scores (B, 5), higher is better, for observations (B, D)."""
         self.model.policy.set_training_mode(False)
-        return self._kind.rate(self.model.policy, rows)
+        return self._algorithm.rate(self.model.policy, rows)
 
     def keep(self, folder: Path) -> None:
-        """Write the model as the one to fly."""
+        """Write the current model as the best one."""
         self._save(folder / StableBaselines.MODEL)
 
     def save(self, folder: Path) -> None:
-        """Write the checkpoint."""
+        """Write the checkpoint, and the replay buffer of an off-policy algorithm."""
         self._save(folder / CHECKPOINT)
         if isinstance(self.model, OffPolicyAlgorithm):
             with written_whole(folder / REPLAY) as unfinished:
@@ -173,7 +179,7 @@ class StableBaselinesTrainee(BaselineTrainee):
 
 
 class _Callback(BaseCallback):
-    """Evaluate and write between updates, report, and stop after a Ctrl-C."""
+    """Evaluate and write checkpoints between rollouts, report progress, and stop after a Ctrl-C."""
 
     def __init__(self, session: Session, trainee: StableBaselinesTrainee) -> None:
         super().__init__()

@@ -1,8 +1,8 @@
-"""The policy ``sb3:DIR``: what Stable-Baselines3 or sb3-contrib has trained.
+"""The policy ``sb3:DIR``: a network that Stable-Baselines3 or sb3-contrib has trained.
 
-The networks are built anew from ``training.json``, and of the model's zip the weights alone are read, with torch's
-loader for weights, which runs nothing that a file brings. The library's own ``load`` unpickles what it finds, and so
-does resuming a training: do that with files that you trust.
+The network is built from ``training.json``. Of the model's zip only the weights are read, with torch's
+``weights_only`` loader, which runs no code from the file. The library's own ``load`` unpickles the file, and so does
+resuming a training: do either only with files that you trust.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from zipfile import ZipFile
 from indoor_explorers.learners.baselines.acting import TrainedPolicy
 from indoor_explorers.learners.baselines.evaluation import Scores
 
-#: The member of a model's zip that holds the weights.
+#: Name of the weights in a model's zip.
 WEIGHTS = "policy.pth"
 
 
 @dataclass(frozen=True, kw_only=True)
 class StableBaselines(TrainedPolicy):
-    """Fly what ``sb3-ppo`` and its like have trained: ``sb3:DIR``."""
+    """Fly a network trained by one of the ``sb3-*`` learners: ``sb3:DIR``."""
 
     MODEL = "model.zip"
     LEARNERS = ("sb3-a2c", "sb3-dqn", "sb3-maskable-ppo", "sb3-ppo", "sb3-qrdqn")
 
     @staticmethod
     def scores(module: Any, config: Any, inputs: int, model: Path) -> Scores:
-        """Return the network in a file."""
-        import torch  # loads when it is used, and not to list the policies
+        """Return the network with the weights of a file."""
+        import torch  # imported late: listing the policies needs no torch
 
-        network = module.KIND.untrained(config, inputs)
+        network = module.ALGORITHM.untrained(config, inputs)
         with ZipFile(model) as archive:
             weights = io.BytesIO(archive.read(WEIGHTS))
         network.load_state_dict(torch.load(weights, map_location="cpu", weights_only=True))
         network.set_training_mode(False)
-        return partial(module.KIND.rate, network)
+        return partial(module.ALGORITHM.rate, network)

@@ -1,4 +1,4 @@
-"""A model of some library in training, as a session sees it, and the record of that training."""
+"""A library's model in training, and the record of that training."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus
 
 
 class BaselineRecord(TrainingRecord):
-    """How a library's model in a folder was made."""
+    """How a library's model in a folder was trained."""
 
     shape: tuple[int, int]
     """(H, W) of the scenario's maps in cells."""
     inputs: int = Field(ge=1)
-    """Numbers in an observation."""
+    """Length of an observation."""
 
 
 def baseline_record(
@@ -36,7 +36,14 @@ def baseline_record(
     scenario: Scenario,
     seed: int,
 ) -> BaselineRecord:
-    """Return the record of a new training; ``make_world`` refuses what the learner cannot train on."""
+    """Return the record of a new training.
+
+    ``make_world`` makes a world of a scenario, a batch size and a map's index.
+
+    Raises:
+        InputError: ``make_world`` refuses the scenario, or there is no such observation.
+
+    """
     briefing = make_world(config.task(scenario), 1, 0).briefing(0, 0)
     inputs = int(np.prod(make_encoder(config.recipe, briefing).space.shape or ()))
     record = new_record(learner, config, scenario, seed, ("gymnasium", *packages))
@@ -44,32 +51,32 @@ def baseline_record(
 
 
 class BaselineTrainee(Trainee):
-    """What the models of all libraries have in common."""
+    """What the trainees of all libraries share."""
 
     def __init__(self, config: BaselineConfig, scenario: Scenario, seed: int) -> None:
         self.config, self._task, self._seed = config, config.task(scenario), seed
 
     @property
     def done(self) -> bool:
-        """Tell whether all moves have been made."""
+        """Tell whether the training is complete."""
         return self.steps >= self.config.total_steps
 
     @property
     @abstractmethod
     def loss(self) -> float:
-        """The latest loss; not a number before the first one."""
+        """The latest loss; NaN before the first one."""
 
     @property
     def epsilon(self) -> float | None:
-        """Probability of a random move, where the learner has one."""
+        """Current probability of a random move; None for a stochastic policy."""
         return None
 
     @abstractmethod
     def scores(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return (B, 5) numbers, the higher the better, for observations (B, D)."""
+        """Return action scores (B, 5), higher is better, for observations (B, D)."""
 
     def status(self) -> TrainingStatus:
-        """Return what to report."""
+        """Return the current status for a report."""
         return TrainingStatus(total_steps=self.config.total_steps, epsilon=self.epsilon, loss=self.loss)
 
     def evaluate(self) -> dict[str, int | float]:
@@ -78,5 +85,5 @@ class BaselineTrainee(Trainee):
         return evaluate(self.scores, config.recipe, self._task, config.evaluation_episodes, first, self.steps)._asdict()
 
     def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
-        """Return the steps to the goal, and to 90 % among equals."""
+        """Return the key that evaluations are compared by: steps to the goal, then steps to 90 %."""
         return evaluation["t_goal"], evaluation["t90"]

@@ -1,4 +1,4 @@
-"""The checkpoint of a training in one safetensors file: arrays by name, and everything else as JSON."""
+"""The checkpoint of a training in one safetensors file: arrays by name, and all other state as JSON."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ STATE = "training"
 
 
 def write_checkpoint(folder: Path, tensors: Mapping[str, NDArray[Any]], state: Mapping[str, Any]) -> None:
-    """Write the checkpoint of a folder in one go."""
+    """Write the checkpoint of a folder atomically."""
     write_tensors(folder / CHECKPOINT, tensors, {STATE: json.dumps(state)})
 
 
 def read_checkpoint(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Return the arrays of a checkpoint, and everything else.
+    """Return the arrays of a checkpoint by name, and its other state.
 
     Raises:
         InputError: it is missing or damaged.
@@ -37,10 +37,10 @@ def read_checkpoint(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]
 
 @contextmanager
 def reporting_damage(path: Path) -> Iterator[None]:
-    """Tell what is amiss with a checkpoint that is gone on from inside of this.
+    """Report errors of the block that restores a checkpoint as errors of its file.
 
     Raises:
-        InputError: something is missing from it or has another shape.
+        InputError: something is missing from the checkpoint or has another shape.
 
     """
     try:

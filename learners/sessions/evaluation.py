@@ -1,4 +1,4 @@
-"""Evaluation during training: greedy episodes, apart from those that are learned from and compared on."""
+"""Evaluation during training: greedy episodes on maps that neither training nor comparisons use."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ T90 = 0.9
 
 
 class Evaluation(NamedTuple):
-    """How a network did at one moment of its training, greedy among the legal moves."""
+    """Results of a network at one point of its training, greedy among the legal moves."""
 
     steps: int
     """Moves made in training by then."""
@@ -25,11 +25,11 @@ class Evaluation(NamedTuple):
     missed: float
     """Share of the episodes that never reached the goal."""
     score: float
-    """Mean of the steps to both, in budgets: the less, the better."""
+    """Mean of (steps to 90 % + steps to the goal) / budget; lower is better."""
 
 
 def evaluate_world(world: World, act: Callable[[], None], steps: int) -> Evaluation:
-    """Fly a batch of episodes to their ends.
+    """Fly a batch of episodes to their ends and return their mean results.
 
     Args:
         world: The episodes, at their beginning.
@@ -49,6 +49,6 @@ def evaluate_world(world: World, act: Callable[[], None], steps: int) -> Evaluat
 
 
 def mean_evaluation(evaluations: Sequence[Evaluation]) -> Evaluation:
-    """Return the means of one moment's evaluations on several scenarios."""
+    """Return the means of the evaluations of one network on several scenarios."""
     figures = np.mean([evaluation[1:] for evaluation in evaluations], axis=0)
     return Evaluation(evaluations[0].steps, *map(float, figures))

@@ -1,4 +1,4 @@
-"""What checkpoints of trainings in torch have in common: networks and what their optimiser remembers, as arrays."""
+"""Torch networks and the state of their optimiser as arrays, for checkpoints."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from torch import nn
 
 
 def learner_tensors(networks: Mapping[str, nn.Module], optimiser: torch.optim.Optimizer) -> dict[str, NDArray[Any]]:
-    """Return copies of the weights of networks and of what their optimiser remembers, by name."""
+    """Return copies of the weights of networks and of their optimiser's state, by name."""
     found: dict[str, torch.Tensor] = {}
     for name, network in networks.items():
         found |= {f"{name}/{key}": value for key, value in network.state_dict().items()}
@@ -23,7 +23,7 @@ def learner_tensors(networks: Mapping[str, nn.Module], optimiser: torch.optim.Op
 def restore_learner(
     tensors: Mapping[str, NDArray[Any]], networks: Mapping[str, nn.Module], optimiser: torch.optim.Optimizer
 ) -> None:
-    """Go on exactly where :func:`learner_tensors` was taken."""
+    """Restore the networks and the optimiser from the arrays of :func:`learner_tensors`."""
     for name, network in networks.items():
         network.load_state_dict({key: torch.from_numpy(tensors[f"{name}/{key}"]) for key in network.state_dict()})
     state: dict[int, dict[str, torch.Tensor]] = {}

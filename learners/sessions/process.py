@@ -1,4 +1,4 @@
-"""What a training asks of its process: one thread for torch, and a Ctrl-C that waits for the update to end."""
+"""Process settings of a training: one thread for torch, and a Ctrl-C that takes effect after the current update."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from types import FrameType
 @contextmanager
 def one_thread() -> Iterator[None]:
     """Run torch on one thread, so that sums are added in one order and equal seeds give equal weights."""
-    import torch  # loads when it is used, and not to list the policies
+    import torch  # imported late: listing the policies needs no torch
 
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
@@ -24,7 +24,7 @@ def one_thread() -> Iterator[None]:
 
 @contextmanager
 def deferred_interrupt() -> Iterator[threading.Event]:
-    """Turn the first Ctrl-C into an event, so that no update is cut in half; the second one interrupts at once."""
+    """Turn the first Ctrl-C into an event, so that the current update is finished; a second one interrupts at once."""
     interrupted = threading.Event()
     if threading.current_thread() is not threading.main_thread():
         yield interrupted

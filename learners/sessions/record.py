@@ -1,4 +1,4 @@
-"""The record of a training: ``training.json`` in its folder, and nothing in it that could run."""
+"""The record of a training: ``training.json`` in its folder, plain data that executes nothing when read."""
 
 from __future__ import annotations
 
@@ -23,42 +23,42 @@ PACKAGES = ("indoor-explorers", "numpy", "numba", "torch")
 
 
 class TrainingRecord(BaseModel):
-    """How the network in a folder was made."""
+    """How the network in a folder was trained."""
 
     model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
 
     learner: str
     """Name of the learner, such as ``sb3-ppo``."""
     seed: int
-    """Of the training."""
+    """Seed of the training."""
     scenario: dict[str, Any]
-    """What it was trained on."""
+    """The scenario that it was trained on."""
     fingerprint: str
-    """Of the scenario."""
+    """Fingerprint of the scenario."""
     task: str | None = None
-    """Fingerprints of all scenarios with the rewards of the training; None in records of before."""
+    """Fingerprints of all scenarios with the rewards of the training; None in older records."""
     config: dict[str, Any]
     """Every hyperparameter."""
     versions: dict[str, str]
-    """Of Python and the packages that matter."""
+    """Versions of Python and of the packages that the result depends on."""
     commit: str | None
-    """Of the source tree that the training began under."""
+    """Commit of the source tree at the start of the training."""
     commits: tuple[str | None, ...] = ()
-    """All commits that it ran under, first one first; none in records of before."""
+    """All commits that the training ran under, the first one first; empty in older records."""
     seconds: float = 0.0
-    """Time that it took, evaluations included."""
+    """Duration of the training in seconds, evaluations included."""
     done: bool = False
-    """Whether it has come to its end."""
+    """Whether the training is complete."""
     steps: int = 0
-    """Moves made."""
+    """Moves made in training, all environments together."""
     evaluations: tuple[dict[str, int | float], ...] = ()
     """Figures of each evaluation, oldest first."""
 
     def resumed(self, before: TrainingRecord, path: Path) -> dict[str, Any]:
-        """Return what the record of a training that is resumed takes over from the one ``before``.
+        """Return the fields that the record of a resumed training takes over from the one ``before``.
 
         Raises:
-            InputError: ``before``, read from ``path``, is of another seed, scenario or configuration.
+            InputError: ``before``, read from ``path``, has another seed, scenario or configuration.
 
         """
         for part in ("seed", "task", "fingerprint"):
@@ -83,7 +83,7 @@ Kind = TypeVar("Kind", bound=TrainingRecord)
 def new_record(
     learner: str, config: LearnerSettings, scenario: Scenario, seed: int, packages: Iterable[str] = ()
 ) -> TrainingRecord:
-    """Return the record of a new training; its result depends on ``packages`` beside :data:`PACKAGES`."""
+    """Return the record of a new training whose result depends on :data:`PACKAGES` and on ``packages``."""
     commit = source_commit()
     return TrainingRecord(
         learner=learner,
@@ -99,7 +99,7 @@ def new_record(
 
 
 def write_record(record: TrainingRecord, folder: Path, results: Mapping[str, Any]) -> None:
-    """Write a record, and ``results`` of the learner's own, into the folder of a training in one go."""
+    """Write a record with further ``results`` of the learner into the folder of a training, atomically."""
     facts = {**record.model_dump(mode="json"), **results}
     with written_whole(folder / RECORD) as partial:
         partial.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
@@ -109,7 +109,7 @@ def read_record(folder: Path, kind: type[Kind], learners: Collection[str]) -> Ki
     """Return the record of a folder.
 
     Raises:
-        InputError: there is no such folder, or none of these learners was trained in it.
+        InputError: the folder is missing, or holds no training of one of these ``learners``.
 
     """
     path = folder / RECORD
@@ -123,7 +123,7 @@ def read_record(folder: Path, kind: type[Kind], learners: Collection[str]) -> Ki
     except ValueError as error:
         raise InputError(f"{path}: expected JSON, got {error}; train again") from error
     facts = data if isinstance(data, dict) else {}
-    learner = facts.get("learner", facts.get("policy"))  # the latter in records of before
+    learner = facts.get("learner", facts.get("policy"))  # older records say "policy"
     if learner not in learners:
         found = "something else" if learner is None else f"one of {learner}"
         raise InputError(f"{folder}: expected a training of {', '.join(learners)}, got {found}; see its {RECORD}")

@@ -1,7 +1,7 @@
 """The session around any training: when it is evaluated, written and reported, and how it is resumed and interrupted.
 
-A folder holds ``training.json``, the network to fly, and a checkpoint with everything that it takes to go on. The
-record is written before the checkpoint: evaluations that the checkpoint does not know of are made again.
+A folder holds ``training.json``, the trained network, and a checkpoint with everything that a resumed training needs.
+The record is written before the checkpoint: evaluations later than the checkpoint are repeated.
 """
 
 from __future__ import annotations
@@ -26,36 +26,36 @@ REPORT_EVERY = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingStatus:
-    """What a learner tells of itself."""
+    """What a learner reports of itself."""
 
     total_steps: int
-    """Moves to make, as far as is known."""
+    """Moves of the whole training; an estimate where the length is given in episodes."""
     epsilon: float | None = None
-    """Probability of a random move now; None for learners that draw from their policy."""
+    """Current probability of a random move; None for learners with a stochastic policy."""
     loss: float = math.nan
-    """Mean loss since the last report, or the latest that a library tells; not a number before the first update."""
+    """Mean loss since the last report, or the library's latest loss; NaN before the first update."""
     episodes: int | None = None
-    """Episodes so far, where they are counted."""
+    """Training episodes so far; None where they are not counted."""
     episode_steps: float = math.nan
-    """Mean steps of the training episodes that ended since the last report; not a number when none did."""
+    """Mean steps of the training episodes that ended since the last report; NaN if none did."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Progress(TrainingStatus):
-    """How far a training is."""
+    """Progress of a training."""
 
     steps: int
     """Moves made, all environments together."""
     steps_per_second: float
-    """Moves a second since the training was started or resumed, evaluations included."""
+    """Moves per second since the training was started or resumed, evaluations included."""
     evaluation: Mapping[str, int | float] | None
-    """Figures of the latest evaluation."""
+    """Results of the latest evaluation by name; None before the first one."""
 
 
 class Trainee(ABC):
-    """A learner in training, as a session sees it."""
+    """The interface of a learner in training to its session."""
 
-    #: What evaluations and checkpoints are due by: an attribute, and a figure of every evaluation.
+    #: Unit of the intervals between evaluations and checkpoints: the name of an attribute and of an evaluation's entry.
     unit: ClassVar[str] = "steps"
 
     @property
@@ -66,14 +66,14 @@ class Trainee(ABC):
     @property
     @abstractmethod
     def done(self) -> bool:
-        """Tell whether the training has come to its end."""
+        """Tell whether the training is complete."""
 
     def update(self) -> None:
-        """Fly and learn for a moment, which a Ctrl-C never interrupts."""
+        """Make some moves and learn from them; a Ctrl-C takes effect only after it."""
         raise NotImplementedError
 
     def train(self, session: Session) -> None:
-        """Train to the end or to a Ctrl-C; a learner whose library has a loop of its own runs that one."""
+        """Train until :attr:`done` or until a Ctrl-C; overridden where a library brings its own training loop."""
         while not self.done and not session.interrupted:
             self.update()
             session.after_update(self)
@@ -81,29 +81,29 @@ class Trainee(ABC):
 
     @abstractmethod
     def status(self) -> TrainingStatus:
-        """Return what to report."""
+        """Return the current status for a report."""
 
     @abstractmethod
     def evaluate(self) -> dict[str, int | float]:
-        """Fly greedily on episodes kept apart from training; return figures, lower ones in :meth:`rank` being better.
+        """Fly greedily on episodes that training does not use; return the results by name.
 
-        Training must go on as if nothing had been flown.
+        This must not change the state of the training.
         """
 
     @abstractmethod
     def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
-        """Return what the best evaluation has least of."""
+        """Return the key that evaluations are compared by; the lowest is best."""
 
     @abstractmethod
     def keep(self, folder: Path) -> None:
-        """Keep the network as it is now as the best so far."""
+        """Keep the current network as the best so far."""
 
     @abstractmethod
     def save(self, folder: Path) -> None:
-        """Write the checkpoint, everything that it takes to go on."""
+        """Write the checkpoint: everything that a resumed training needs."""
 
     def results(self) -> dict[str, Any]:
-        """Return what else the record should say."""
+        """Return further entries of the record."""
         return {}
 
 
@@ -111,15 +111,15 @@ class Session:
     """Run one training in the folder ``out``.
 
     Args:
-        record: How the training is made.
+        record: The record of the training.
         config: Its hyperparameters.
-        out: Its folder, which is made.
-        checkpoint: Name of the learner's checkpoint in it.
-        resume: Go on with the training that the folder holds, if there is one.
-        report: Called with the progress now and then.
+        out: Its folder, which is created.
+        checkpoint: Name of the learner's checkpoint in the folder.
+        resume: Continue the training that the folder holds, if there is one.
+        report: Called with the progress about twice a second.
 
     Raises:
-        InputError: ``out`` holds another training, or one that was not asked to be resumed, or cannot be made.
+        InputError: ``out`` holds another training, or one and ``resume`` is not set, or cannot be created.
 
     """
 
@@ -135,9 +135,9 @@ class Session:
     ) -> None:
         self.record, self.out = record, out
         self.checkpoint: Path | None = None
-        """What to go on from; None for a training that begins."""
+        """The checkpoint to resume from; None for a new training."""
         self.listeners = [] if report is None else [report]
-        """Called with the progress now and then."""
+        """Called with the progress about twice a second."""
         self._config = config
         self._evaluations: list[dict[str, int | float]] = []
         self._interrupted = threading.Event()
@@ -164,14 +164,14 @@ class Session:
 
     @property
     def interrupted(self) -> bool:
-        """Whether somebody pressed Ctrl-C."""
+        """Whether Ctrl-C was pressed."""
         return self._interrupted.is_set()
 
     def run(self, trainee: Trainee) -> None:
-        """Train to the end; then, or after a Ctrl-C, write everything.
+        """Train to the end, then evaluate and write everything; after a Ctrl-C write everything at once.
 
         Raises:
-            KeyboardInterrupt: After a Ctrl-C, with everything written.
+            KeyboardInterrupt: after a Ctrl-C, when everything is written.
 
         """
         self._first_step, self._count = trainee.steps, self._counted(trainee)
@@ -188,7 +188,7 @@ class Session:
             self._show(trainee)
 
     def after_update(self, trainee: Trainee) -> None:
-        """Evaluate and write what is due; what is due at the end is left to :meth:`run`."""
+        """Evaluate and write a checkpoint if due; :meth:`run` does so at the end of the training."""
         if trainee.done:
             return
         before, self._count = self._count, self._counted(trainee)
@@ -198,7 +198,7 @@ class Session:
             self._write(trainee)
 
     def report(self, trainee: Trainee) -> None:
-        """Report the progress now and then."""
+        """Report the progress if the last report is :data:`REPORT_EVERY` seconds old."""
         if time.monotonic() - self._reported >= REPORT_EVERY:
             self._show(trainee)
 
@@ -218,7 +218,7 @@ class Session:
             listener(progress)
 
     def _evaluate(self, trainee: Trainee) -> None:
-        """Evaluate the network, and keep it when it is the best so far."""
+        """Evaluate the network, and keep it if it is the best so far."""
         found = trainee.evaluate()
         if all(trainee.rank(found) <= trainee.rank(other) for other in self._evaluations):
             trainee.keep(self.out)

@@ -1,4 +1,4 @@
-"""What the configurations of all learners have in common."""
+"""The base classes of all learners' configurations."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ class LearnerSettings(Settings):
     """The hyperparameters of one training."""
 
     evaluation_every: int = Field(ge=1)
-    """Moves, or another unit of the learner's, between two evaluations."""
+    """Moves between two evaluations; some learners count episodes."""
     checkpoint_every: int = Field(ge=1)
-    """The same between two checkpoints."""
+    """Moves or episodes between two checkpoints."""
 
     def task(self, scenario: Scenario) -> Scenario:
-        """Return the scenario as it is trained on, with the training's goal and rewards."""
+        """Return a scenario with the goal and the rewards of the training."""
         raise NotImplementedError
 
     def tasks(self, scenario: Scenario) -> list[Scenario]:
-        """Return all scenarios that are trained on side by side."""
+        """Return all scenarios that the learner trains on at the same time."""
         return [self.task(scenario)]

@@ -1,4 +1,4 @@
-"""Arrays on disk: safetensors files, which hold numbers and nothing that could run."""
+"""Arrays on disk: safetensors files, which hold data and no executable code."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WEIGHTS = "weights.safetensors"
 
 
 def write_tensors(path: Path, tensors: Mapping[str, NDArray[Any]], metadata: dict[str, str] | None = None) -> None:
-    """Write a safetensors file in one go: a crash leaves the old file or the new one, never half of one."""
+    """Write a safetensors file atomically: a crash leaves the old file or the new one, never a part of it."""
     with written_whole(path) as partial:
         save_file({name: np.ascontiguousarray(array) for name, array in tensors.items()}, partial, metadata)
 
@@ -28,7 +28,7 @@ def read_tensors(path: Path, most_bytes: int | None = None) -> tuple[dict[str, N
     """Return the arrays of a safetensors file by name, and its metadata.
 
     Raises:
-        InputError: the file is missing, larger than ``most_bytes``, or no safetensors file.
+        InputError: the file is missing, larger than ``most_bytes``, or not a safetensors file.
 
     """
     if not path.is_file():

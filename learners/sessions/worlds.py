@@ -1,4 +1,4 @@
-"""A batch of worlds as arrays, for checkpoints of trainings."""
+"""The state of a batch of worlds as arrays, for checkpoints of trainings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.simulation.world import World
 
-#: Arrays of the state whose names in checkpoints are others, those that they have always had.
+#: Names in checkpoints of arrays of the state that have been renamed since; old checkpoints stay readable.
 STORED_NAMES = {
     "discovery_log": "journal",
     "merged_up_to": "read",
@@ -22,18 +22,18 @@ STORED_NAMES = {
 
 
 def world_tensors(world: World) -> dict[str, NDArray[Any]]:
-    """Return the state and the episodes' seeds of a batch of worlds, by name; the arrays are the world's own."""
+    """Return the state and the episodes' seeds of a batch of worlds, by name; the arrays are views, not copies."""
     state = {_stored(name): array for name, array in world.state._asdict().items()}
     return state | {"world/seeds": np.array([[seed >> 32, seed & 0xFFFFFFFF] for seed in world.seeds], np.int64)}
 
 
 def begin(world: World, episode: int, seed: int) -> None:
-    """Begin an episode of a batch; on files of maps, on the map that the seed picks."""
+    """Begin an episode of a batch; in scenarios with several map files the seed selects the map."""
     world.begin(episode, seed, index=seed % world.scenario.map.count)
 
 
 def restore_world(tensors: Mapping[str, NDArray[Any]], world: World) -> None:
-    """Go on exactly where :func:`world_tensors` was taken."""
+    """Restore a batch of worlds from the arrays of :func:`world_tensors`."""
     for episode, (high, low) in enumerate(tensors["world/seeds"].tolist()):
         begin(world, episode, (high << 32) | low)
     for name, array in world.state._asdict().items():
@@ -41,5 +41,5 @@ def restore_world(tensors: Mapping[str, NDArray[Any]], world: World) -> None:
 
 
 def _stored(name: str) -> str:
-    """Return the name in checkpoints of an array of the state."""
+    """Return the name of an array of the state in checkpoints."""
     return f"world/{STORED_NAMES.get(name, name)}"

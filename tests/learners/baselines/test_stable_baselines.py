@@ -72,7 +72,7 @@ def test_a_training_says_how_it_was_made(learner: str, trained: dict[str, Path])
 def test_the_policy_chooses_as_the_library_does(learner: str, trained: dict[str, Path]) -> None:
     """Without our mask, its choice is the library's own ``predict``."""
     policy = StableBaselines(path=str(trained[learner]), mask=False)
-    model = import_module(f"{PACKAGE}.{learner.replace('-', '_')}").KIND.algorithm.load(
+    model = import_module(f"{PACKAGE}.{learner.replace('-', '_')}").ALGORITHM.model_class.load(
         trained[learner] / "model.zip", device="cpu"
     )
     world = World(small_room())
