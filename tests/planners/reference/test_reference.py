@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -8,7 +9,10 @@ import pytest
 from indoor_explorers.env import InputError, World, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.sensing.lidar import scan
+from indoor_explorers.evaluation.episodes.runner import fly as fly_tasks
+from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.planners.reference import plan as planning
+from indoor_explorers.planners.reference.annealing import anneal
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, plan, swap_resolved
 from tests.planners.flights import fly, maze, rooms
 
@@ -55,6 +59,16 @@ def test_the_same_task_gives_the_same_plan_and_more_effort_no_worse_ones() -> No
     plan.cache_clear()
     assert plan(request, EFFORT) == first
     assert len(plan(request, SearchBudget(4, 20_000, 10**8))[0]) <= len(plan(request, SearchBudget(1, 1, 10**8))[0])
+
+
+def test_routes_are_searched_once_an_episode_whatever_the_team(monkeypatch: pytest.MonkeyPatch) -> None:
+    search = Mock(wraps=anneal)
+    monkeypatch.setattr(planning, "anneal", search)
+    plan.cache_clear()
+    tasks = [Task("thesis-team-4", 0, seed) for seed in range(40)]
+    policy = make_policy("reference", restarts=1, changes=1)
+    list(fly_tasks(policy, "reference", scenario("thesis-team-4").for_evaluation(), tasks))
+    assert search.call_count == len(tasks)
 
 
 def test_work_bounds_the_search() -> None:
