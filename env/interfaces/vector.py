@@ -88,6 +88,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self._begun = np.zeros(num_envs, np.bool_)
         self._over = np.zeros(num_envs, np.bool_)
+        self._refused: InputError | None = None
         self.single_observation_space = self._encoder.space
         self.single_action_space = Discrete(5)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -105,11 +106,21 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         self._start(self._prepare(np.flatnonzero(chosen).tolist(), seeds))
         self._begun |= chosen
         self._over &= ~chosen
+        self._refused = None
         self._observe(chosen)
         return self._given(), self._infos(chosen)
 
     def step(self, actions: NDArray[np.integer[Any]]) -> tuple[Arrays, NDArray[np.float64], Mask, Mask, dict[str, Any]]:
-        """Fly one step in every episode, or start the next one, as the autoreset mode has it."""
+        """Fly one step in every episode, or start the next one, as the autoreset mode has it.
+
+        Raises:
+            InputError: the next episode cannot be started; nothing was flown. Where it was to start in the same step as
+                the last one ended, that step returned as if there were no next one, and this one raises.
+
+        """
+        if self._refused is not None:
+            refused, self._refused = self._refused, None
+            raise refused
         if not self._begun.all():
             raise ResetNeeded("expected episodes to step in, got a new environment; call reset first")
         mode = self.metadata["autoreset_mode"]
@@ -188,9 +199,12 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         episodes = np.flatnonzero(over).tolist()
         for b in episodes:
             final_obs[b] = copy_of(row_of(self._observed, b))
-        self._start(self._prepare(episodes, [None] * self.num_envs))
-        self._observe(over)
-        self._over = np.zeros(self.num_envs, np.bool_)
+        try:
+            self._start(self._prepare(episodes, [None] * self.num_envs))
+            self._observe(over)
+            self._over = np.zeros(self.num_envs, np.bool_)
+        except InputError as error:  # kept for the next step, so that what this one gave is not lost
+            self._refused = error
         return {"final_obs": final_obs, "_final_obs": over, "final_info": final_info, "_final_info": over.copy()}
 
     def _observe(self, chosen: Mask) -> None:

@@ -123,6 +123,29 @@ def test_a_refused_reset_of_environments_changes_nothing(observation, autoreset_
             np.testing.assert_array_equal(one[k], other[k])
 
 
+def test_a_refused_start_in_the_step_that_ended_an_episode_is_told_by_the_next_step():
+    envs = IndoorExplorersVectorEnv(2, LISTED, autoreset_mode="SAME_STEP")
+    envs.reset(seed=[0, 3])
+    over, refusals = np.zeros(2, np.bool_), 0
+    for _ in range(400):
+        before = snapshot(envs.world)
+        try:
+            observed, _, terminated, truncated, infos = envs.step(np.array([0, 1]))
+        except InputError:
+            refusals += 1
+            assert over.any()
+            assert_unchanged(envs.world, before)
+            continue
+        over = terminated | truncated
+        for b in np.flatnonzero(over):
+            assert infos["final_info"]["end"][b] > 0
+            restarted = envs.world.state.step[b] == 0
+            assert np.array_equal(observed[b], infos["final_obs"][b]) is not restarted
+    assert refusals > 0
+    envs.reset(seed=[0, 3])
+    envs.step(np.array([0, 1]))
+
+
 def test_a_step_whose_next_episode_is_refused_flies_nothing():
     envs = IndoorExplorersVectorEnv(2, LISTED)
     envs.reset(seed=[0, 3])
