@@ -25,12 +25,13 @@ def report_latency(harness: Harness) -> str:
 
 def report_large_latency(harness: Harness) -> str:
     """Time four UAVs on a 64x64 map."""
-    return f"four UAVs, 64x64: {latency_text(_timed(harness, LARGE, LARGE_STEPS))}"
+    shares = "; each time a UAV's share of a batch" if harness.policy.batched else ""
+    return f"four UAVs, 64x64: {latency_text(_timed(harness, LARGE, LARGE_STEPS))}{shares}"
 
 
 def _timed(harness: Harness, scenario: Scenario, steps: int) -> list[float]:
     """Time decisions as the harness does, in seconds; earlier flights have loaded and compiled what there is to."""
-    (trace,) = harness.fly(scenario, [FIRST], steps, ask=together if harness.batched else one_by_one)
+    (trace,) = harness.fly(scenario, [FIRST], steps, ask=together if harness.policy.batched else one_by_one)
     return trace.seconds
 
 

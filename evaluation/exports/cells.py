@@ -10,6 +10,7 @@ from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent
 from indoor_explorers.evaluation.report.summary.facts import denominator
 from indoor_explorers.evaluation.report.tables.headline_table import decision_time
+from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, contrasts
 
@@ -30,7 +31,7 @@ class ExportRow:
     """The figures of one policy, in the order of the headline table's ``headings``."""
 
     policy: str
-    privileged: bool
+    """Its name, marked where it knows the map or reads the settings of the maps' generator."""
     cells: tuple[ExportCell, ...]
 
 
@@ -38,8 +39,7 @@ def table_rows(comparison: Comparison) -> list[ExportRow]:
     """Return a row for each policy, in the experiment's order."""
     best = {metric: shown_best(comparison, metric) for metric in (*comparison.level.times, "auc")}
     return [
-        ExportRow(policy, comparison.privileged(policy), _cells(comparison, policy, best))
-        for policy in comparison.groups
+        ExportRow(marked(comparison.results, policy), _cells(comparison, policy, best)) for policy in comparison.groups
     ]
 
 
@@ -88,6 +88,7 @@ def caption(comparison: Comparison) -> list[str]:
         *(["A dash: the goal of this scenario does not ask for that threshold."] if comparison.level != T99 else []),
         "Bold: significantly better than every other policy (sign-flip test, p at most 0.05 after Holm's adjustment).",
         *(["Policies that know the map are not ranked."] if any(map(comparison.privileged, comparison.groups)) else []),
+        *footnotes(comparison.results, comparison.groups),
     ]
 
 

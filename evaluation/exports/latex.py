@@ -13,6 +13,7 @@ from indoor_explorers.evaluation.exports.cells import ExportCell, ExportRow, cap
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, MINUS, THIN_SPACE, slug
 from indoor_explorers.evaluation.report.tables.headline_table import headings
+from indoor_explorers.evaluation.report.tables.policy_names import DAGGER
 from indoor_explorers.evaluation.results.results import Results
 
 #: Characters that stand for something else in LaTeX, or that not every engine knows.
@@ -30,6 +31,7 @@ COMMANDS = {
     THIN_SPACE: r"\,",
     EN_DASH: r"\textendash{}",
     "\u00b5": r"$\mu$",
+    DAGGER: r"$\dagger$",
     "\u00df": r"\ss{}",
 }
 #: Accents by their combining characters.
@@ -75,8 +77,7 @@ def _table(comparison: Comparison, number: str) -> str:
 
 def _row(row: ExportRow) -> list[str]:
     """Return a line of figures and, where there are any, one of their intervals; a group guards a leading bracket."""
-    name = f"{{{escaped(row.policy)}}}" + (" (knows the map)" if row.privileged else "")
-    lines = ["    " + " & ".join((name, *map(_figure, row.cells))) + r" \\"]
+    lines = ["    " + " & ".join((f"{{{escaped(row.policy)}}}", *map(_figure, row.cells))) + r" \\"]
     if any(cell.interval for cell in row.cells):
         lines.append("    " + "".join(f" & {_interval(cell)}".rstrip() for cell in row.cells).strip() + r" \\")
     return lines

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 
-from indoor_explorers.evaluation.exports.cells import ExportCell, ExportRow, caption, table_rows
+from indoor_explorers.evaluation.exports.cells import ExportCell, caption, table_rows
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.tables.headline_table import headings
+from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.report.tables.ratio_table import RatioTable, ratio_tables
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
@@ -28,7 +29,7 @@ def _section(comparison: Comparison) -> str:
         "",
         _line(["policy", *shown]),
         _line(["---", *["---:"] * len(shown)]),
-        *(_line([_name(row), *map(_figure, row.cells)]) for row in table_rows(comparison)),
+        *(_line([escaped(row.policy), *map(_figure, row.cells)]) for row in table_rows(comparison)),
         "",
         escaped(" ".join(caption(comparison))),
         "",
@@ -38,10 +39,6 @@ def _section(comparison: Comparison) -> str:
 
 def _line(cells: list[str]) -> str:
     return f"| {' | '.join(cells)} |"
-
-
-def _name(row: ExportRow) -> str:
-    return escaped(row.policy) + (" (knows the map)" if row.privileged else "")
 
 
 def _figure(cell: ExportCell) -> str:
@@ -56,13 +53,15 @@ def escaped(text: str) -> str:
 
 def markdown_ratios(ratios: Ratios) -> str:
     """Return a heading and a table of policies by scenarios for each baseline and level."""
-    return "\n".join(_ratios(table) for table in ratio_tables(ratios))
+    tables = ratio_tables(ratios)
+    notes = footnotes(ratios.results, [name for table in tables for name, _ in table.rows], times=False)
+    return "\n".join([*(_ratios(table, ratios.results) for table in tables), *(f"{escaped(note)}\n" for note in notes)])
 
 
-def _ratios(table: RatioTable) -> str:
+def _ratios(table: RatioTable, results: Results) -> str:
     names = [escaped(name) for name, _ in table.scenarios]
     rows = [
-        [escaped(policy), *(f"{c.text} {c.interval}".strip() if c else "" for c in cells)]
+        [escaped(marked(results, policy)), *(f"{c.text} {c.interval}".strip() if c else "" for c in cells)]
         for policy, cells in table.rows
     ]
     lines = [f"## {escaped(table.title)}", "", _line(["policy", *names]), _line(["---", *["---:"] * len(names)])]

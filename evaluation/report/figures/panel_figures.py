@@ -38,6 +38,8 @@ def scenario_figures(comparison: Comparison, styles: Styles) -> Iterator[tuple[s
     if pareto is not None:
         how = "" if any(each.dots for each in pareto.series) else " with 95 % bootstrap interval"
         note = f"Mean AUC{how}; median time of a decision, whisker to the 99th percentile. Filled: the Pareto front."
+        shares = [policy for policy in comparison.groups if policy in comparison.results.batched_policies]
+        note += f"\nTimes that are shares of a batch: {', '.join(map(plain, shares))}." if shares else ""
         yield "pareto", _alone(pareto, comparison, styles, note)
     if rows:
         yield "rank-plot", rank_figure(comparison, rows, styles)

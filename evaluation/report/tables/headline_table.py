@@ -12,6 +12,7 @@ from rich.text import Text
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, percent, with_interval
+from indoor_explorers.evaluation.report.tables.policy_names import BATCH_SHARE, footnotes, marked
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared, tabled
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Estimate
@@ -20,8 +21,6 @@ from indoor_explorers.evaluation.statistics import Estimate
 WIDE = 110
 #: The same with the ratio to a policy that knows the map.
 WIDEST = 135
-#: Marks policies that read the settings of the maps' generator.
-MARK = "\N{DAGGER}"
 #: Characters of one more time.
 A_TIME = 22
 
@@ -56,8 +55,7 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     if known:
         table.add_column(f"{level.title if level else 'steps'} / {known}", justify="right", no_wrap=True)
-    if any(policy in results.generator_policies for _, policy in results.groups):
-        table.caption = f"{MARK} reads the settings of the maps' generator, never the map"
+    table.caption = "\n".join(footnotes(results, [policy for _, policy in results.groups], times=width >= wide)) or None
     for scenario in results.scenarios:
         if len(results.scenarios) > 1:
             name = scenario if level else f"{scenario} ({results.level(scenario).title})"
@@ -81,11 +79,8 @@ def _row(comparison: Comparison, policy: str, times: Sequence[str]) -> list[Text
     level = comparison.level.key
     best = policy == comparison.ranked_policies[0] and len(comparison.ranked_policies) > 1
     failures = len(failed(comparison.groups[policy]))
-    name = f"{policy} (knows the map)" if comparison.privileged(policy) else policy
-    if policy in comparison.results.generator_policies:
-        name += f" {MARK}"
     return [
-        Text(name, "dim" if comparison.privileged(policy) else ""),
+        Text(marked(comparison.results, policy), "dim" if comparison.privileged(policy) else ""),
         *(Text(_steps(comparison.estimate(policy, key)), "bold" if best and key == level else "") for key in times),
         Text(percent(comparison.reached(policy))),
         Text(str(failures), "bold red" if failures else ""),
@@ -97,7 +92,7 @@ def _row(comparison: Comparison, policy: str, times: Sequence[str]) -> list[Text
 def decision_time(comparison: Comparison, policy: str) -> str:
     """Return the median time of a policy's decisions; says so where it is a share of a batch's."""
     shown = latency(comparison.estimate(policy, "latency_p50_us").mean)
-    return f"{shown} (batch share)" if policy in comparison.results.batched_policies else shown
+    return f"{shown} ({BATCH_SHARE})" if policy in comparison.results.batched_policies else shown
 
 
 def _ratio(comparison: Comparison, policy: str) -> str:

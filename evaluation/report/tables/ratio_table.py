@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from rich import box
@@ -13,6 +13,7 @@ from rich.text import Text
 
 from indoor_explorers.evaluation.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, with_interval
+from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.results.ratios import POOLED, RatioRow, Ratios
 
 #: Decimals of a ratio.
@@ -80,14 +81,16 @@ def ratio_lines(ratios: Ratios) -> Iterator[RenderableType]:
     for to in ratios.to:
         rows = [row for row in ratios.rows if row.to == to]
         if rows:
-            yield _printed(to, ratios.metrics, rows)
+            yield _printed(to, ratios, rows)
     yield Text("mean over tasks of the ratio [95 % interval], and the ratio of the means", "dim")
+    for note in footnotes(ratios.results, [row.policy for row in ratios.rows], times=False):
+        yield Text(note, "dim")
 
 
-def _printed(to: str, metrics: Sequence[str], rows: list[RatioRow]) -> Table:
+def _printed(to: str, ratios: Ratios, rows: list[RatioRow]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column(f"steps / {to}'s", overflow="fold", min_width=24)
-    for metric in metrics:
+    for metric in ratios.metrics:
         table.add_column(MEASURES[metric].title, justify="right", no_wrap=True)
         table.add_column("of means", justify="right", no_wrap=True, style="dim")
     for scenario in _pooled_last(rows):
@@ -95,12 +98,11 @@ def _printed(to: str, metrics: Sequence[str], rows: list[RatioRow]) -> Table:
         for policy in dict.fromkeys(row.policy for row in rows):
             found = {row.metric: row.ratio for row in rows if (row.scenario, row.policy) == (scenario, policy)}
             if found:
-                ratios = [found.get(metric) for metric in metrics]
                 pairs = (
                     (with_interval(each.of_tasks, DECIMALS), fixed(each.of_means.mean, DECIMALS)) if each else ("", "")
-                    for each in ratios
+                    for each in map(found.get, ratios.metrics)
                 )
-                table.add_row(Text(policy), *(cell for pair in pairs for cell in pair))
+                table.add_row(Text(marked(ratios.results, policy)), *(cell for pair in pairs for cell in pair))
     return table
 
 

@@ -29,6 +29,9 @@ def test_an_honest_policy_passes_and_gets_a_report():
     assert "4 teammates replaced" in report["unlinked teammates"]
     assert "at most 2 in one" in report["messages"]
     assert "one UAV, 16x16: median" in report["latency"]
+    assert "share of a batch" not in report["latency, large map"]
+    batched = check_policy(make(Honest, type("Batched", (Flying,), {"batched": True})))
+    assert "each time a UAV's share of a batch" in batched["latency, large map"]
 
 
 class ReadsMapSettings(Honest):

@@ -3,14 +3,18 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from rich.console import Console
+from rich.console import Console, RenderableType
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.maps.sources import ThesisMaps
 from indoor_explorers.env.scenarios.scenario import Lidar, Radio
-from indoor_explorers.evaluation.exports.markdown import markdown_tables
+from indoor_explorers.evaluation.exports.latex import latex_tables
+from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
 from indoor_explorers.evaluation.report import headline_table, write_figures, write_report
 from indoor_explorers.evaluation.report.page import render
+from indoor_explorers.evaluation.report.tables.policy_names import DAGGER
+from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
+from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
 
 from .reports import HOSTILE, Page, Wander, results_of
@@ -100,16 +104,15 @@ def test_figures_are_deterministic(hostile: Results, tmp_path: Path) -> None:
 
 
 def test_policies_that_read_the_generators_settings_are_marked(results: Results) -> None:
-    name = next(iter(results.policies))
+    name = "broken"
     policies = results.policies | {name: results.policies[name] | {"uses_generator": True}}
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
     for found, expected in ((results, False), (marked, True)):
-        console = Console(width=200, record=True, quiet=True)
-        with console.capture() as shown:
-            console.quiet = False
-            console.print(headline_table(found))
-        assert (f"{name} \N{DAGGER}" in shown.get()) == expected
-        assert ("\N{DAGGER} reads the settings of the maps' generator" in shown.get()) == expected
+        ratios = Ratios.of(found)
+        texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(ratios))]
+        for text in (*texts, markdown_ratios(ratios), latex_tables(found).replace(r"$\dagger$", DAGGER)):
+            assert (f"{name} {DAGGER}" in text) == expected
+            assert (f"{DAGGER} reads the settings of the maps' generator" in text) == expected
         assert ("knows the generator</span>" in render(found)) == expected
         assert (f"generator that draws the maps, never the map: {name}." in render(found)) == expected
 
@@ -119,13 +122,18 @@ def test_shares_of_a_batch_are_marked(results: Results) -> None:
     policies = results.policies | {name: results.policies[name] | {"batched": True}}
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
     for found, expected in ((results, False), (marked, True)):
-        console = Console(width=200)
-        with console.capture() as shown:
-            console.print(headline_table(found, 200))
-        assert ("s (batch share)" in shown.get()) == expected
-        assert ("batch share" in markdown_tables(found)) == expected
+        for text in (printed(headline_table(found, 200)), markdown_tables(found), latex_tables(found)):
+            assert ("s (batch share)" in text) == expected
+            assert ("Batch share: the policy decides" in text) == expected
         assert ("batch times</span>" in render(found)) == expected
         assert (f"whose decision times are shares of a batch: {name}." in render(found)) == expected
+
+
+def printed(*parts: RenderableType) -> str:
+    console = Console(width=200)
+    with console.capture() as shown:
+        console.print(*parts)
+    return shown.get()
 
 
 def test_the_terminal_table_shows_names_as_they_are(hostile: Results, results: Results) -> None:

@@ -1,0 +1,29 @@
+"""Names of policies in tables of text, marked with what a reader has to know about them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from indoor_explorers.evaluation.results.results import Results
+
+#: Marks policies that read the settings of the maps' generator.
+DAGGER = "\N{DAGGER}"
+#: Follows a decision time that is a share of a batch's.
+BATCH_SHARE = "batch share"
+
+
+def marked(results: Results, policy: str) -> str:
+    """Return the name of a policy, marked where it knows the map or reads the settings of the maps' generator."""
+    knows = " (knows the map)" if policy in results.privileged_policies else ""
+    return policy + knows + (f" {DAGGER}" if policy in results.generator_policies else "")
+
+
+def footnotes(results: Results, policies: Iterable[str], *, times: bool = True) -> list[str]:
+    """Return a sentence for each mark of these policies; ``times`` says whether decision times are shown."""
+    shown, notes = set(policies), []
+    if shown.intersection(results.generator_policies):
+        notes.append(f"{DAGGER} reads the settings of the maps' generator, never the map.")
+    if times and shown.intersection(results.batched_policies):
+        what = "the policy decides for many UAVs at once, and each one's time is its share of the whole"
+        notes.append(f"{BATCH_SHARE.capitalize()}: {what}.")
+    return notes
