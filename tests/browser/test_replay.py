@@ -52,7 +52,7 @@ def test_readouts_are_those_of_the_record_at_every_step(page, record_of, chosen)
     seed = episode["task"][1]
     records = {name: record_of(1, name, seed) for name in (PLAIN, HOSTILE, "raises")}
     open_replay(page, task=[0, seed])
-    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option(str(chosen))
+    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option(str(chosen - 1) if chosen else "team")
     for now in (0, 1, 2, 5, 17, 44, last_step(page)):
         open_replay(page, task=[0, seed], step=now)
         assert step(page) == now
@@ -64,7 +64,7 @@ def test_readouts_are_those_of_the_record_at_every_step(page, record_of, chosen)
             assert f"step {there} " in texts[name]
             assert f"{record.distance[there]} cells flown" in texts[name]
             assert ("flying" in texts[name]) == (there < record.steps)
-    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("0")
+    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("team")
     assert "policy failed" in shown(page)["raises"]
 
 
@@ -121,9 +121,9 @@ def test_a_uav_alone_knows_no_more_than_the_team(page):
     choice = page.locator(f"{REPLAY} select[aria-label='Map of']")
     assert choice.locator("option").all_inner_texts() == ["team", "UAV 0", "UAV 1", "UAV 2", "UAV 3"]
     choice.select_option("3")
-    assert "map=3" in settled(page, "map=3")
+    assert "map=uav-3" in settled(page, "map=uav-3")
     assert pictures(page) != team
-    choice.select_option("0")
+    choice.select_option("team")
     assert pictures(page) == team
 
 
@@ -178,9 +178,9 @@ def test_the_address_names_the_moment_and_leads_back_to_it(page, visit):
     page.locator(f"{REPLAY} input[name=lidar]").uncheck()
     page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("2")
     page.get_by_text("Copy link").first.click()
-    hash_ = settled(page, "map=2")
+    hash_ = settled(page, "map=uav-2")
     page.locator(f"{REPLAY} input[name=lidar]").check()
-    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("0")
+    page.locator(f"{REPLAY} select[aria-label='Map of']").select_option("team")
     assert f"task={task[0]},{task[1]};step=7;" in hash_
     assert HOSTILE in unquote(hash_)
     with visit(hash_ + ";dark;nonsense;more=%E0%A4%A") as again:
@@ -195,3 +195,13 @@ def test_the_address_names_the_moment_and_leads_back_to_it(page, visit):
         assert step(again.page) == 1
         again.page.evaluate("location.hash = '#replay=nowhere;task=,;step=x;panels=%;map=&layers'")
         assert again.complaints == []
+
+
+def test_addresses_count_uavs_from_0_and_those_of_older_pages_from_1(page):
+    chosen = page.locator(f"{REPLAY} select[aria-label='Map of']")
+    for step_, (part, value) in enumerate(
+        [("uav-0", "0"), ("uav-3", "3"), ("1", "0"), ("4", "3"), ("0", "team"), ("team", "team"), ("uav-9", "team")], 1
+    ):
+        page.evaluate(f"location.hash = '#replay=s1;step={step_};map={part}'")
+        page.wait_for_function(f"() => document.querySelector('{REPLAY} [role=slider]').ariaValueNow === '{step_}'")
+        assert chosen.input_value() == value, part

@@ -1,6 +1,6 @@
 /* Ways to a moment of a replay: the address, openReplay() and elements that carry data-replay. */
 const Address = {
-  /* Read ``replay=s1;task=0,7;step=57;panels=pso,dddqn;map=2;layers=truth,trails``; unknown parts are left out. */
+  /* Read ``replay=s1;task=0,7;step=57;panels=pso,dddqn;map=uav-1;layers=truth,trails``; unknown parts are left out. */
   read(hash) {
     const found = {};
     for (const part of hash.replace(/^#/, "").split(";")) {
@@ -14,9 +14,16 @@ const Address = {
       task: found.task?.length === 2 && found.task.every((text) => whole(text) !== null) ? found.task.map(whole) : null,
       step: found.step ? whole(found.step[0]) : null,
       panels: found.panels || null,
-      map: found.map ? whole(found.map[0]) || 0 : null,
+      map: found.map ? this.mapNamed(found.map[0]) : null,
       layers: found.layers || null,
     };
+  },
+
+  /* ``team`` or ``uav-0``; in links of older pages 0 is the team, and UAVs count from 1. */
+  mapNamed(text) {
+    const [, uav, older] = text.match(/^(?:uav-(\d+)|(\d+))$/) || [];
+    if (uav) return String(Number(uav));
+    return Number(older) > 0 ? String(Number(older) - 1) : "team";
   },
 
   decoded(text) {
@@ -27,7 +34,7 @@ const Address = {
     const names = replay.panels.map((panel) => encodeURIComponent(panel.policy.name));
     const parts = {
       replay: replay.section, task: replay.episode.task.join(","), step: replay.step, panels: names.join(","),
-      map: replay.map || "team", layers: replay.shownLayers.join(","),
+      map: replay.map === "team" ? "team" : `uav-${replay.map}`, layers: replay.shownLayers.join(","),
     };
     const theme = location.hash.slice(1).split(";").filter((part) => part === "dark" || part === "light");
     return `#${[...Object.entries(parts).map((part) => part.join("=")), ...theme].join(";")}`;

@@ -1,7 +1,7 @@
 /* The replay's own controls: what is shown above the panels, and the transport below them. */
 function choose(title, options, chosen) {
   const select = element("select", { ariaLabel: title });
-  select.addEventListener("change", () => chosen(Number(select.value)));
+  select.addEventListener("change", () => chosen(select.value));
   fill(select, options);
   return select;
 }
@@ -29,7 +29,7 @@ class Controls {
     this.episodes = choose("Episode", data.episodes.map(({ label, map, task }, place) =>
       [place, `${label} · ${map} · seed ${task[1]}`]), (place) => {
       this.replay.say("");
-      this.replay.open(place);
+      this.replay.open(Number(place));
       this.replay.changed();
     });
     this.maps = choose("Map of", [], (map) => { this.replay.map = map; this.replay.changed(); });
@@ -69,12 +69,12 @@ class Controls {
 
   /* An episode was opened. */
   opened() {
-    const { episode, place, map } = this.replay, team = Math.max(...episode.flights.map((flight) => flight.team));
+    const { episode, place } = this.replay, team = Math.max(...episode.flights.map((flight) => flight.team));
     this.episodes.value = String(place);
-    const uavs = Array.from({ length: team }, (_, uav) => [uav + 1, `UAV ${uav}`]);
-    fill(this.maps, [[0, "team"], ...(episode.own ? uavs : [])]);
-    this.replay.map = map <= team && episode.own ? map : 0;
-    this.maps.value = String(this.replay.map);
+    const uavs = Array.from({ length: team }, (_, uav) => [uav, `UAV ${uav}`]);
+    fill(this.maps, [["team", "team"], ...(episode.own ? uavs : [])]);
+    if (![...this.maps.options].some(({ value }) => value === this.replay.map)) this.replay.map = "team";
+    this.maps.value = this.replay.map;
     this.mapLabel.hidden = team === 1;
     this.maps.title = episode.own ? "" : "Each UAV's own map takes more room than this page has";
     const most = Math.min(MOST_PANELS, episode.flights.length);

@@ -92,7 +92,7 @@ function coverage(known, counted, frames) {
   return covered;
 }
 
-/* Unpack a flight. Maps are in the order of the choice: the team's, then each UAV's where the page has it. */
+/* Unpack a flight. Its maps are the team's and, where the page has them, each UAV's by its number. */
 function readFlight(flight, episode) {
   const numbers = new Numbers(flight.stream), team = flight.team, size = episode.width * episode.height;
   const steps = [];
@@ -112,7 +112,7 @@ function readFlight(flight, episode) {
       minds.merge(group, frame);
     }
   }
-  const maps = episode.own && team > 1 ? [minds.team, ...minds.known] : [minds.team];
-  const covered = maps.map((known) => coverage(known, episode.isCounted, frames));
+  const maps = { ...(episode.own && team > 1 ? minds.known : []), team: minds.team }, covered = {};
+  for (const [name, known] of Object.entries(maps)) covered[name] = coverage(known, episode.isCounted, frames);
   return { ...flight, steps, cells, distance, bytes, links, maps, covered, last: frames - 1 };
 }

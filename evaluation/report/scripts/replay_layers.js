@@ -108,10 +108,10 @@ class Marks {
     }
   }
 
-  /* The UAVs; when one's own map is shown, the others are faint. */
-  team(chosen) {
+  /* The UAVs; when the map of one is shown, the others are faint. */
+  team(map) {
     this.eachUav((uav, colour) => {
-      this.pen.globalAlpha = chosen === null || chosen === uav ? 1 : 0.45;
+      this.pen.globalAlpha = map === "team" || Number(map) === uav ? 1 : 0.45;
       this.uav(uav, colour);
     });
     this.pen.globalAlpha = 1;

@@ -58,7 +58,7 @@ class Panel {
     if (layers.has("lidar")) marks.lidar(data.range);
     if (layers.has("trails")) marks.trails();
     if (layers.has("links")) marks.links();
-    marks.team(map ? map - 1 : null);
+    marks.team(map);
     this.drawChip();
     this.read(now);
   }

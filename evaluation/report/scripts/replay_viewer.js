@@ -10,7 +10,8 @@ class Replay {
     this.inks = new Inks();
     this.layers = new Set(LAYERS.map(([name]) => name));
     this.panels = [];
-    this.frame = this.map = 0;
+    this.frame = 0;
+    this.map = "team";  // or the number of a UAV as text
     this.playing = false;
     this.wanted = this.data.episodes[0].flights.map((flight) => flight.policy);
     this.count = Math.min(MOST_PANELS, this.wanted.length);
@@ -78,7 +79,7 @@ class Replay {
   get lastStep() { return Math.max(...this.panels.map((panel) => panel.flight.steps.at(-1))); }
   get step() { return Math.min(this.frame * this.episode.stride, this.lastStep); }
   frameOf(step) { return step >= this.lastStep ? this.last : Math.round(step / this.episode.stride); }
-  mapOf(flight) { return this.map < flight.maps.length ? this.map : 0; }
+  mapOf(flight) { return this.map in flight.maps ? this.map : "team"; }
 
   /* Choose the columns that show the cells largest without filling more than a screen; scales are whole numbers.
      A map that is wider than the page even at one pixel a cell is scrolled in its panel. */
