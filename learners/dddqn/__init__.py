@@ -1,7 +1,7 @@
-"""Dueling double deep Q-learning.
+"""Dueling double deep Q-learning (DDDQN).
 
-``observation`` is what the network sees of one UAV's view, ``network`` the network itself, as a torch model to train
-and compiled to act, and ``learning`` how it learns: vectorised flight, replay, targets, updates, evaluation. Each
-folder imports only those before it. Beside them stand ``policy`` and ``weights`` (to act), ``train`` and ``config``
-(to train), ``presets`` and ``ablations`` (named trainings). Only training needs torch.
+``observation`` computes the network's input from one UAV's view. ``network`` is the network, as a torch model for
+training and compiled for acting. ``learning`` holds vectorised flight, replay, targets, updates and evaluation. Each
+folder imports only those before it. ``policy`` and ``weights`` are for acting, ``train`` and ``config`` for training,
+``presets`` and ``ablations`` are named trainings. Only training needs torch.
 """

@@ -1,4 +1,4 @@
-"""Trainings that differ from the default in one ingredient each, to see what it is worth."""
+"""Ablations: trainings that differ from the default in one setting each."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-#: What all trainings share: short ones, since they are compared after equally many moves.
+#: Settings of all ablation trainings: all are short, and compared after the same number of moves.
 ABLATION_SETTINGS: Mapping[str, Any] = {
     "total_steps": 600_000,
     "evaluation_every": 48_000,
@@ -17,7 +17,7 @@ _LAYERS = ("unknown", "free", "chance")
 _MATES = {"observation.layers": (*_LAYERS, "mates", "mates_past")}
 _IDENTITY = {"observation.identity": True}
 
-#: Settings by name; the first is what all others are compared with.
+#: Changed settings by name; all others are compared with the first.
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "full": {},
     "no-double": {"double": False},
@@ -57,7 +57,7 @@ ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "identity-progress": {**_IDENTITY, "observation.progress": True},
 }
 
-#: More of them where a team is trained.
+#: Further ablations for the training of a team.
 TEAM_ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "mates": _MATES,
     "identity": _IDENTITY,
@@ -66,5 +66,5 @@ TEAM_ABLATIONS: Mapping[str, Mapping[str, Any]] = {
 
 
 def flown(weights: Path) -> dict[str, Any]:
-    """Return how a comparison flies trained weights: by themselves, without the guard."""
+    """Return the policy, as in an experiment file, that flies trained weights without the guard."""
     return {"use": "dddqn", "parameters": {"weights": str(weights.resolve()), "guard": False}}

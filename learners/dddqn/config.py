@@ -1,4 +1,4 @@
-"""Every hyperparameter of a DDDQN's training; what it sees and its network have configurations of their own."""
+"""The hyperparameters of a DDDQN's training; observation and network have configurations of their own."""
 
 from __future__ import annotations
 
@@ -18,96 +18,99 @@ class TrainingConfig(LearnerSettings):
     """Describe one training completely, together with its scenario and seed."""
 
     observation: ObservationConfig = ObservationConfig()
-    """What the network sees."""
+    """The network's input."""
     network: NetworkConfig = NetworkConfig()
-    """The network."""
+    """The network's shape."""
     also: tuple[str, ...] = ()
-    """Further scenarios trained on side by side with the first by the same network: presets or ``.toml`` files."""
+    """Further scenarios that the same network is trained on at the same time: presets or ``.toml`` files."""
     team: int | None = Field(None, ge=1)
-    """UAVs of each training episode; None for as many as the scenarios have. What a UAV learns alone is learned from
-    clearer rewards, and serves teams where planner features leave to teammates what is theirs."""
+    """UAVs in each training episode; None: as in the scenarios. The rewards of a single UAV are less noisy, and the
+    network still works in teams if planner features leave cells to the teammates that are closer to them."""
     prior_notes: int = Field(1_000_000, ge=0)
     """Largest number of unknown cells near obstacles that the map prior is fitted to before the training."""
     total_steps: int = Field(3_000_000, ge=1)
     """Moves made in training, all environments together."""
     environments: int = Field(64, ge=1, le=4096)
-    """Episodes flown side by side, shared out among the scenarios, at least four for each of several; the updates of
-    the network follow each tick of all of them."""
+    """Episodes flown in parallel, divided evenly among the scenarios; each of several scenarios gets at least four. A
+    tick is one step of all of them."""
     updates_per_tick: int = Field(1, ge=1, le=64)
-    """Updates of the network after each tick."""
+    """Updates of the network in each tick."""
     warmup_steps: int = Field(6_400, ge=0)
     """Moves made before the first update."""
     batch: int = Field(256, ge=1)
     """Transitions in one update."""
     replay_steps: int = Field(192_000, ge=1)
-    """Latest moves kept for replay."""
+    """Size of the replay buffer in moves."""
     return_steps: int = Field(5, ge=1, le=100)
-    """Rewards summed before the network's own estimate takes over; fewer before an exploratory move."""
+    """Steps of the n-step return; it is cut before an exploratory move."""
     double: bool = True
-    """Let the online network choose the move that the target network values (van Hasselt et al. 2016)."""
+    """Double Q-learning: the online network selects the next move, the target network evaluates it (van Hasselt et
+    al. 2016)."""
     action_gap: float = Field(0.0, ge=0.0, lt=1.0)
-    """Share of the distance to the best move's value that is taken off the target of each other move (advantage
-    learning, Bellemare et al. 2016, alpha): errors of the network then change fewer decisions. 0 takes off nothing."""
+    """Advantage learning, alpha (Bellemare et al. 2016): share of the gap between a move's value and the best move's
+    that is subtracted from the move's target. Larger gaps make decisions less sensitive to errors of the network."""
     prioritised: float = Field(0.0, ge=0.0, le=1.0)
-    """Exponent of the error in the chance to be replayed (Schaul et al. 2016, alpha); 0 replays uniformly."""
+    """Prioritised replay, alpha (Schaul et al. 2016): exponent of the TD error in the priority; 0 is uniform replay."""
     importance: float = Field(0.4, ge=0.0, le=1.0)
-    """How far prioritised replay is corrected by importance sampling at first (beta); all the way at the end."""
+    """Initial exponent of the importance-sampling weights, beta; it rises to 1 at the end of the training."""
     symmetries: bool = True
-    """Turn and mirror each sampled transition at random."""
+    """Rotate and mirror each sampled transition at random."""
     mask: bool = True
-    """Choose among legal moves alone; without, a move into a wall costs a step and is learned from."""
+    """Choose among legal moves only; if False, a move into a wall costs a step, and the network learns to avoid it."""
     gamma_first: float = Field(0.97, gt=0.0, le=1.0)
-    """Discount a step at the beginning."""
+    """Initial discount factor per step."""
     gamma_last: float = Field(0.999, gt=0.0, le=1.0)
-    """Discount a step after ``gamma_share`` of the training; what lies far ahead decides about pockets left behind."""
+    """Discount factor from ``gamma_share`` of the training on; a high one makes it worthwhile not to leave small
+    unknown pockets behind."""
     gamma_share: float = Field(0.5, gt=0.0, le=1.0)
-    """Share of the training over which the discount rises."""
+    """Share of the training over which the discount factor rises linearly."""
     epsilon_first: float = Field(0.25, ge=0.0, le=1.0)
-    """Probability of a random legal move at the beginning."""
+    """Initial probability of a random move."""
     epsilon_last: float = Field(0.01, ge=0.0, le=1.0)
-    """The same after ``epsilon_share`` of the training."""
+    """Probability of a random move from ``epsilon_share`` of the training on."""
     epsilon_share: float = Field(0.35, gt=0.0, le=1.0)
-    """Share of the training over which exploration falls."""
+    """Share of the training over which that probability falls linearly."""
     learning_rate: float = Field(5e-4, gt=0.0)
-    """Adam's step size at the beginning; it falls linearly."""
+    """Adam's initial step size; it falls linearly over the training."""
     learning_rate_last: float = Field(0.05, gt=0.0, le=1.0)
-    """Share of the step size that is left at the end."""
+    """Final step size as a share of the initial one."""
     gradient_clip: float = Field(10.0, gt=0.0)
-    """Longest gradient, as a Euclidean norm, that is followed unshortened."""
+    """Largest Euclidean norm of a gradient; a longer one is scaled down to it."""
     target: Literal["soft", "hard"] = "soft"
-    """How the target network follows: a little after each update, or all the way now and then."""
+    """Updates of the target network: a soft one after each update of the online network, or a copy now and then."""
     target_rate: float = Field(0.005, gt=0.0, le=1.0)
-    """Share of the way that a soft target moves to the online network after each update."""
+    """Rate tau of the soft target updates."""
     target_every: int = Field(500, ge=1)
-    """Updates between two copies of the online network to a hard target."""
+    """Updates of the online network between two copies to a hard target."""
     average_rate: float = Field(0.001, gt=0.0, le=1.0)
-    """The same as ``target_rate`` for the averaged weights, which are evaluated and shipped."""
+    """Rate of the moving average of the weights, which is evaluated and shipped."""
     device: Literal["auto", "cpu", "cuda"] = "auto"
-    """Where the network learns; "auto" takes a GPU where there is one."""
+    """Device that the network learns on; "auto" takes a GPU if there is one."""
     precision: Literal["auto", "full", "mixed"] = "auto"
-    """Mixed precision computes matrices in bfloat16; "auto" does where the processor has instructions for it."""
+    """Mixed precision multiplies matrices in bfloat16; "auto" uses it if the processor has instructions for it."""
     goal: float = Field(0.99, gt=0.0, le=1.0)
-    """Share of the reachable cells that ends a training episode."""
+    """Share of the reachable cells whose coverage ends a training episode."""
     reward_step: float = -0.1
-    """Paid for each step."""
+    """Reward for each step."""
     reward_early_step: float = -0.1
-    """Paid on top of it for each step until 90 % of the reachable cells are known."""
+    """Additional reward for each step until 90 % of the reachable cells are known."""
     reward_discovered: float = 0.1
-    """Paid for each cell that the UAV's own lidar discovers."""
+    """Reward for each cell that the UAV's own lidar discovers."""
     reward_goal: float = 1.0
-    """Paid for reaching the goal."""
+    """Reward for reaching the goal."""
     scale_rewards: bool = False
-    """Pay by the lidar: steps in proportion to 3 / range, and cells to the cells of a disc of range 3 over those in
-    range. So a map that is as many lidar ranges across is worth as much with any lidar; at range 3 nothing changes."""
+    """Scale the rewards by the lidar: those of steps by 3 / range, those of cells by the number of cells in range 3
+    over that in the lidar's range. Maps of the same size in lidar ranges then give similar returns; at range 3 nothing
+    changes."""
     evaluation_every: int = Field(192_000, ge=1)
     """Moves between two evaluations."""
     evaluation_episodes: int = Field(200, ge=1, le=100_000)
-    """Episodes of one evaluation on each scenario: greedy, without the guard, on maps kept apart from training."""
+    """Episodes of one evaluation on each scenario: greedy, without the guard, on maps that training does not use."""
     checkpoint_every: int = Field(384_000, ge=1)
     """Moves between two checkpoints."""
 
     def task(self, scenario: Scenario) -> Scenario:
-        """Return the scenario as it is trained on: to ``goal`` of the reachable cells, with these rewards."""
+        """Return a scenario with the training's goal, ``goal`` of the reachable cells, and its rewards."""
         area = sensor(REFERENCE_RANGE).disc / sensor(scenario.lidar.range).disc if self.scale_rewards else 1.0
         return scenario.for_evaluation().with_settings(
             {
@@ -122,36 +125,36 @@ class TrainingConfig(LearnerSettings):
         )
 
     def tasks(self, scenario: Scenario) -> list[Scenario]:
-        """Return all scenarios as they are trained on: this one, then ``also``.
+        """Return all training scenarios: this one and ``also``, with the training's goal and rewards.
 
         Raises:
-            InputError: one of them is no preset and no scenario file.
+            InputError: one of ``also`` is neither a preset nor a scenario file.
 
         """
         return [self.task(each) for each in (scenario, *map(named_scenario, self.also))]
 
     def early_step(self, scenario: Scenario) -> float:
-        """Return what is paid on top for each step of a scenario until 90 % of the reachable cells are known."""
+        """Return the additional reward for each step of a scenario until 90 % of the reachable cells are known."""
         return self.reward_early_step * self._pace(scenario)
 
     def _pace(self, scenario: Scenario) -> float:
-        """Return what a step of a scenario counts."""
+        """Return the factor on the rewards of a scenario's steps."""
         return sensor(scenario.lidar.range).rate if self.scale_rewards else 1.0
 
     def epsilon(self, share: float) -> float:
-        """Return the exploration after a ``share`` of the training."""
+        """Return the probability of a random move after a ``share`` of the training."""
         return _ramp(self.epsilon_first, self.epsilon_last, share / self.epsilon_share)
 
     def gamma(self, share: float) -> float:
-        """Return the discount after a ``share`` of the training."""
+        """Return the discount factor after a ``share`` of the training."""
         return _ramp(self.gamma_first, self.gamma_last, share / self.gamma_share)
 
     def rate(self, share: float) -> float:
-        """Return the step size after a ``share`` of the training."""
+        """Return Adam's step size after a ``share`` of the training."""
         return self.learning_rate * _ramp(1.0, self.learning_rate_last, share)
 
     def beta(self, share: float) -> float:
-        """Return how far prioritised replay is corrected after a ``share`` of the training."""
+        """Return the exponent of the importance-sampling weights after a ``share`` of the training."""
         return _ramp(self.importance, 1.0, share)
 
 

@@ -35,26 +35,26 @@ class Dddqn(Policy):
     """Explore with a dueling double deep Q-network.
 
     Mnih et al. 2015, doi:10.1038/nature14236; van Hasselt, Guez and Silver 2016, arXiv:1509.06461; Wang et
-    al. 2016, arXiv:1511.06581. The UAV makes the legal move of highest value, and stays where it is only
-    when nothing within its reach is unknown. Deterministic but for the guard's back-off.
+    al. 2016, arXiv:1511.06581. The UAV makes the legal move of highest value; it stays only when it can reach no
+    place with a view of unknown cells. Everything but the guard's back-off is deterministic.
 
     Raises:
-        InputError: ``weights`` is missing or holds something else, ``map_alone`` is asked for beside it, or
-            ``tour_width`` is no number of states.
+        InputError: ``weights`` is missing or not a file of this network, ``map_alone`` is given with it, or
+            ``tour_width`` is out of range.
 
     """
 
     uses_generator: ClassVar[bool] = True
 
     weights: str | None = None
-    """Name of weights that ship, or path of a training's folder or weights; None: those that suit the scenario."""
+    """Name of shipped weights, or path of a training's folder or weights; None: the shipped ones for the scenario."""
     map_alone: bool = False
-    """Of the weights that ship, take those that see the map alone and no planner features: in small rooms only."""
+    """Use shipped weights of a network that sees the map only, without planner features; for small rooms only."""
     tour_width: int | None = None
-    """States that the search for tours keeps at each step: more are slower, and find shorter tours; None: as many as
-    the weights say. Changes nothing where no tours are looked for."""
+    """Beam width of the search for tours: a wider beam finds shorter tours and takes longer; None: the width stored
+    with the weights. Without effect on networks without tour features."""
     guard: bool = True
-    """Hand over to the nearest frontier while the network goes nowhere."""
+    """Fly to the nearest frontier while the network makes no progress."""
 
     def __post_init__(self) -> None:
         if self.map_alone and self.weights is not None:
@@ -65,7 +65,7 @@ class Dddqn(Policy):
             load_weights(path)
 
     def _paths(self) -> dict[str, Path]:
-        """Return the weights that may be used, by name."""
+        """Return the paths of the weights that this policy may fly, by name."""
         known = shipped()
         if self.weights is None:
             return known
@@ -81,10 +81,10 @@ class Dddqn(Policy):
         return {self.weights: path}
 
     def suited(self, briefing: Briefing) -> str:
-        """Return the name of the weights that a UAV with this briefing flies with.
+        """Return the name of the weights that a UAV with this briefing flies.
 
         Raises:
-            InputError: no weights that see the map alone suit the scenario.
+            InputError: ``map_alone`` is set and there are no such weights for the scenario.
 
         """
         if self.weights is not None:
@@ -92,7 +92,7 @@ class Dddqn(Policy):
         return suited_alone(briefing) if self.map_alone else suited(briefing)
 
     def provenance(self) -> dict[str, str]:
-        """Return the hashes of the weights, and which are flown where."""
+        """Return the hashes of the weights, and which of them are flown in which scenarios."""
         hashes = {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in self._paths().items()}
         if self.weights is not None:
             return {"weights_sha256": hashes[self.weights]}
@@ -100,7 +100,7 @@ class Dddqn(Policy):
         return {f"weights_{name}_sha256": digest for name, digest in hashes.items()} | {"weights_for": used}
 
     def pilot(self, briefing: Briefing) -> DddqnPilot:
-        """Make the mind of one UAV for one episode."""
+        """Make the pilot of one UAV for one episode."""
         loaded = load_weights(self._paths()[self.suited(briefing)])
         if self.tour_width is not None:
             wide = loaded.observation.model_copy(update={"tour_width": self.tour_width})
@@ -108,18 +108,18 @@ class Dddqn(Policy):
         return DddqnPilot(self, briefing, loaded)
 
 
-#: What :func:`suited` says, in words.
+#: The rule of :func:`suited` in words, for the provenance.
 SUITED = (
     "up to 16x16 cells with a lidar of range 3 thesis-team for teams that always hear each other, thesis-open for one "
     "UAV in rooms without obstacles, else thesis-obstacles; elsewhere general"
 )
 
-#: What :func:`suited_alone` says, in words.
+#: The rule of :func:`suited_alone` in words, for the provenance.
 SUITED_ALONE = "thesis-open-map for one UAV in rooms without obstacles, else thesis-obstacles-map"
 
 
 def suited(briefing: Briefing) -> str:
-    """Return the name of the shipped weights that suit a scenario best."""
+    """Return the name of the shipped weights for a scenario."""
     if not _is_room(briefing):
         return "general"
     if briefing.team > 1:
@@ -128,10 +128,10 @@ def suited(briefing: Briefing) -> str:
 
 
 def suited_alone(briefing: Briefing) -> str:
-    """Return the name of the shipped weights that suit a scenario best of those that see the map alone.
+    """Return the name of the shipped weights for a scenario, of a network that sees the map only.
 
     Raises:
-        InputError: it is no small room.
+        InputError: the map or the lidar range is too large.
 
     """
     if not _is_room(briefing):
@@ -152,12 +152,12 @@ def _is_empty(briefing: Briefing) -> bool:
 
 
 def opened(path: str, **parameters: Any) -> Dddqn:
-    """Fly what ``train`` has trained, ``dddqn:DIR``, or some of the weights that ship, ``dddqn:NAME``."""
+    """Return the policy of a trained network, ``dddqn:DIR``, or of shipped weights, ``dddqn:NAME``."""
     return Dddqn(weights=path, **parameters)
 
 
 class DddqnPilot(Pilot):
-    """Remember where one UAV has been since its last gain."""
+    """Observe and act for one UAV, with the memory that its observation needs."""
 
     def __init__(self, policy: Dddqn, briefing: Briefing, loaded: Loaded) -> None:
         self._loaded, self._team = loaded, briefing.team
@@ -177,7 +177,7 @@ class DddqnPilot(Pilot):
         self._guard = Guard(briefing.shape, briefing.rng) if policy.guard else None
 
     def act(self, view: View) -> int:
-        """Choose by the values of the moves."""
+        """Make the legal move of highest value."""
         self._observe(view)
         action = self._choose(view)
         self._memory.aim(self._cell, np.array([action]))
@@ -185,7 +185,7 @@ class DddqnPilot(Pilot):
 
     def _choose(self, view: View) -> int:
         legal_A = self.moves[0, :, BLOCKED_AT] == 0.0
-        if not legal_A.any():  # a teammate is in the only way
+        if not legal_A.any():  # contested cells count as blocked: see observe
             legal_A = view.legal[:4]
         if self._memory.nearest[0] < 0 or not legal_A.any():
             if self._guard is not None:
@@ -205,7 +205,7 @@ class DddqnPilot(Pilot):
         self.scenes = stacked(self._scene, self.scenes, np.array([view.step == 0]))
 
     def tally(self) -> dict[str, float]:
-        """Return ``guarded_share``, the share of the decisions that the guard took over."""
+        """Return ``guarded_share``, the share of the decisions that the guard made; nothing without a guard."""
         return {} if self._guard is None else {"guarded_share": self._guard.share}
 
 

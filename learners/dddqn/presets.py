@@ -1,4 +1,4 @@
-"""How models that ship were trained, and a quick training: a name, a scenario, settings and a seed."""
+"""Presets: the trainings of the weights that ship, and a quick one. Each has a scenario, settings and a seed."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ class Preset(NamedTuple):
     scenario: str
     """Name of the scenario."""
     settings: Mapping[str, Any]
-    """What differs from the defaults of the training's configuration, by dotted keys."""
+    """Settings that differ from the defaults of the training's configuration, by dotted keys."""
     seed: int
-    """Makes the whole training."""
+    """Seed of the whole training."""
 
 
-#: The map alone: no planner looks ahead for the network.
+#: The network sees the map only, without planner features.
 _MAP_ALONE = {"observation.gains": False, "observation.tours": False}
 
-#: Where tours are seen: soon at a high discount, few random moves, and keeping to tours where it matters little.
+#: With tour features: a high initial discount factor, few random moves, and a pull that keeps near-ties on a tour.
 _KEEN = {
     "updates_per_tick": 2,
     "gamma_first": 0.995,
@@ -29,12 +29,12 @@ _KEEN = {
     "network.tour_pull": 0.03,
 }
 
-#: The empty room, where a step costs most until 90 % are known.
+#: The empty room: steps cost more until 90 % are known.
 _OPEN = _KEEN | {"total_steps": 1_000_000, "reward_early_step": -0.25, "evaluation_every": 96_000}
 
 PRESETS: dict[str, Preset] = {
     "thesis-open": Preset("thesis-open", _OPEN, 1),
-    #: Some 10,000 episodes with a quarter of the updates: ships nothing.
+    #: Some 10,000 episodes with a quarter of the updates; these weights do not ship.
     "thesis-open-quick": Preset(
         "thesis-open",
         _OPEN

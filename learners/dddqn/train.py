@@ -1,8 +1,8 @@
 """Train a DDDQN: a session around :class:`indoor_explorers.learners.dddqn.learning.training.Training`.
 
 The folder gets ``weights.safetensors`` (the averaged weights that did best in evaluation), ``training.json``
-(configuration, seed, versions, commits, evaluations), ``checkpoint.safetensors`` (everything, to resume from) and
-``tensorboard/``. The same seed gives the same weights, resumed or not.
+(configuration, seed, versions, commits, evaluations), ``checkpoint.safetensors`` (everything that a resumed training
+needs) and ``tensorboard/``. The same seed gives the same weights, resumed or not.
 """
 
 from __future__ import annotations

@@ -1,8 +1,4 @@
-"""Weights on disk.
-
-A weights file describes itself: its metadata tells what the network sees and how it is built, so that a policy
-needs the file alone.
-"""
+"""Weights on disk: a weights file also describes its observation and network, so a policy needs only the file."""
 
 from __future__ import annotations
 
@@ -24,24 +20,24 @@ from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout
 from indoor_explorers.learners.dddqn.observation.map_prior import INPUTS
 from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
 
-#: Grows whenever files of before can no longer be read.
+#: Version of the file format; raised when older files can no longer be read.
 FORMAT = 2
-#: The entry of the metadata that holds everything.
+#: Name of the metadata entry with the description.
 ABOUT = "about"
-#: The largest file that is read as weights.
+#: Largest size of a weights file.
 MOST_BYTES = 1_000_000_000
 _FOLDER = Path(__file__).parent / "weights"
 
 
 class Loaded(NamedTuple):
-    """All that a weights file holds."""
+    """The content of a weights file."""
 
     observation: ObservationConfig
     network: NetworkConfig
     layout: ObservationLayout
     weights: NetworkWeights
     prior: dict[str, NDArray[np.float32]]
-    """The map prior's arrays, by name; empty when the observation does without."""
+    """The map prior's arrays by name; empty if the observation has no prior."""
 
 
 def shipped() -> dict[str, Path]:
@@ -58,21 +54,21 @@ def write_weights(
     *,
     half: bool = False,
 ) -> None:
-    """Write a network and its map prior, with what :func:`load_weights` needs to know about them.
+    """Write a network and its map prior with their description.
 
-    ``half`` stores float16: half the size, and values rounded to three digits.
+    ``half`` stores float16: half the size, values rounded to three digits.
     """
     kind = np.float16 if half else np.float32
     tensors = {name: array.astype(kind) for name, array in ({**network_arrays, **prior_arrays}).items()}
     about = {"format": FORMAT, "observation": observation.model_dump(mode="json"), "network": network.model_dump()}
-    write_tensors(path, tensors, {ABOUT: json.dumps(about)})  # one entry: safetensors writes several in any order
+    write_tensors(path, tensors, {ABOUT: json.dumps(about)})  # safetensors orders several arbitrarily
 
 
 def load_weights(path: Path) -> Loaded:
-    """Return all that a weights file holds; read once in each process, unless the file changes.
+    """Return the content of a weights file; a process reads the file once, and again when it changes.
 
     Raises:
-        InputError: the file is missing, too large, no safetensors file, or holds something else.
+        InputError: the file is missing, too large, not a safetensors file, or holds another network.
 
     """
     return _read_once(path, path.stat().st_mtime_ns if path.is_file() else 0)

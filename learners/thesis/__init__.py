@@ -1,1 +1,1 @@
-"""The DDDQN of the IndoorExplorers thesis (2023) as it was, its mistakes included, each of them a switch."""
+"""The DDDQN of the IndoorExplorers thesis (2023), rebuilt with its mistakes; each mistake is a switch."""

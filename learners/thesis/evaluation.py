@@ -1,4 +1,4 @@
-"""Greedy evaluation, apart from training: on maps of its own, without exploration, all UAVs by the network."""
+"""Greedy evaluation on maps that training does not use; the network flies all UAVs."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from indoor_explorers.learners.thesis.vector_flight import ImageFlight
 
 
 class GreedyFigures(NamedTuple):
-    """How the network did at one moment of the training; coverage is the team's, as the task counts it."""
+    """Results of the network at one point of the training; coverage is the team's, by the scenario's definition."""
 
     episodes: int
-    """Training episodes flown by then."""
+    """Training episodes flown so far."""
     score: float
-    """Mean sum of a UAV's rewards."""
+    """Mean return of a UAV, undiscounted."""
     coverage: float
-    """Mean coverage at the end."""
+    """Mean final coverage."""
     t90: float
-    """Mean steps to 90 % coverage; the budget where it was not reached, however early the episode ended."""
+    """Mean steps to 90 % coverage; an episode that did not reach it counts with its budget, even if it ended early."""
     reached: float
-    """Share of the episodes that got to 90 %."""
+    """Share of the episodes that reached 90 %."""
     crashed: float
     """Share of the UAVs that flew into an obstacle or off the map."""
     stuck: float
@@ -43,10 +43,10 @@ def evaluate(
     frames: int,
     identity: bool,
 ) -> tuple[GreedyFigures, list[float]]:
-    """Fly ``episodes`` episodes with seeds from ``first_seed`` on, after ``trained`` episodes of training.
+    """Fly ``episodes`` episodes, whose seeds begin at ``first_seed``, after ``trained`` training episodes.
 
-    ``choose`` maps images (P, K, H, W) to moves. Also returns the mean coverage after 0, 1, 2, ... steps; an episode
-    that has ended keeps its own.
+    ``choose`` maps images (P, K, H, W) to moves (P,). Returns the results and the mean coverage after 0, 1, 2, ...
+    steps; an episode that has ended counts with its final coverage.
     """
     seeds = iter(range(first_seed, first_seed + episodes))
     team = range(task.team)

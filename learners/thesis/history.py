@@ -1,7 +1,7 @@
-"""What the thesis plots of a training: each episode's score, and how much was explored by which step.
+"""The training curves that the thesis plots: each episode's score, and the mean coverage by step.
 
-These are episodes with exploration, and the coverage is the mean over those that still flew at a step, as the
-thesis plots it: one that ended early, in a crash or at the goal, is in no later mean.
+Training episodes include random moves. As in the thesis, the mean coverage at a step is over the episodes that were
+still flying: one that ended earlier, by a crash or at the goal, is not in it.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ COLUMNS = ("episode", "score", "steps", "coverage", "end")
 
 
 class History:
-    """Record the training episodes of ``environments`` episodes flown side by side."""
+    """Record the training episodes of ``environments`` parallel environments."""
 
     def __init__(self, environments: int) -> None:
         self.running = np.zeros(environments)
-        """(B,) the first UAV's rewards in the episodes under way."""
+        """(B,) sum of the first UAV's rewards in the current episodes."""
         self.rows: list[tuple[float, int, float, int]] = []
-        """Score, steps, coverage and the first UAV's :class:`End` of every episode that is over."""
+        """Score, steps, coverage and the first UAV's :class:`End` of every finished episode."""
         self.covered = np.zeros(0)
-        """(T,) coverage by step, summed over the episodes that flew then."""
+        """(T,) coverage by step, summed over the episodes that were flying."""
         self.flown = np.zeros(0, np.int64)
-        """(T,) how many those were."""
+        """(T,) number of these episodes."""
 
     def record_step(self, reward: NDArray[np.float64], step: NDArray[np.int64], coverage: NDArray[np.float64]) -> None:
-        """Record (B,) the first UAV's rewards, the steps flown by now, and the coverage after them."""
+        """Record a step: (B,) the first UAV's rewards, the steps flown so far, and the coverage after them."""
         self.running += reward
         size = max(len(self.flown), int(step.max()))
         self.covered = _padded(self.covered, size) + np.bincount(step - 1, coverage, size)
@@ -47,13 +47,13 @@ class History:
         coverage: NDArray[np.float64],
         end: NDArray[np.uint8],
     ) -> None:
-        """Record episodes that are over: (B,) steps, coverage and the first UAV's end, of all of them."""
+        """Record finished ``episodes``; (B,) steps, coverage and the first UAV's end are those of all episodes."""
         for b in episodes.tolist():
             self.rows.append((float(self.running[b]), int(step[b]), float(coverage[b]), int(end[b])))
         self.running[episodes] = 0.0
 
     def write(self, path: Path, episodes: int) -> None:
-        """Write the first ``episodes`` of them as CSV."""
+        """Write the first ``episodes`` finished episodes as CSV."""
         with written_whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
             table = csv.writer(file)
             table.writerow(COLUMNS)
@@ -61,7 +61,7 @@ class History:
                 table.writerow([number, f"{score:g}", steps, f"{coverage:.4f}", End(end).name.lower()])
 
     def by_step(self) -> list[float]:
-        """Return the mean coverage after 1, 2, ... steps, over the episodes that still flew."""
+        """Return the mean coverage after 1, 2, ... steps over the episodes that were flying."""
         return [round(float(share), 4) for share in self.covered / np.maximum(self.flown, 1)]
 
     def tensors(self) -> dict[str, NDArray[Any]]:
@@ -73,7 +73,7 @@ class History:
         }
 
     def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
-        """Go on exactly where :meth:`tensors` was taken."""
+        """Restore the state that :meth:`tensors` returned."""
         self.rows = [
             (score, int(steps), part, int(end)) for score, steps, part, end in tensors["history/rows"].tolist()
         ]

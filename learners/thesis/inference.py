@@ -1,7 +1,7 @@
-"""The thesis's network for acting, compiled: one image at a time, in one fixed order of additions.
+"""The thesis's network for acting, compiled: one image at a time, with a fixed order of additions.
 
-A decision so is the same, bit for bit, in any batch, process and engine, and acting needs no torch. The test
-suite holds it against :class:`indoor_explorers.learners.thesis.network.ThesisNetwork`.
+Decisions are therefore the same, bit for bit, in any batch, process and engine, and acting needs no torch. Tests
+compare it with :class:`indoor_explorers.learners.thesis.network.ThesisNetwork`.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ class ThesisWeights(NamedTuple):
 
 
 def weights_from(arrays: Mapping[str, NDArray[Any]], view: tuple[int, int]) -> ThesisWeights:
-    """Arrange a network's arrays as torch stores them; ``view`` is what its convolutions leave of the image."""
+    """Arrange a torch network's arrays for acting; ``view`` are the rows and columns after its convolutions."""
     found = []
     for layer in ("convolutions.0", "convolutions.1", "convolutions.2", "first", "second", "value", "advantage"):
         weight, bias = arrays[f"{layer}.weight"], arrays[f"{layer}.bias"]
-        if layer == "first":  # its inputs are counted filter by filter in torch, cell by cell here
+        if layer == "first":  # torch orders its inputs by filter, we order them by cell
             weight = weight.reshape(len(weight), -1, *view).transpose(0, 2, 3, 1).reshape(len(weight), -1)
         weight = weight.transpose(2, 3, 1, 0) if weight.ndim == 4 else weight.T
         found += [np.ascontiguousarray(weight, np.float32), np.ascontiguousarray(bias, np.float32)]
@@ -72,7 +72,7 @@ def _convolved(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, stride: int)
 
 @kernel(entry=False)
 def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray) -> np.ndarray:
-    """Return x W + b; inputs that are zero cost nothing."""
+    """Return x W + b; zero inputs are skipped."""
     out = bias.copy()
     for i in range(x.shape[0]):
         value = x[i]
@@ -84,9 +84,10 @@ def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray) -> np.ndarray:
 
 @kernel()
 def q_values(images: np.ndarray, levels: np.ndarray, weights: ThesisWeights, q: np.ndarray) -> None:
-    """Write the values ``q`` (B, 4) of images (B, K, H, W) of codes; ``levels`` (256,) are what codes look like.
+    """Write the values ``q`` (B, 4) of images (B, K, H, W) of codes; ``levels`` (256,) are the codes' grey levels.
 
-    The mean advantage is the actions', however the network was trained: what is best is the same either way.
+    The mean advantage is over the actions, even if the network was trained with the mean over a batch: the best action
+    is the same.
     """
     frames, height, width = images.shape[1:]
     x = np.empty((height, width, frames), np.float32)

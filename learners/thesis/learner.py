@@ -1,4 +1,4 @@
-"""One update of the thesis's network, its two mistakes in the targets included."""
+"""One update of the thesis's network, including its two mistakes in the targets."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from indoor_explorers.learners.thesis.observation import LEVELS
 from indoor_explorers.learners.thesis.replay import ThesisBatch
 from indoor_explorers.learners.thesis.sizes import ImageFormat
 
-#: Of Adam, as the thesis's library has it; torch's own is 1e-8.
+#: Adam's epsilon in the thesis's library; torch's default is 1e-8.
 ADAM_EPSILON = 1e-7
 
 
@@ -33,7 +33,7 @@ class ThesisLearner:
         self.optimiser = torch.optim.Adam(parameters, lr=rate, eps=ADAM_EPSILON, fused=True)
 
     def start_from(self, arrays: dict[str, NDArray[np.float32]]) -> None:
-        """Take over the weights of another training, for both networks."""
+        """Load the weights of another training into both networks."""
         state = {name: torch.from_numpy(array) for name, array in arrays.items()}
         self.online.load_state_dict(state)
         self.target.load_state_dict(state)
@@ -47,11 +47,11 @@ class ThesisLearner:
         return loss.detach()
 
     def copy_target(self) -> None:
-        """Set the target network to the network."""
+        """Copy the online network to the target network."""
         self.target.load_state_dict(self.online.state_dict())
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the network's arrays by name."""
+        """Return the online network's arrays by name."""
         return {name: value.numpy() for name, value in self.online.state_dict().items()}
 
     def tensors(self) -> dict[str, NDArray[Any]]:
@@ -59,7 +59,7 @@ class ThesisLearner:
         return learner_tensors(self._networks(), self.optimiser)
 
     def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
-        """Go on exactly where :meth:`tensors` was taken."""
+        """Restore the state that :meth:`tensors` returned."""
         restore_learner(tensors, self._networks(), self.optimiser)
 
     def _networks(self) -> dict[str, ThesisNetwork]:
@@ -73,7 +73,7 @@ def td_targets(
     gamma: float,
     terminal_target: Literal["zero", "reward"],
 ) -> Tensor:
-    """Return target_B = r + gamma Q_target(s', argmax Q_online(s', .)); after a terminal move r, or 0 (a mistake)."""
+    """Return target_B = r + gamma Q_target(s', argmax Q_online(s', .)); for a terminal move r, or 0 (a mistake)."""
     over_B = batch.terminal_B
     return_B = batch.reward_B.masked_fill(over_B, 0.0) if terminal_target == "zero" else batch.reward_B
     online_BA, target_BA = online(batch.next_image_BKHW), target(batch.next_image_BKHW)
@@ -87,7 +87,7 @@ def td_loss(
     gamma: float,
     terminal_target: Literal["zero", "reward"],
 ) -> Tensor:
-    """Return the mean squared error over all moves' values, of which only the chosen one's is wrong."""
+    """Return the mean squared error over the values of all moves; only the chosen move's error is not zero."""
     q_BA = online(batch.image_BKHW)
     with torch.no_grad():
         target_B = td_targets(online, target, batch, gamma, terminal_target)

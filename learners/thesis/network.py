@@ -1,6 +1,6 @@
 """The thesis's dueling network: three convolutions, two dense layers, a value and four advantages.
 
-The text gives the outline (section 3.3); the sizes are those of the code that its results were made with.
+Section 3.3 of the thesis gives the outline; the sizes are those of its code.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from indoor_explorers.learners.thesis.sizes import CONVOLUTIONS, DENSE, MOVES, I
 
 
 class ThesisNetwork(nn.Module):
-    """Map images to the values of the four moves; 665,765 parameters on one image of 16x16."""
+    """Map images to the values of the four moves; 665,765 parameters for one image of 16x16 cells."""
 
     def __init__(self, image_format: ImageFormat, advantage_mean: Literal["batch", "actions"]) -> None:
         super().__init__()
@@ -42,7 +42,7 @@ class ThesisNetwork(nn.Module):
                     nn.init.xavier_uniform_(layer.weight)
 
     def forward(self, image_BKHW: Tensor) -> Tensor:
-        """Return q_BA for images of levels, float32."""
+        """Return q_BA for images of grey levels, float32."""
         x = image_BKHW
         for layer in self.convolutions:
             x = torch.relu(layer(x))
@@ -59,7 +59,7 @@ def duel(value_B1: Tensor, advantage_BA: Tensor, mean: Literal["batch", "actions
 
 
 def new_network(image_format: ImageFormat, advantage_mean: Literal["batch", "actions"], seed: int) -> ThesisNetwork:
-    """Return a network initialised from ``seed`` alone; torch's global generator is left as it was."""
+    """Return a network initialised from ``seed``; torch's global generator keeps its state."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         return ThesisNetwork(image_format, advantage_mean)

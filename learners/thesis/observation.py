@@ -1,7 +1,7 @@
-"""The thesis's observation: one image of the whole map, the UAVs painted into it (its Table 3.1).
+"""The thesis's observation: one image of the whole map with the UAVs drawn into it (its Table 3.1).
 
-Images are kept as codes, one byte a cell: 0 unknown, 1 free, 2 obstacle, and 3 plus a UAV's number. The network
-sees a code's level: 0, 0.3, 0.5, and the number plus 1.
+Images are stored as codes, one byte per cell: 0 unknown, 1 free, 2 obstacle, and 3 + a UAV's number. The network
+sees each code as a grey level: 0, 0.3, 0.5, and the number + 1.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from indoor_explorers.env.grid.cells import OCCUPIED
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.view import View
 
-#: The first UAV's code; a number above 252 is painted as 252.
+#: The first UAV's code; a number above 252 is drawn as 252.
 FIRST = 3
-#: (256,) float32: what the network sees of each code.
+#: (256,) float32: the grey level of each code.
 LEVELS = np.concatenate([[0.0, 0.3, 0.5], np.arange(1.0, 254.0)]).astype(np.float32)
 
 
 def painted(view: View, agent: int, *, identity: bool) -> NDArray[np.uint8]:
-    """Return the image (H, W) of what UAV ``agent`` knows: the map, mates where last heard, itself on top."""
+    """Return the image (H, W) of UAV ``agent``: its belief, teammates at their last received cells, itself on top."""
     image = view.belief.copy()
     for mate in view.mates:
         image[mate.cell] = code(1 if identity else mate.agent)
@@ -32,7 +32,7 @@ def painted(view: View, agent: int, *, identity: bool) -> NDArray[np.uint8]:
 
 
 def code(number: int) -> int:
-    """Return the code that a UAV of that number is painted with."""
+    """Return the code of a UAV with this number."""
     return min(FIRST + number, 255)
 
 
@@ -47,10 +47,10 @@ def paint_all(
     team: int,
     images: np.ndarray,
 ) -> None:
-    """Paint the images (C, H, W) of some columns, b * team + n for UAV n of episode b, as :func:`painted` does.
+    """Draw the images (C, H, W) of some columns as :func:`painted` does; column b * team + n is UAV n of episode b.
 
-    ``belief`` is (B, N, H, W), ``cell`` (B, N, 2), ``heard_step`` (B, N, N), below 0 for never, and ``heard_cell``
-    (B, N, N, 2): the world's state.
+    The world's state: ``belief`` (B, N, H, W), ``cell`` (B, N, 2), ``heard_step`` (B, N, N), below 0 for never, and
+    ``heard_cell`` (B, N, N, 2).
     """
     for column in columns:
         b, n = divmod(column, team)
@@ -63,10 +63,10 @@ def paint_all(
 
 
 def window(images: Sequence[Belief], cell: Cell, shape: tuple[int, int], out: NDArray[np.uint8]) -> None:
-    """Fill ``out`` (K, *shape) with the part of K images (H, W) around a cell that a network of that shape sees.
+    """Fill ``out`` (K, *shape) with a window of K images (H, W) around a cell.
 
-    Where the map is larger, the window has the cell in its middle, or lies at the map's border; where it is
-    smaller, obstacles are around it. On a map of the shape itself this is the whole image.
+    On a larger map the window is centred on the cell, but stays inside the map. A smaller map is surrounded by
+    obstacles. On a map of this shape the window is the whole image.
     """
     out[:] = OCCUPIED
     rows = _span(images[0].shape[0], cell[0], shape[0])
@@ -76,7 +76,7 @@ def window(images: Sequence[Belief], cell: Cell, shape: tuple[int, int], out: ND
 
 
 def _span(cells: int, at: int, wide: int) -> tuple[slice, slice]:
-    """Return what of an axis of the map is seen, and where in the window it is."""
+    """Return, for one axis, the slice of the map that the window shows and its slice of the window."""
     if cells <= wide:
         first = (wide - cells) // 2
         return slice(0, cells), slice(first, first + cells)

@@ -1,4 +1,4 @@
-"""The thesis's learner as a policy: greedy, by its own network and observation."""
+"""The thesis's DDDQN as a policy: greedy, with its own network and observation."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ from indoor_explorers.learners.thesis.weights import SHIPPED, trained
 class DddqnThesis(Policy):
     """Explore with the DDDQN of the IndoorExplorers thesis: its network, its image of the map, greedily.
 
-    It makes the move of highest value, into walls too, as the thesis's did. Larger maps than that of its
-    training it sees through a window of that size around the UAV.
+    It makes the move of highest value, also into walls, as in the thesis. On maps larger than the training maps it
+    sees a window of their size around the UAV.
 
     Raises:
-        InputError: ``weights`` is missing or holds something else.
+        InputError: ``weights`` is missing or not a file of this network.
 
     """
 
     weights: str | None = None
     """Path of a safetensors file from training; None: the weights that ship."""
     mask: bool = False
-    """Choose among legal moves alone, so that no wall is hit; the thesis: no."""
+    """Choose among legal moves only, so that the UAV hits no wall; the thesis: False."""
     guard: bool = False
-    """Hand over to the nearest frontier while the network goes nowhere; the thesis: no."""
+    """Fly to the nearest frontier while the network makes no progress; the thesis: False."""
 
     def __post_init__(self) -> None:
         trained(self.path)
@@ -48,7 +48,7 @@ class DddqnThesis(Policy):
 
     @property
     def image_format(self) -> ImageFormat:
-        """What the network sees."""
+        """Format of the images that the network sees."""
         return trained(self.path).image_format
 
     def provenance(self) -> dict[str, str]:
@@ -56,12 +56,12 @@ class DddqnThesis(Policy):
         return {"weights_sha256": hashlib.sha256(self.path.read_bytes()).hexdigest()}
 
     def pilot(self, briefing: Briefing) -> DddqnThesisPilot:
-        """Make the mind of one UAV for one episode."""
+        """Make the pilot of one UAV for one episode."""
         return DddqnThesisPilot(self, briefing)
 
 
 class DddqnThesisPilot(WatchedPilot):
-    """Remember the latest images of one UAV, and make the move of highest value."""
+    """Stack the latest images of one UAV, and make the move of highest value."""
 
     def __init__(self, policy: DddqnThesis, briefing: Briefing) -> None:
         super().__init__(briefing, guard=policy.guard)
@@ -72,7 +72,7 @@ class DddqnThesisPilot(WatchedPilot):
         self._q_BA = np.empty((1, MOVES), np.float32)
 
     def act(self, view: View) -> int:
-        """Choose by the values of the moves."""
+        """Make the move of highest value."""
         self.perceive(view, self._images_BKHW[0])
         q_values(self._images_BKHW, LEVELS, self._trained.weights, self._q_BA)
         q_A = self._q_BA[0]
@@ -81,7 +81,7 @@ class DddqnThesisPilot(WatchedPilot):
         return self.review(view, int(q_A.argmax()))
 
     def perceive(self, view: View, out: NDArray[np.uint8]) -> None:
-        """Write the latest images into ``out`` (K, H, W); before the first move, the first one K times."""
+        """Write the latest images into ``out`` (K, H, W), the latest last; at first, the first one K times."""
         image_format = self._trained.image_format
         self._past.append(painted(view, self._agent, identity=image_format.identity))
         while len(self._past) < image_format.frames:

@@ -1,4 +1,4 @@
-"""The thesis's replay memory: the latest transitions of all UAVs that learn, drawn from uniformly."""
+"""The thesis's replay memory: the latest transitions of all UAVs that learn, sampled uniformly."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from indoor_explorers.learners.thesis.sizes import ImageFormat
 
 
 class Transitions(NamedTuple):
-    """What the memory holds of M transitions."""
+    """M transitions, as the memory stores them."""
 
     images: NDArray[np.uint8]
-    """(M, K + 1, H, W) codes: the K images seen before the move, and the one after it."""
+    """(M, K + 1, H, W) codes: the K images before the move and the one after it."""
     action: NDArray[np.int64]
-    """(M,) the move."""
+    """(M,) moves."""
     reward: NDArray[np.float32]
-    """(M,) what it paid."""
+    """(M,) rewards."""
     terminal: NDArray[np.bool_]
-    """(M,) nothing is expected after it."""
+    """(M,) whether the move terminated the episode."""
 
 
 class ThesisBatch(NamedTuple):
@@ -50,7 +50,7 @@ class ThesisReplay:
 
     @property
     def filled(self) -> int:
-        """Places that hold something."""
+        """Number of stored transitions."""
         return min(self.written, len(self.data.action))
 
     def add(self, new: Transitions) -> None:

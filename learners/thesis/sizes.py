@@ -1,4 +1,4 @@
-"""The sizes of the thesis's network and of what it sees; no torch is needed to know them."""
+"""The sizes of the thesis's network and of its images; this module does not need torch."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ MOVES = 4
 
 
 class ImageFormat(NamedTuple):
-    """What a network sees; it fits no other observation."""
+    """Format of a network's images; a network fits one format only."""
 
     height: int
     """Rows of the image."""
     width: int
     """Columns of the image."""
     frames: int
-    """Images at once."""
+    """Stacked images."""
     identity: bool
-    """Whether a UAV sees itself as 1 and every mate as 2, or all by their numbers."""
+    """Whether a UAV sees itself as 1 and every teammate as 2, or all by their numbers."""
 
     def view(self) -> tuple[int, int]:
         """Return rows and columns after the convolutions, at least 1 x 1.

@@ -1,8 +1,9 @@
 """Train the thesis's DDDQN: a session around :class:`indoor_explorers.learners.thesis.training.ThesisTraining`.
 
-The folder gets ``weights.safetensors`` (the network as it is at the end, as the thesis's), ``episodes.csv`` (every
-training episode: the thesis's curve), ``training.json`` (configuration, seed, versions, commits, evaluations) and
-``checkpoint.safetensors`` (everything, to resume from). The same seed gives the same weights, resumed or not.
+The folder gets ``weights.safetensors`` (the latest network, as in the thesis), ``episodes.csv`` (every training
+episode: the thesis's curve), ``training.json`` (configuration, seed, versions, commits, evaluations) and
+``checkpoint.safetensors`` (everything that a resumed training needs). The same seed gives the same weights, resumed
+or not.
 """
 
 from __future__ import annotations

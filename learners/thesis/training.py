@@ -1,4 +1,4 @@
-"""One training as an object: what happens in an update, and everything that a checkpoint must hold."""
+"""The training loop of the thesis's DDDQN, and the content of its checkpoint."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ EPISODES = "episodes.csv"
 
 
 class ThesisTraining(Trainee):
-    """Train on the world's batch directly; an update is a move of all UAVs, and learning as often as is due."""
+    """Train on a batch of episodes; an update is one move of all UAVs and the network updates that are then due."""
 
     unit = "episodes"
     steps = 0
@@ -69,16 +69,16 @@ class ThesisTraining(Trainee):
 
     @property
     def episodes(self) -> int:
-        """Episodes that are over."""
+        """Finished training episodes."""
         return len(self.history.rows)
 
     @property
     def done(self) -> bool:
-        """Tell whether all episodes have been flown."""
+        """Tell whether the training is complete."""
         return self.episodes >= self.config.episodes
 
     def update(self) -> None:
-        """Make one move of every UAV, remember it, learn, and begin new episodes where due."""
+        """Move every UAV, store the transitions, learn, and start new episodes in place of finished ones."""
         flight, state = self.flight, self.flight.world.state
         learning = flight.columns_of(np.arange(self.config.environments))
         learning = learning[flight.end[learning] == End.FLYING]
@@ -98,7 +98,7 @@ class ThesisTraining(Trainee):
             flight.restart(over)
 
     def _choose(self, learning: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return moves (C,): those of the ``learning`` columns epsilon-greedily, all others at random."""
+        """Return moves (C,): epsilon-greedy ones for the ``learning`` columns, random ones for all others."""
         actions = self.rng.integers(MOVES, size=self.flight.columns)
         epsilon = [self.config.epsilon(self.steps + k) for k in range(len(learning))]
         sure = learning[self.rng.random(len(learning)) >= epsilon]
@@ -111,7 +111,7 @@ class ThesisTraining(Trainee):
         return np.asarray((end != End.FLYING) & (self.config.budget_terminal | (end != End.BUDGET)))
 
     def _learn(self, moves: int) -> None:
-        """Count the moves; copy the target network and update as often as that makes due."""
+        """Count the moves; copy the target network and update the network if due."""
         config, before = self.config, self.steps
         self.steps += moves
         if self.replay.filled < config.batch:
@@ -122,7 +122,7 @@ class ThesisTraining(Trainee):
             self.losses.append(float(self.learner.update(self.replay.sample(config.batch, self.rng))))
 
     def evaluate(self) -> dict[str, int | float]:
-        """Evaluate the network, and keep the curve behind it."""
+        """Evaluate the network, and keep its mean coverage by step."""
         online, config = self.learner.online, self.config
         found, self.greedy_curve = evaluate(
             lambda images: greedy(online, images),
@@ -136,14 +136,14 @@ class ThesisTraining(Trainee):
         return found._asdict()
 
     def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
-        """Return the same for all: the thesis kept the last network, not the best."""
+        """Return the same key for all evaluations: the thesis kept the last network, not the best."""
         return ()
 
     def keep(self, folder: Path) -> None:
-        """Keep nothing: :meth:`save` writes the network as it is."""
+        """Do nothing: :meth:`save` writes the latest network."""
 
     def status(self) -> TrainingStatus:
-        """Return what to report; the steps to come are a guess, since the number of episodes is what is fixed."""
+        """Return the current status; total_steps is an estimate, since the training's length is given in episodes."""
         loss = float(np.mean(self.losses)) if self.losses else float("nan")
         self.losses.clear()
         share = min(max(self.episodes, 1) / self.config.episodes, 1.0)
@@ -155,7 +155,7 @@ class ThesisTraining(Trainee):
         )
 
     def results(self) -> dict[str, Any]:
-        """Return the thesis's curves: coverage by step, in training and in the last evaluation."""
+        """Return the finished episodes, and the coverage by step in training and in the last evaluation."""
         return {
             "episodes": self.episodes,
             "training_coverage_by_step": self.history.by_step(),
@@ -163,7 +163,7 @@ class ThesisTraining(Trainee):
         }
 
     def save(self, folder: Path) -> None:
-        """Write everything, the network as it is, and the table of episodes."""
+        """Write the checkpoint, the weights of the current network and the table of episodes."""
         data = {f"replay/{name}": array[: self.replay.filled] for name, array in self.replay.data._asdict().items()}
         state = {
             "steps": self.steps,
@@ -178,7 +178,7 @@ class ThesisTraining(Trainee):
         self.history.write(folder / EPISODES, self.config.episodes)
 
     def _restore(self, path: Path) -> None:
-        """Go on exactly where :meth:`save` left off.
+        """Restore the state that :meth:`save` wrote.
 
         Raises:
             InputError: the file is damaged.
@@ -192,6 +192,6 @@ class ThesisTraining(Trainee):
                 array[: len(tensors[f"replay/{name}"])] = tensors[f"replay/{name}"]
             self.steps, self.begun, self.replay.written = state["steps"], state["begun"], state["written"]
             self.rng.bit_generator.state = state["rng"]
-            if "evaluations" in state:  # in checkpoints of before
+            if "evaluations" in state:  # older checkpoints
                 state["greedy_curve"] = state["evaluations"][-1][1] if state["evaluations"] else []
             self.greedy_curve = state["greedy_curve"]

@@ -1,4 +1,4 @@
-"""Vectorised flight: a batch of episodes with the latest images of each UAV that the network flies."""
+"""Vectorised flight: a batch of episodes, and the stacked images of each UAV that the network flies."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from indoor_explorers.learners.thesis.observation import paint_all
 
 
 class ImageFlight:
-    """Fly ``episodes`` episodes side by side; column b * team + n is UAV n of episode b, C columns in all."""
+    """Fly ``episodes`` episodes in parallel; column b * team + n is UAV n of episode b, C columns in all."""
 
     def __init__(
         self,
@@ -32,14 +32,14 @@ class ImageFlight:
         self.world = World(scenario, episodes)
         self.columns = episodes * scenario.team
         self.pilots = np.asarray(pilots)
-        """Numbers of the UAVs whose images are kept: those that the network flies."""
+        """Numbers of the UAVs that the network flies; only their images are kept."""
         self._next_seed, self._identity = next_seed, identity
         for episode in range(episodes):
             begin(self.world, episode, next_seed())
         self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
         self._painted = np.zeros((self.columns, *self.shape), np.uint8)
         self.images = np.zeros((self.columns, frames, *self.shape), np.uint8)
-        """(C, K, H, W) codes, the latest image last."""
+        """(C, K, H, W) uint8 codes, the latest image last."""
         self._look_anew(self.columns_of(np.arange(episodes)))
 
     def columns_of(self, episodes: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -57,16 +57,16 @@ class ImageFlight:
 
     @property
     def end(self) -> NDArray[np.uint8]:
-        """(C,) why each UAV's episode has ended, :attr:`End.FLYING` where it has not."""
+        """(C,) :class:`End` of each UAV; :attr:`End.FLYING` while it flies."""
         return self.world.state.end.ravel()
 
     @property
     def over(self) -> Mask:
-        """(B,) episodes that all their UAVs have ended."""
+        """(B,) whether all UAVs of an episode have ended."""
         return np.asarray((self.world.state.end != End.FLYING).all(axis=1))
 
     def step(self, actions: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.uint8]:
-        """Make one move (C,) each; return what ``columns`` (P,) saw before and after, (P, K + 1, H, W)."""
+        """Make the moves ``actions`` (C,); return the images of ``columns`` (P,) before and after, (P, K + 1, H, W)."""
         before = self.images[columns]
         self.world.step(actions.reshape(self.world.state.end.shape))
         seen = np.concatenate([before, self._look(columns)[:, None]], axis=1)
@@ -74,7 +74,7 @@ class ImageFlight:
         return seen
 
     def restart(self, episodes: NDArray[np.int64]) -> None:
-        """Begin new episodes in place of these."""
+        """Start new episodes in place of these."""
         for episode in episodes.tolist():
             begin(self.world, episode, self._next_seed())
         self._look_anew(self.columns_of(episodes))
@@ -84,6 +84,6 @@ class ImageFlight:
         return world_tensors(self.world) | {"fleet/images": self.images}
 
     def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
-        """Go on exactly where :meth:`tensors` was taken."""
+        """Restore the state that :meth:`tensors` returned."""
         restore_world(tensors, self.world)
         self.images[...] = tensors["fleet/images"]

@@ -1,4 +1,4 @@
-"""The thesis network's weights on disk: safetensors in half precision, with what the network sees beside them."""
+"""The thesis network's weights on disk: safetensors in half precision, with the image format as metadata."""
 
 from __future__ import annotations
 
@@ -16,30 +16,30 @@ from indoor_explorers.learners.sessions.tensors import read_tensors, write_tenso
 from indoor_explorers.learners.thesis.inference import ThesisWeights, weights_from
 from indoor_explorers.learners.thesis.sizes import ImageFormat
 
-#: The weights that ship: of 4,000 episodes of the thesis's best setting, reward scenario 1 with its stuck rule 2.
+#: The weights that ship: 4,000 episodes of training with the thesis's best setting, reward scenario 1 and stuck rule 2.
 SHIPPED = Path(__file__).parent / "weights" / "rewards-1-stuck-2.safetensors"
-#: The largest file that is read as weights; a network for 16x16 takes 1.3 MB.
+#: Largest size of a weights file; a network for 16x16 cells takes 1.3 MB.
 MOST_BYTES = 64_000_000
 
 
 class TrainedNetwork(NamedTuple):
-    """A network as it acts."""
+    """A network arranged for acting."""
 
     image_format: ImageFormat
     weights: ThesisWeights
 
 
 def write_weights(path: Path, arrays: Mapping[str, NDArray[Any]], image_format: ImageFormat) -> None:
-    """Write a network's arrays in half precision, which rounds them to three digits."""
+    """Write a network's arrays in half precision, rounded to three digits."""
     halves = {name: array.astype(np.float16) for name, array in arrays.items()}
     write_tensors(path, halves, {"eye": json.dumps(image_format._asdict())})
 
 
 def load_weights(path: Path) -> tuple[ImageFormat, dict[str, NDArray[np.float32]]]:
-    """Return what a network sees and its arrays, float32 by name.
+    """Return a network's image format and its arrays by name, float32.
 
     Raises:
-        InputError: the file is missing, too large, no safetensors file, or holds another network.
+        InputError: the file is missing, too large, not a safetensors file, or holds another network.
 
     """
     found, metadata = read_tensors(path, MOST_BYTES)
@@ -57,7 +57,7 @@ def load_weights(path: Path) -> tuple[ImageFormat, dict[str, NDArray[np.float32]
 
 
 def trained(path: Path) -> TrainedNetwork:
-    """Return a network arranged for acting; read once in each process, unless the file changes.
+    """Return a network arranged for acting; a process reads the file once, and again when it changes.
 
     Raises:
         InputError: as :func:`load_weights`.

@@ -1,1 +1,1 @@
-"""Training: vectorised flight, replay, targets, the learner and its loop."""
+"""Training of the DDDQN: vectorised flight, replay, targets, updates and the training loop."""

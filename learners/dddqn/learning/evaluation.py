@@ -1,4 +1,4 @@
-"""Evaluation during training: greedy episodes by the averaged weights, without the guard."""
+"""Evaluation during training: greedy episodes with the averaged weights, without the guard."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from indoor_explorers.learners.sessions.evaluation import Evaluation, evaluate_w
 def evaluate(
     learner: Learner, task: Scenario, prior: MapPrior, episodes: int, first_seed: int, steps: int
 ) -> Evaluation:
-    """Fly ``episodes`` episodes of the task with seeds from ``first_seed`` on, after ``steps`` moves of training."""
+    """Fly ``episodes`` episodes of a task and return their mean results.
+
+    Their seeds begin at ``first_seed``; ``steps`` is the number of training moves so far.
+    """
     seeds = iter(range(first_seed, first_seed + episodes))
     flight = VectorFlight(task, learner.config.observation, prior, episodes, lambda: next(seeds))
 

@@ -1,4 +1,4 @@
-"""One update of the deep Q-network, with every switch of its configuration."""
+"""The networks of a training and one update of them."""
 
 from __future__ import annotations
 
@@ -20,16 +20,17 @@ from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, observation_layout, tour_costs
 from indoor_explorers.learners.sessions.networks import learner_tensors, restore_learner
 
-#: Instructions of a processor that make bfloat16 matrices faster than float32 ones.
+#: Processor instructions that make bfloat16 matrix products faster than float32 ones.
 _FAST = ("avx512_bf16", "amx_bf16")
 
 
 class Learner:
     """Hold the networks and the optimiser.
 
-    ``online`` learns, ``target`` values what follows, ``average`` is evaluated and shipped, ``best`` is what the
-    trainer keeps of it, and ``acting`` is the online network of the last :meth:`refresh`, for moving while the online
-    one learns in another thread. Noisy networks make noise while they learn and move, not when averaged.
+    ``online`` learns, ``target`` evaluates the next states, ``average`` is the moving average that is evaluated and
+    shipped, ``best`` the average that did best so far. ``acting`` is a copy of the online network made by
+    :meth:`refresh`, which chooses moves while the online network learns in another thread. Noisy layers have noise in
+    learning and acting, not in the average.
 
     Raises:
         InputError: the configuration asks for a GPU and torch finds none.
@@ -57,7 +58,7 @@ class Learner:
         self.acting.draw_noise(self._noise)
 
     def update(self, batch: Batch, share: float) -> tuple[float, NDArray[np.float32]]:
-        """Learn from a batch after a ``share`` of the training; return the loss and each target's distance (B,)."""
+        """Learn from a batch after a ``share`` of the training; return the loss and the TD errors (B,)."""
         for group in self.optimiser.param_groups:
             group["lr"] = self.config.rate(share)
         self.online.draw_noise(self._noise)
@@ -72,7 +73,7 @@ class Learner:
         return loss.item(), errors_B.cpu().numpy()
 
     def td_loss(self, batch: Batch) -> tuple[Tensor, Tensor]:
-        """Return the weighted mean Huber loss of the chosen moves' values, and their errors (B,)."""
+        """Return the weighted mean Huber loss of the chosen moves' values, and the TD errors (B,)."""
         kind = torch.bfloat16 if self.mixed else torch.float32
         scenes_BI, next_scenes_BI = (x.to(self.device, kind) for x in (batch.scenes_BI, batch.next_scenes_BI))
         moves_BAF, next_moves_BAF = batch.moves_BAF.to(self.device), batch.next_moves_BAF.to(self.device)
@@ -94,7 +95,7 @@ class Learner:
         return (weight_B * loss_B).mean(), (target_B - q_B).detach()
 
     def _ranked(self, q_BA: Tensor, moves_BAF: Tensor, *, mask: bool) -> Tensor:
-        """Return what moves are chosen by: their values, pulled to the tours, blocked ones below all others."""
+        """Return the values that moves are chosen by: Q with the pull of the tours, the minimum for blocked moves."""
         if self._pull is not None:
             q_BA = q_BA + moves_BAF @ self._pull
         return masked(q_BA, moves_BAF[:, :, BLOCKED_AT] > 0.5 if mask else None)
@@ -115,8 +116,8 @@ class Learner:
     ) -> NDArray[np.int64]:
         """Return the best moves (B,), with ``mask`` the best legal ones.
 
-        ``scenes`` (B, inputs) uint8 and ``moves`` (B, 4, features) float32. Runs on the device and in the precision
-        of the learner.
+        ``scenes`` (B, inputs) uint8 and ``moves`` (B, 4, features) float32; computed on the learner's device and in
+        its precision.
         """
         moves_BAF = torch.from_numpy(moves).to(self.device)
         scenes_BI = torch.from_numpy(scenes).to(self.device).float().mul_(1.0 / 255.0)
@@ -125,7 +126,7 @@ class Learner:
         return np.asarray(self._ranked(q_BA, moves_BAF, mask=mask).argmax(dim=1).cpu().numpy())
 
     def networks(self) -> dict[str, DuelingNetwork]:
-        """Return, by name, the networks that a checkpoint must hold; the acting one follows from them."""
+        """Return the networks that a checkpoint holds, by name; the acting one is a copy of the online one."""
         return {"online": self.online, "target": self.target, "average": self.average, "best": self.best}
 
     def tensors(self) -> dict[str, NDArray[Any]]:
@@ -134,14 +135,14 @@ class Learner:
         return learner_tensors(self.networks(), self.optimiser) | own
 
     def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
-        """Go on exactly where :meth:`tensors` was taken."""
+        """Restore the state that :meth:`tensors` returned."""
         restore_learner(tensors, self.networks(), self.optimiser)
         self._noise.set_state(torch.from_numpy(tensors["noise"]))
         self.updates = int(tensors["updates"].item())
 
 
 def follow(network: DuelingNetwork, leader: DuelingNetwork, rate: float) -> None:
-    """Move the weights of ``network`` a share ``rate`` of the way to those of ``leader``."""
+    """Update the weights of ``network``: weights += rate * (leader's weights - weights)."""
     step = get_ema_multi_avg_fn(1.0 - rate)  # type: ignore[no-untyped-call]  # torch gives it no types
     step(list(network.parameters()), list(leader.parameters()), None)
 

@@ -1,7 +1,8 @@
-"""Fit the map prior: what unknown cells of a scenario's maps turn out to be.
+"""Fit the map prior: the probability that an unknown cell of a scenario's maps is free and reachable.
 
-UAVs fly to the nearest gain. Every few ticks each unknown cell with a known obstacle near it becomes an example: the
-cells around it, and whether it counts. This is flown before the training, on maps that no training episode uses.
+UAVs fly to the nearest place with a view of unknown cells. Every few ticks each unknown cell with a known obstacle near
+it becomes an example: the cells around it, and whether coverage counts it. This happens before the training, on maps
+that no training episode uses.
 """
 
 from __future__ import annotations
@@ -30,15 +31,15 @@ from indoor_explorers.learners.dddqn.observation.map_prior import (
     write_patch,
 )
 
-#: Episodes flown side by side at most, and ticks between two examples.
+#: Most parallel episodes, and ticks between two collections of examples.
 EPISODES, EVERY = 1024, 5
-#: Cells of all maps flown side by side, at most, and of these episodes at least.
+#: Most cells of all parallel maps together, and fewest parallel episodes.
 CELLS, FEWEST = 2**18, 16
-#: Ticks after which flying ends, and after which it ends without any example.
+#: Ticks after which collecting ends, and after which it ends if there is no example yet.
 TICKS, PATIENCE = 300, 50
-#: Epochs, examples in one update, Adam's first step size.
+#: Epochs, examples in one update, Adam's initial step size.
 ROUNDS, BATCH, RATE = 5, 256, 3e-3
-#: With fewer examples there is no prior: the maps have hardly any obstacles.
+#: Fewest examples to fit a prior; maps with fewer have hardly any obstacles.
 LEAST = 1_000
 
 
@@ -46,14 +47,14 @@ class PriorExamples(NamedTuple):
     """N unknown cells."""
 
     patch: NDArray[np.uint8]
-    """(N, 49) the cells around it."""
+    """(N, 49) the 7x7 cells around each."""
     counts: NDArray[np.bool_]
-    """(N,) whether it counts."""
+    """(N,) whether coverage counts each."""
 
 
 @kernel()
 def _note(belief: np.ndarray, counts: np.ndarray, patch: np.ndarray, label: np.ndarray, found: int) -> int:
-    """Collect the unknown cells of one (H, W) belief that have obstacles near; return the number of examples now."""
+    """Add the unknown cells of one belief (H, W) that have obstacles nearby; return the new number of examples."""
     for r in range(belief.shape[0]):
         for c in range(belief.shape[1]):
             if found < len(label) and belief[r, c] == UNKNOWN and write_patch(belief, r, c, patch[found]) > 0:
@@ -63,7 +64,7 @@ def _note(belief: np.ndarray, counts: np.ndarray, patch: np.ndarray, label: np.n
 
 
 def collect(scenario: Scenario, first_seed: int, most: int) -> PriorExamples:
-    """Fly to the nearest gain on maps of seeds from ``first_seed`` on and collect up to ``most`` examples."""
+    """Collect up to ``most`` examples on maps whose seeds begin at ``first_seed``."""
     seeds = iter(range(first_seed, first_seed + 2**30))
     sight = ObservationConfig(layers=("unknown",), coarse=0, sides=False, visits=False, tours=False)
     flight = VectorFlight(scenario, sight, no_prior(), 1, lambda: next(seeds))
@@ -86,13 +87,13 @@ def collect(scenario: Scenario, first_seed: int, most: int) -> PriorExamples:
 
 
 def collect_all(scenarios: Sequence[Scenario], first_seed: int, most: int) -> PriorExamples:
-    """Collect up to ``most`` examples in equal parts from several scenarios."""
+    """Collect up to ``most`` examples from several scenarios, equally many from each."""
     parts = [collect(scenario, first_seed, most // len(scenarios)) for scenario in scenarios]
     return PriorExamples(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
 def fit_prior(examples: PriorExamples, seed: int) -> MapPrior:
-    """Return the prior fitted to the examples by maximum likelihood; no prior where they are too few."""
+    """Return the prior fitted to the examples by maximum likelihood; no prior if there are too few."""
     if len(examples.counts) < LEAST:
         return no_prior()
     with torch.random.fork_rng(devices=[]):
@@ -116,5 +117,5 @@ def fit_prior(examples: PriorExamples, seed: int) -> MapPrior:
 
 
 def _inputs(patch: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """Return the net's inputs (N, 147) for patches (N, 49)."""
+    """Return the one-hot inputs (N, 147) of the prior's network for patches (N, 49)."""
     return np.concatenate([patch == kind for kind in (1, 2, 3)], axis=1).astype(np.float32)

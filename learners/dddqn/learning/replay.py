@@ -1,6 +1,6 @@
-"""Experience replay (Mnih et al. 2015): a ring of time slots, one column for each UAV in training.
+"""Experience replay (Mnih et al. 2015): a ring buffer of time slots, with one column for each UAV in training.
 
-Transitions are drawn uniformly, or in proportion to their last error (Schaul et al. 2016, arXiv:1511.05952).
+Transitions are sampled uniformly, or by the priority of their latest TD error (Schaul et al. 2016, arXiv:1511.05952).
 """
 
 from __future__ import annotations
@@ -24,36 +24,36 @@ from indoor_explorers.learners.dddqn.observation.layout import (
     symmetries,
 )
 
-#: Added to errors, so that a transition without one may be drawn again.
+#: Added to absolute errors, so that a transition with none keeps a priority above zero.
 LEAST_ERROR = 1e-3
-#: Older episodes are kept as being this old.
+#: Largest episode age that is stored.
 MOST_AGE = 2**16 - 1
 Places = NDArray[np.int64]
 
 
 class Tick(NamedTuple):
-    """One tick of all C UAVs in training; the ring holds T of them, (T, C, ...)."""
+    """One tick of all C UAVs in training; the ring buffer holds T ticks, (T, C, ...)."""
 
     scene: NDArray[np.uint8]
-    """(C, S) the state's scene, alone."""
+    """(C, S) latest scene of the state, without the stacked earlier ones."""
     moves: NDArray[np.floating[Any]]
-    """(C, 4, F) its move features; the ring stores them in half precision."""
+    """(C, 4, F) move features of the state; the ring buffer stores them in half precision."""
     action: NDArray[np.integer[Any]]
-    """(C,) the move made there."""
+    """(C,) move made in the state."""
     reward: NDArray[np.floating[Any]]
-    """(C,) what it paid."""
+    """(C,) reward of the move."""
     terminal: Mask
-    """(C,) the reward ended the episode for good."""
+    """(C,) whether the move terminated the episode."""
     explored: Mask
-    """(C,) the move was drawn at random."""
+    """(C,) whether the move was drawn at random."""
     over: Mask
-    """(C,) the episode had ended before: the state is its final one and no move was made."""
+    """(C,) whether the episode had ended before: the state is its final one, and no move was made."""
     age: NDArray[np.integer[Any]]
     """(C,) ticks since the episode began."""
 
 
 class Batch(NamedTuple):
-    """B sampled transitions, each turned by a random symmetry of the world where that is switched on."""
+    """B sampled transitions, each under a random symmetry of the grid if that is enabled."""
 
     scenes_BI: Tensor
     moves_BAF: Tensor
@@ -63,9 +63,9 @@ class Batch(NamedTuple):
     next_scenes_BI: Tensor
     next_moves_BAF: Tensor
     weight_B: Tensor
-    """How much each counts: 1, or less where it is drawn more often than others."""
+    """Importance-sampling weights; 1 with uniform replay."""
     place: Places
-    """(B,) where each is kept, counted from the first ever; for :meth:`Replay.reprioritise`."""
+    """(B,) slot * C + column of each, slots counted from the first one ever; for :meth:`Replay.reprioritise`."""
 
 
 def _empty(slots: int, columns: int, layout: ObservationLayout) -> Tick:
@@ -92,7 +92,7 @@ def _stacked_scenes(
     turn: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Write the latest scenes of each state, latest first; a young episode repeats its first."""
+    """Write the stacked scenes of each state, latest first; early in an episode its first scene is repeated."""
     slots, size = scene.shape[0], scene.shape[2]
     for i in range(slot.shape[0]):
         c, order = column[i], table[turn[i]]
@@ -103,10 +103,10 @@ def _stacked_scenes(
 
 
 class Replay:
-    """Keep the last ``slots`` ticks of ``columns`` UAVs and sample transitions from them.
+    """Keep the latest ``slots`` ticks of ``columns`` UAVs and sample transitions from them.
 
-    ``prioritised`` is the exponent of the error in a transition's priority; at 0 all are drawn alike. A state whose
-    earlier scenes have been overwritten is not drawn.
+    ``prioritised`` is the exponent of the TD error in a transition's priority; 0 is uniform replay. A state whose
+    stacked scenes have been overwritten in part is not sampled.
     """
 
     def __init__(
@@ -121,16 +121,16 @@ class Replay:
 
     @property
     def filled(self) -> int:
-        """Slots that hold something."""
+        """Number of slots in use."""
         return min(self.written, len(self.data.action))
 
     @property
     def _first(self) -> int:
-        """The first slot ever written whose state still has all its scenes."""
+        """Number of the oldest slot, counted from the first one ever, whose states have all their stacked scenes."""
         return max(self.written - len(self.data.action) + self._observation.frames - 1, 0)
 
     def ready(self, steps: int) -> int:
-        """Return how many slots can be drawn from when transitions take ``steps`` steps."""
+        """Return the number of slots that transitions of ``steps`` steps can begin in."""
         return max(self.written - steps - self._first, 0)
 
     def add(self, tick: Tick) -> None:
@@ -144,19 +144,19 @@ class Replay:
             self._prioritise(self._tree, self._first - 1, 0.0)
 
     def _prioritise(self, tree: SumTree, index: int, value: float) -> None:
-        """Give all moves of the ``index``-th slot ever written one priority; final states have none."""
+        """Set the priority of all moves of the ``index``-th slot ever written; that of final states is 0."""
         slots, columns = self.data.action.shape
         at = index % slots
         tree.write(at * columns + np.arange(columns), np.where(self.data.over[at], 0.0, value))
 
     def _admit(self, tree: SumTree, last: int) -> None:
-        """Give the slots before ``last`` that are new, whose transitions have become whole, the highest priority."""
+        """Give the highest priority to new slots before ``last``, whose n-step transitions are now complete."""
         for index in range(max(min(self._admitted, last), self._first), max(self._admitted, last)):
             self._prioritise(tree, index, self._top if index < last else 0.0)
         self._admitted = last
 
     def _uniform(self, size: int, steps: int, rng: np.random.Generator) -> Places:
-        """Draw places of moves whose next ``steps`` slots are in the ring."""
+        """Draw places of moves whose next ``steps`` slots are in the ring buffer."""
         slots, columns = self.data.action.shape
         slot, column = np.empty(size, np.int64), np.empty(size, np.int64)
         todo = np.arange(size)
@@ -170,7 +170,7 @@ class Replay:
     def _prioritised(
         self, tree: SumTree, size: int, steps: int, importance: float, rng: np.random.Generator
     ) -> tuple[Places, NDArray[np.float32]]:
-        """Draw places by priority; return them and their weights."""
+        """Draw places by priority; return them and their importance-sampling weights."""
         self._admit(tree, self.written - steps)
         places = tree.draw(size, rng)
         weights = tree.values[places] ** -importance
@@ -182,10 +182,10 @@ class Replay:
     def sample(
         self, size: int, steps: int, gamma: float, rng: np.random.Generator, *, importance: float = 0.0
     ) -> Batch:
-        """Draw ``size`` transitions of up to ``steps`` steps, each turned at random.
+        """Sample ``size`` transitions of up to ``steps`` steps, each under a random symmetry.
 
-        ``importance`` is the exponent that corrects for priorities (Schaul et al. 2016, section 3.4, beta); the largest
-        weight of a batch is 1. At least one slot must be :meth:`ready`.
+        ``importance`` is the exponent of the importance-sampling weights (beta of Schaul et al. 2016, section 3.4); the
+        largest weight of a batch is 1. At least one slot must be :meth:`ready`.
         """
         if self._tree is None:
             place, weight = self._uniform(size, steps, rng), np.ones(size, np.float32)
@@ -225,7 +225,7 @@ class Replay:
         return torch.from_numpy(scenes), torch.from_numpy(moves)
 
     def reprioritise(self, place: Places, errors: NDArray[np.floating[Any]]) -> None:
-        """Set the priorities of sampled transitions by their errors (B,); without priorities, nothing happens."""
+        """Set the priorities of sampled transitions by their TD errors (B,); does nothing in uniform replay."""
         if self._tree is None:
             return
         slots, columns = self.data.action.shape
@@ -244,7 +244,7 @@ class Replay:
         return found
 
     def restore(self, tensors: dict[str, NDArray[Any]]) -> None:
-        """Go on exactly where :meth:`tensors` was taken."""
+        """Restore the state that :meth:`tensors` returned."""
         self.written, self._admitted = tensors["replay/counts"].tolist()
         for name, array in self.data._asdict().items():
             array[: self.filled] = tensors[f"replay/{name}"]

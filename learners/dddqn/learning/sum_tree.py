@@ -1,8 +1,8 @@
-"""Chances to be replayed in proportion to a priority (Schaul et al. 2016, section 3.3, arXiv:1511.05952).
+"""Sampling in proportion to priorities with a sum tree (Schaul et al. 2016, section 3.3, arXiv:1511.05952).
 
-A sum tree: a perfect binary tree in one array, node ``k`` above ``2 k`` and ``2 k + 1``, where each node is the sum of
-its two children and the leaves are the priorities. Every sum is made anew from its children, so that nothing drifts
-and the leaves alone determine the tree.
+The tree is a perfect binary tree in one array: node ``k`` is the parent of ``2 k`` and ``2 k + 1`` and holds their
+sum; the leaves are the priorities. A write recomputes each sum from both children, so rounding errors do not
+accumulate and the leaves alone determine the tree.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def _write(tree: np.ndarray, places: np.ndarray, values: np.ndarray) -> None:
 
 @kernel()
 def _find(tree: np.ndarray, lots: np.ndarray, places: np.ndarray) -> None:
-    """Write the place of each lot, a point between 0 and the sum; a leaf of 0 is never found."""
+    """Write the place of each of the points ``lots`` between 0 and the total; a leaf of 0 is never found."""
     leaves = tree.shape[0] // 2
     for i in range(lots.shape[0]):
         node, left = 1, lots[i]
@@ -52,16 +52,16 @@ class SumTree:
 
     @property
     def values(self) -> NDArray[np.float64]:
-        """(size,) the priorities, a view that is only read."""
+        """(size,) the priorities; a view that callers must not change."""
         leaves = len(self._tree) // 2
         return self._tree[leaves : leaves + self.size]
 
     def write(self, places: NDArray[np.int64], values: NDArray[np.float64]) -> None:
-        """Set the priorities of some places; of several for one place the last holds."""
+        """Set the priorities of some places; if a place occurs twice, its last value counts."""
         _write(self._tree, places, values)
 
     def draw(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
-        """Draw ``count`` places, one from each of as many equal parts of the sum."""
+        """Draw ``count`` places by stratified sampling: one from each of ``count`` equal parts of the total."""
         lots = (np.arange(count) + rng.random(count)) * (self.total / count)
         places = np.empty(count, np.int64)
         _find(self._tree, lots, places)

@@ -1,4 +1,4 @@
-"""What the network learns towards: n-step sums of rewards and the value of what follows."""
+"""The targets of Q-learning: n-step returns and the value of the state that follows."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def look_forward(
     discount: np.ndarray,
     after: np.ndarray,
 ) -> None:
-    """Sum discounted rewards over up to ``steps`` steps from each of B places of a ring (T, C).
+    """Sum discounted rewards over up to ``steps`` steps from each of B places of a ring buffer (T, C).
 
     The sum ends before an exploratory action, whose outcome says nothing about the greedy policy (Watkins
     1989). Fills ``returns`` (B,), ``discount`` (B,): the factor of the value that follows, 0 after a
-    terminal reward, which is all there is; and ``after`` (B,): the slot of the state that follows. An
-    episode cut by its budget is not terminal: the slot after its last step holds its final state and is
-    marked ``over``, and its value counts.
+    terminal reward; and ``after`` (B,): the slot of the state that follows. An episode truncated by its
+    budget is not terminal: the slot after its last step holds its final state, is marked ``over``, and its
+    value counts.
     """
     slots = reward.shape[0]
     for i in range(start.shape[0]):
@@ -46,25 +46,25 @@ def look_forward(
 
 
 def masked(q_BA: Tensor, blocked_BA: Tensor | None) -> Tensor:
-    """Return q_BA with the moves that are blocked put below all others; without ``blocked_BA``, as it is."""
+    """Return q_BA with blocked moves set to the dtype's minimum; unchanged if ``blocked_BA`` is None."""
     return q_BA if blocked_BA is None else q_BA.masked_fill(blocked_BA, torch.finfo(q_BA.dtype).min)
 
 
 def q_target(return_B: Tensor, discount_B: Tensor, rank_BA: Tensor, target_BA: Tensor) -> Tensor:
-    """Return target_B = R + discount * Q_target(s', a'), where a' is the move of the highest rank in s'.
+    """Return target_B = R + discount * Q_target(s', a'), where a' is the move of highest ``rank_BA`` in s'.
 
-    The online network ranks (van Hasselt, Guez and Silver 2016, eq. 4) or the target network itself (Mnih et al. 2015).
-    ``discount_B`` is 0 where R ends in a terminal reward: the target then is R alone.
+    The ranks are the values of the online network (double Q-learning: van Hasselt, Guez and Silver 2016, eq. 4) or of
+    the target network (Mnih et al. 2015). ``discount_B`` is 0 after a terminal reward; the target then is R.
     """
     best_B1 = rank_BA.argmax(dim=1, keepdim=True)
     return return_B + discount_B * target_BA.gather(1, best_B1).squeeze(1)
 
 
 def shortfall(q_BA: Tensor, best_B: Tensor, action_B: Tensor) -> Tensor:
-    """Return by how much (B,) the moves taken are worth less than the best ones.
+    """Return the differences (B,) between the values of the best moves and of the moves made.
 
-    A share of it, taken off the target, widens the gap between the best move and the others and leaves the best move
-    the best (advantage learning: Bellemare et al. 2016, arXiv:1512.04860, eq. 7).
+    Subtracting a share of it from the target widens the action gap without changing which move is best (advantage
+    learning: Bellemare et al. 2016, arXiv:1512.04860, eq. 7).
     """
     best_B, own_B = (q_BA.gather(1, move_B[:, None]).squeeze(1) for move_B in (best_B, action_B))
     return best_B - own_B

@@ -1,4 +1,4 @@
-"""The figures of a training as it goes, for TensorBoard."""
+"""Scalars of a running training, for TensorBoard."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ FOLDER = "tensorboard"
 
 
 class Scalars:
-    """Write event files that TensorBoard shows; without the package tensorboardX, write nothing."""
+    """Write event files for TensorBoard; without the package tensorboardX, write nothing."""
 
     def __init__(self, out: Path) -> None:
         self._out = out / FOLDER
         self._writer: Any = None
 
     def __enter__(self) -> Scalars:
-        """Begin a new event file in the training's folder."""
+        """Open a new event file in the training's folder."""
         try:
             from tensorboardX import SummaryWriter  # type: ignore[import-untyped]  # has no types
         except ModuleNotFoundError:
@@ -31,19 +31,19 @@ class Scalars:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Finish the event file."""
+        """Close the event file."""
         if self._writer is not None:
             self._writer.close()
 
     def write(self, progress: Progress) -> None:
-        """Write the figures of a moment."""
+        """Write the scalars of a progress report."""
         if self._writer is not None:
             for name, value in scalars(progress).items():
                 self._writer.add_scalar(name, value, progress.steps)
 
 
 def scalars(progress: Progress) -> dict[str, float]:
-    """Return the figures of a training by name, without those that are missing."""
+    """Return the scalars of a progress report by name, without missing ones."""
     found = {name: getattr(progress, name) for name in ("epsilon", "loss", "episode_steps", "episodes")}
     found = {f"training/{name}": value for name, value in found.items() if value is not None}
     found["training/steps_per_second"] = progress.steps_per_second

@@ -1,4 +1,4 @@
-"""One training as an object: what happens in a tick, and everything that a checkpoint must hold."""
+"""The training loop of the DDDQN, and the content of its checkpoint."""
 
 from __future__ import annotations
 
@@ -31,10 +31,11 @@ from indoor_explorers.learners.sessions.tensors import WEIGHTS
 
 
 class Training(Trainee):
-    """Train on the world's batch directly; every update is a tick: a move of all UAVs and some updates of the network.
+    """Train on a batch of episodes in ticks: a move of all UAVs and some updates of the network.
 
-    In a tick the UAVs fly in one thread, by the weights from its beginning, while the network learns from earlier
-    ticks in another. Neither sees what the other does before the tick ends, so the same seed gives the same training.
+    In a tick the UAVs move in one thread, with the weights from the start of the tick, while the network learns from
+    earlier ticks in another thread. Their results are exchanged after the tick only, so the same seed gives the same
+    training.
     """
 
     steps = 0
@@ -45,7 +46,7 @@ class Training(Trainee):
         self.episodes = 0
         self.losses: list[float] = []
         self.ended: list[int] = []
-        """Steps of the episodes that ended since this was last cleared."""
+        """Lengths in steps of the episodes that ended since the last report."""
         found = None if checkpoint is None else read_checkpoint(checkpoint)
         self.prior = self._fit_prior() if found is None else prior_from(_part(found[0], "prior."))
         self.flying_rng, self.learning_rng = (
@@ -87,16 +88,16 @@ class Training(Trainee):
 
     @property
     def share(self) -> float:
-        """How much of the training is done, from 0 to 1."""
+        """Completed share of the training, from 0 to 1."""
         return min(self.steps / self.config.total_steps, 1.0)
 
     @property
     def done(self) -> bool:
-        """Tell whether all moves have been made."""
+        """Tell whether the training is complete."""
         return self.steps >= self.config.total_steps
 
     def update(self) -> None:
-        """Make one move of every UAV and learn meanwhile; then remember the move and begin new episodes."""
+        """Move every UAV and learn at the same time; then store the moves and start new episodes."""
         self.learner.refresh()
         flying = self._pool.submit(self._fly)
         if self.steps >= self.config.warmup_steps and self.replay.ready(self.config.return_steps) > 0:
@@ -115,7 +116,7 @@ class Training(Trainee):
         return Tick(flight.scene, flight.moves, action, reward, flight.terminal & ~over, explored, over, age)
 
     def _choose(self) -> tuple[NDArray[np.int64], Mask]:
-        """Choose epsilon-greedily; return the moves (C,) and which were drawn at random."""
+        """Choose epsilon-greedily; return the moves (C,) and whether each was drawn at random (C,)."""
         flight, mask = self.flight, self.config.mask
         explored = self.flying_rng.random(flight.columns) < self.config.epsilon(self.share)
         lots = self.flying_rng.random((flight.columns, 4)) - (flight.moves[:, :, BLOCKED_AT] if mask else 0.0)
@@ -132,13 +133,13 @@ class Training(Trainee):
         return loss
 
     def evaluate(self) -> dict[str, int | float]:
-        """Evaluate the averaged weights on all scenarios; return the means."""
+        """Evaluate the averaged weights on all scenarios; return the mean results."""
         first, episodes = evaluation_seeds(self.seed), self.config.evaluation_episodes
         found = [evaluate(self.learner, task, self.prior, episodes, first, self.steps) for task in self.tasks]
         return mean_evaluation(found)._asdict()
 
     def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
-        """Return the score of the averaged weights."""
+        """Return the key that evaluations are compared by: the score of the averaged weights."""
         return (evaluation["score"],)
 
     def keep(self, folder: Path) -> None:
@@ -146,7 +147,7 @@ class Training(Trainee):
         self.learner.best.load_state_dict(self.learner.average.state_dict())
 
     def status(self) -> TrainingStatus:
-        """Return what to report; begin the means anew."""
+        """Return the current status for a report, and reset its means."""
         loss, episode_steps = (float(np.mean(past)) if past else float("nan") for past in (self.losses, self.ended))
         self.losses.clear()
         self.ended.clear()
@@ -159,11 +160,11 @@ class Training(Trainee):
         )
 
     def results(self) -> dict[str, Any]:
-        """Return how many episodes have begun."""
+        """Return the number of episodes that have begun."""
         return {"episodes": self.episodes}
 
     def save(self, folder: Path) -> None:
-        """Write everything, and the best weights."""
+        """Write the checkpoint and the best weights."""
         state = {
             "steps": self.steps,
             "episodes": self.episodes,
@@ -181,7 +182,7 @@ class Training(Trainee):
         )
 
     def _restore(self, tensors: dict[str, NDArray[Any]], state: dict[str, Any], path: Path) -> None:
-        """Go on exactly where :meth:`save` left off."""
+        """Restore the state that :meth:`save` wrote."""
         with reporting_damage(path):
             for part in (self.learner, self.flight, self.replay):
                 part.restore(tensors)

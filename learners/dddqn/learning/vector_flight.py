@@ -1,4 +1,4 @@
-"""Vectorised flight: the UAVs of a world's batch as columns, with what each must remember to observe."""
+"""Vectorised flight: all UAVs of a batch of episodes as columns, with the memory that their observations need."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from indoor_explorers.learners.sessions.worlds import begin, restore_world, worl
 
 
 class VectorFlight:
-    """Fly ``episodes`` episodes side by side; column b * team + n is UAV n of episode b, C columns in all."""
+    """Fly ``episodes`` episodes in parallel; column b * team + n is UAV n of episode b, C columns in all."""
 
     def __init__(
         self,
@@ -36,11 +36,11 @@ class VectorFlight:
         self.world = World(scenario, episodes)
         self.columns = episodes * scenario.team
         self.scene = np.zeros((self.columns, layout.scene), np.uint8)
-        """(C, S) as last observed."""
+        """(C, S) uint8, the latest scene."""
         self.scenes = np.zeros((self.columns, layout.inputs), np.uint8)
-        """(C, I) the latest scenes, latest first; a young episode repeats its first."""
+        """(C, I) uint8, the stacked scenes, latest first; early in an episode its first scene is repeated."""
         self.moves = np.zeros((self.columns, 4, layout.features), np.float32)
-        """(C, 4, F) as last observed."""
+        """(C, 4, F) float32, the latest move features."""
         self._next_seed = next_seed
         self._begin(list(range(episodes)))
         self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
@@ -49,7 +49,7 @@ class VectorFlight:
         self._agent = np.tile(np.arange(scenario.team), episodes)
 
     def _begin(self, episodes: list[int]) -> None:
-        """Begin episodes; those on files of maps one by one, each on the next map."""
+        """Begin episodes: all at once, or one by one in a scenario with several map files."""
         seeds = [self._next_seed() for _ in episodes]
         if self.world.scenario.map.count == 1:
             self.world.restart(episodes, seeds)
@@ -59,12 +59,12 @@ class VectorFlight:
 
     @property
     def over(self) -> Mask:
-        """(C,) UAVs whose episode has ended."""
+        """(C,) whether a UAV's episode has ended."""
         return np.asarray(self.world.state.end.ravel() != End.FLYING)
 
     @property
     def terminal(self) -> Mask:
-        """(C,) UAVs whose episode has ended for good, not for lack of steps."""
+        """(C,) whether a UAV's episode was terminated, not truncated by its budget."""
         end = self.world.state.end.ravel()
         return np.asarray((end != End.FLYING) & (end != End.BUDGET))
 
@@ -75,7 +75,7 @@ class VectorFlight:
 
     @property
     def coverage(self) -> NDArray[np.float64]:
-        """(C,) share of the reachable cells that each UAV's team knows."""
+        """(C,) coverage of each UAV's team, as a share of the reachable cells."""
         return np.repeat(self.world.team_coverage, self.world.scenario.team)
 
     def _known(self) -> Known:
@@ -92,18 +92,18 @@ class VectorFlight:
         )
 
     def observe(self, columns: NDArray[np.int64]) -> None:
-        """Refresh ``scene``, ``scenes`` and ``moves`` of some columns; once a step."""
+        """Compute ``scene``, ``scenes`` and ``moves`` of some columns; call it once per step."""
         observe(self._known(), self.memory, columns, self._context, self.scene, self.moves)
         self.scenes[columns] = stacked(self.scene[columns], self.scenes[columns], self.age[columns] == 0)
 
     def step(self, actions: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Make one move (C,) each; return the rewards (C,)."""
+        """Make the moves ``actions`` (C,); return the rewards (C,)."""
         self.memory.aim(self.world.state.cell.reshape(self.columns, 2), actions)
         self.world.step(actions.reshape(self.world.state.end.shape))
         return self.world.state.reward.ravel()
 
     def restart(self, episodes: NDArray[np.int64]) -> None:
-        """Begin new episodes in place of these."""
+        """Start new episodes in place of these."""
         if len(episodes) == 0:
             return
         team = self.world.scenario.team
@@ -116,7 +116,7 @@ class VectorFlight:
         return world_tensors(self.world) | memory | {"flock/scenes": self.scenes}
 
     def restore(self, tensors: dict[str, NDArray[np.generic]]) -> None:
-        """Go on exactly where :meth:`tensors` was taken."""
+        """Restore the state that :meth:`tensors` returned."""
         restore_world(tensors, self.world)
         self.scenes[...] = tensors["flock/scenes"]
         for name, array in self.memory._asdict().items():

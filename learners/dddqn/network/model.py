@@ -1,4 +1,4 @@
-"""The dueling network (Wang et al. 2016) over the observation."""
+"""The dueling network (Wang et al. 2016) as a torch model."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from torch import Tensor, nn
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, tour_costs
 
-#: Noise in each weight at the beginning, in units of the reciprocal root of its layer's inputs.
+#: Initial noise of each weight, times the square root of its layer's inputs (Fortunato et al. 2018, section 3.2).
 SIGMA = 0.5
 
 
 class NoisyLinear(nn.Linear):
-    """A linear layer with factorised Gaussian noise in training and none in evaluation.
+    """A linear layer with factorised Gaussian noise in training mode and none in evaluation mode.
 
-    Fortunato et al. 2018, section 3, arXiv:1706.10295. The noise is zero until it is drawn, and stays the same
-    until it is drawn again.
+    Fortunato et al. 2018, section 3, arXiv:1706.10295. The noise is zero until :meth:`draw_noise` is called, and stays
+    the same until the next call.
     """
 
     noise_in: Tensor
@@ -32,14 +32,14 @@ class NoisyLinear(nn.Linear):
         self.register_buffer("noise_out", torch.zeros(outputs), persistent=False)
 
     def draw_noise(self, generator: torch.Generator) -> None:
-        """Draw new noise, on the CPU, so that it is the same on any device."""
+        """Draw new noise on the CPU, so that it is the same for all devices."""
         normal = torch.randn(self.in_features + self.out_features, generator=generator)
         noise = (normal.sign() * normal.abs().sqrt()).to(self.noise_in.device)
         self.noise_in.copy_(noise[: self.in_features])
         self.noise_out.copy_(noise[self.in_features :])
 
     def forward(self, x: Tensor) -> Tensor:
-        """Return x W + b, with noise in W and b while training."""
+        """Return x W + b, with noise in W and b in training mode."""
         if not self.training:
             return super().forward(x)
         weight = torch.addcmul(self.weight, self.weight_sigma, torch.outer(self.noise_out, self.noise_in))
@@ -49,10 +49,10 @@ class NoisyLinear(nn.Linear):
 class DuelingNetwork(nn.Module):
     """Map scenes and move features to the values of the four moves.
 
-    The scenes are encoded first; the move features join them in the second layer. A small network shared by
-    the moves adds what each move's own features say to its advantage. Where tours are seen, so does a weighted sum of
-    these features that begins as the cost of longer tours, while all other advantages begin at 0: at first the network
-    flies the tours, and it learns what to put right. Runs under autocast as well.
+    The first layer encodes the scenes; the move features enter in the second layer. A small network that the moves
+    share maps each move's own features to a term of its advantage. With tour features, a skip connection adds a
+    weighted sum of them, whose initial weights are the cost of longer tours, while all other advantages start at 0:
+    the untrained network follows the tours, and training corrects it. Autocast is supported.
     """
 
     def __init__(self, layout: ObservationLayout, config: NetworkConfig) -> None:
@@ -89,7 +89,7 @@ class DuelingNetwork(nn.Module):
         return q_BA if self.value is None else duel(self.value(think_BW).float(), q_BA)
 
     def draw_noise(self, generator: torch.Generator) -> None:
-        """Draw new noise for every noisy layer; a network without them draws nothing."""
+        """Draw new noise for every noisy layer; without noisy layers the generator is not used."""
         for layer in self.modules():
             if isinstance(layer, NoisyLinear):
                 layer.draw_noise(generator)
@@ -101,13 +101,13 @@ def duel(value_B1: Tensor, advantage_BA: Tensor) -> Tensor:
 
 
 def new_network(layout: ObservationLayout, config: NetworkConfig, seed: int) -> DuelingNetwork:
-    """Return a network initialised from ``seed`` alone; torch's global generator is left as it was."""
+    """Return a network initialised from ``seed``; torch's global generator keeps its state."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         return DuelingNetwork(layout, config)
 
 
 def arrays(network: DuelingNetwork) -> dict[str, NDArray[np.float32]]:
-    """Return what acting needs, by name: every weight, or its mean where it is noisy."""
+    """Return the arrays for acting by name: every weight, without the noise."""
     state = network.state_dict().items()
     return {name: value.float().cpu().numpy().copy() for name, value in state if not name.endswith("_sigma")}
