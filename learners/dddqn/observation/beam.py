@@ -1,15 +1,15 @@
-"""A small beam search for tours through rooms of up to 16x16 cells, on bitboards.
+"""A beam search for short tours that view all unknown cells of rooms of up to 16x16 cells, on bitboards.
 
-A state is (cell, unseen set); it ranks by
+A state is the UAV's cell and the set U of cells that are still unseen. Its rank, lower is better, is
 
     |U| (1 + isolation) - isolation / 4 * pairs(U) + pull * (steps since its last gain)
 
 where pairs(U) counts the unordered pairs of neighbours, diagonal ones included, among the unseen cells U. So an
-unseen cell weighs 1 + isolation (1 - n / 8) with n unseen cells around it: scattered leftovers are expensive, and
-pockets are finished while they are near. Everything about a set takes some twenty word operations.
+unseen cell weighs 1 + isolation (1 - n / 8) with n unseen cells around it: scattered leftovers are expensive, so the
+UAV finishes a pocket while it is near. Each operation on a set takes some twenty word operations.
 
-:mod:`indoor_explorers.planners.horizon.beam` is a beam for maps of any size and cells of any weight. This one stays
-apart because it is many times faster, and allocates nothing: a decision makes up to eight searches.
+:mod:`indoor_explorers.planners.horizon.beam` searches maps of any size with cells of any weight. This search is
+separate because it is many times faster and allocates nothing: a decision makes up to eight searches.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from indoor_explorers.env.search.bitsets import ROOM, STRIDE, Board, board_hash,
 from indoor_explorers.env.search.hash_table import is_new
 from indoor_explorers.learners.dddqn.observation.memory import LONGEST
 
-#: Steps looked ahead.
+#: Search depth in steps.
 DEPTH = LONGEST
-#: Weight of a step without gain, and of a cell that is unseen for one step longer.
+#: Weight of a step without gain, and of each step for which a cell stays unseen.
 PULL, DELAY = 0.02, 1e-4
 #: The estimated steps of an unfinished tour are DEPTH + REST + PACE * rank.
 PACE, REST = 0.1, 4.0
-#: Columns of ``Beam.facts``: unseen cells, their pairs of neighbours, delay, rank, the step at which few enough were
-#: unseen (0 for not yet), steps since the last gain, and the state that this one follows.
+#: Columns of ``Beam.facts``: unseen cells, their pairs of neighbours, delay, rank, the step at which 90 % were seen (0
+#: for not yet), steps since the last gain, and the index of the parent state.
 LEFT, PAIRS, UNSEEN_STEPS, RANK, HALFWAY, IDLE, PARENT = range(7)
-#: Columns of ``Beam.done``: delay, the step at which few enough were unseen, its last cell, and the state before that.
+#: Columns of ``Beam.done``: delay, the step at which 90 % were seen, the last cell, and the index of the parent state.
 DONE_DELAY, DONE_HALFWAY, DONE_CELL, DONE_PARENT = range(4)
 _ONE = np.uint64(1)
 
@@ -44,51 +44,51 @@ class Beam(NamedTuple):
     cell: np.ndarray
     """(2, K) cells; bank 0 holds the states, bank 1 the candidates."""
     unseen: np.ndarray
-    """(2, K, 4)."""
+    """(2, K, 4) words of the sets of unseen cells."""
     key: np.ndarray
     """(2, K) hash of the unseen set."""
     facts: np.ndarray
-    """(2, K, 7) figures of each state: columns ``LEFT`` to ``PARENT``."""
+    """(2, K, 7) numbers of each state: columns ``LEFT`` to ``PARENT``."""
     order: np.ndarray
     """(K,) candidates by rank."""
     met: np.ndarray
-    """Hash table of states met before."""
+    """Hash table of the states met so far."""
     cell_key: np.ndarray
     """(256,) hash words of the UAV's cell."""
     trail: np.ndarray
-    """(D + 1, K, 2) for every step the cells of the states kept, and the states of the step before that they follow."""
+    """(D + 1, K, 2) for every step, the cells of the kept states and the indices of their parents."""
     done: np.ndarray
-    """(4,) of the best finished tour: columns ``DONE_DELAY`` to ``DONE_PARENT``."""
+    """(4,) the best finished tour: columns ``DONE_DELAY`` to ``DONE_PARENT``."""
     path: np.ndarray
-    """(D + 1,) the cells of the tour found last, if it is finished."""
+    """(D + 1,) the cells of the latest tour, if it is finished."""
 
 
 class Aim(NamedTuple):
-    """What tours are for."""
+    """The objective of a search."""
 
     rest: float
-    """Cells that may stay unseen."""
+    """Unseen cells at which a tour is finished."""
     halfway: float
-    """Cells that may stay unseen at the step that is noted on the way."""
+    """Unseen cells at 90 % coverage; the search notes the step at which a tour reaches it."""
     isolation: float
-    """Extra weight of an unseen cell with nothing unseen around it, in cells."""
+    """Additional weight of an unseen cell without unseen neighbours, in cells."""
 
 
 class Tour(NamedTuple):
-    """What the search found."""
+    """Result of a search."""
 
     finished: bool
-    """Whether the tour shows enough."""
+    """Whether the tour leaves at most ``Aim.rest`` cells unseen."""
     steps: float
-    """Its steps; an estimate where it is not finished."""
+    """Its length in steps; an estimate if it is not finished."""
     delay: float
-    """Unseen cells summed over its steps."""
+    """Number of unseen cells summed over its steps."""
     halfway: int
-    """The step at which ``Aim.halfway`` was met, 0 for not."""
+    """The step at which at most ``Aim.halfway`` cells were unseen, 0 if none."""
 
 
 def new_beam(width: int) -> Beam:
-    """Allocate the working arrays to keep ``width`` states at each step."""
+    """Allocate the working arrays of a beam of ``width`` states."""
     table = 64
     while table < 4 * width * DEPTH:
         table *= 2
@@ -141,7 +141,7 @@ def _place(beam: Beam, kept: int, rank: float) -> tuple[int, int]:
 
 @inner()
 def _start(beam: Beam, cell: int, unseen: np.ndarray, views: np.ndarray, aim: Aim) -> float:
-    """Make the only state: the UAV in a cell, after a look from there; return what is left unseen."""
+    """Write the initial state, the UAV in ``cell`` after an observation from there; return its unseen cells."""
     words = without(unseen, views[cell])
     left, near = float(board_size(words)), float(neighbour_pairs(words))
     rank = left * (1 + aim.isolation) - aim.isolation / 4 * near
@@ -152,7 +152,7 @@ def _start(beam: Beam, cell: int, unseen: np.ndarray, views: np.ndarray, aim: Ai
 
 @leaf(entry=False)
 def _expand(beam: Beam, states: int, step: int, views: np.ndarray, passages: np.ndarray, aim: Aim) -> int:
-    """Rank the neighbours of all states; return how many are kept, and note the best one that is finished."""
+    """Expand all states to ranked candidates and note the best finished one; return the number of candidates."""
     kept, share, done = 0, aim.isolation / 4, beam.done
     for s in range(states):
         parent = beam.facts[0, s]
@@ -183,7 +183,7 @@ def _expand(beam: Beam, states: int, step: int, views: np.ndarray, passages: np.
 
 @inner()
 def _advance(beam: Beam, kept: int, step: int) -> None:
-    """Make the candidates the states after ``step`` steps, best first."""
+    """Copy the candidates to the states of ``step``, best first."""
     for s in range(kept):
         o = beam.order[s]
         beam.cell[0, s], beam.key[0, s] = beam.cell[1, o], beam.key[1, o]
@@ -206,11 +206,11 @@ def _trace(beam: Beam, steps: int) -> None:
 
 @leaf()
 def shortest_tour(cell: int, unseen: np.ndarray, views: np.ndarray, passages: np.ndarray, aim: Aim, beam: Beam) -> Tour:
-    """Search for the shortest tour that begins with a step to ``cell`` and leaves ``aim.rest`` of ``unseen`` (4,).
+    """Search for a short tour that begins with a step to ``cell`` and leaves at most ``aim.rest`` of ``unseen`` (4,).
 
     ``views`` and ``passages`` are those of
-    :class:`indoor_explorers.learners.dddqn.observation.memory.ObservationMemory`. Of tours of equal length it takes the
-    one with the least delay among those it finds; ``beam.path`` gets its cells.
+    :class:`indoor_explorers.learners.dddqn.observation.memory.ObservationMemory`. Among found tours of equal length the
+    one with the least delay is returned; ``beam.path`` gets its cells.
     """
     left = _start(beam, cell, unseen, views, aim)
     beam.trail[1, 0, 0], beam.path[0] = cell, cell
@@ -236,7 +236,7 @@ def shortest_tour(cell: int, unseen: np.ndarray, views: np.ndarray, passages: np
 def follow_tour(
     at: int, path: np.ndarray, unseen: np.ndarray, views: np.ndarray, passages: np.ndarray, aim: Aim
 ) -> Tour:
-    """Return what a tour found before is worth now to a UAV in cell ``at``; not finished if it cannot be flown.
+    """Evaluate an earlier tour for a UAV in cell ``at``; the result is not finished if the tour cannot be flown.
 
     ``path`` holds its cells from the next one on, -1 after the last.
     """

@@ -1,14 +1,15 @@
-"""The best places to look from next, on maps of any size: what a greedy planner would see behind each move.
+"""Candidate features of the moves on maps of any size: the best next viewpoint behind each move.
 
-A prospect is a frontier cell. It is worth g^power e^(-rate d), with g what is in view of it, by the last flood, and d
-the way to it in lidar ranges (H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002, doi:10.1177/0278364902021010834). Of two
-kinds one counts all unknown cells alike and is greedy, the other counts isolated ones more and leaves fewer pockets
-behind. How far a move is behind the best one is the way, in steps at the reference range, that would make up for what
-its best prospect is worth less: the logarithm of the ratio over the rate.
+A candidate (in the setting and in arrays: prospect) is a frontier cell. Its utility is g^power e^(-rate d), with g its
+view gain and d the path length to it in lidar ranges (H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002,
+doi:10.1177/0278364902021010834). There are two kinds: the gain of the first counts all unknown cells alike, that of the
+second gives isolated cells more weight and leaves fewer pockets behind. A move is behind the best one by the additional
+path length that would explain the lower utility of its best candidate: log(utility ratio) / rate, in steps at the
+reference range.
 
-A prospect near the one that was best at the last look is worth a little more, so that a UAV does not change its mind
-with every step, and one that a teammate heard lately is nearer to is worth next to nothing, as for MinPos (A. Bautin,
-O. Simonin, F. Charpillet, ICIRA 2012, doi:10.1007/978-3-642-33515-0_49).
+A candidate near the best one of the last observation gets a bonus, so that a UAV does not change its goal at every
+step. A candidate that a recently heard teammate is closer to is worth little, as in MinPos (A. Bautin, O. Simonin,
+F. Charpillet, ICIRA 2012, doi:10.1007/978-3-642-33515-0_49).
 """
 
 from __future__ import annotations
@@ -28,27 +29,28 @@ from indoor_explorers.learners.dddqn.observation.map_image import HALF_DISTANCE
 from indoor_explorers.learners.dddqn.observation.memory import ObservationMemory
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE, Scratch, Sensor
 
-#: For each kind: exponent of what is in view, and discount of a lidar range on the way.
+#: For each kind: exponent of the view gain, and discount rate of the path length per lidar range.
 POWERS, RATES = (1.0, 0.5), (1.5, 0.8)
-#: Hysteresis: a candidate this near the last best one, in lidar ranges by rows and columns, is worth this many times as
-#: much.
+#: Hysteresis: Chebyshev distance to the last best candidate, in lidar ranges, within which the utility gets a factor;
+#: this factor.
 NEAR, HOLD = 0.4, 1.2
-#: Factor on a candidate that a recently heard teammate is closer to; recently: steps in lidar ranges.
+#: Largest age of a recent position of a teammate, in steps per cell of the lidar range; factor on the utility of a
+#: candidate that such a teammate is closer to.
 HEARD, THEIRS = 3.0, 0.05
 _THERE, _BEHIND, _BEST, _WAY, _VIEW = range(len(PROSPECT))
 
 
 class CandidateScratch(NamedTuple):
-    """Arrays that the search works in, for maps of one shape."""
+    """Working arrays of the search for candidates, for maps of one shape and K = 2 kinds."""
 
     theirs: NDArray[np.int32]
-    """(H, W) steps of the nearest teammate."""
+    """(H, W) path length of the nearest recently heard teammate in steps."""
     worth: NDArray[np.float64]
-    """(K, 4) of the best prospect behind each move, for each kind."""
+    """(K, 4) utility of the best candidate behind each move, for each kind."""
     steps: NDArray[np.int64]
-    """(K, 4) steps to it after the move."""
+    """(K, 4) path length to it after the move, in steps."""
     cell: NDArray[np.int64]
-    """(K, 4) flat."""
+    """(K, 4) its flat cell."""
 
 
 def new_candidate_scratch(shape: tuple[int, int]) -> CandidateScratch:
@@ -63,7 +65,7 @@ def new_candidate_scratch(shape: tuple[int, int]) -> CandidateScratch:
 def _spread_theirs(
     belief: np.ndarray, mates: np.ndarray, ages: np.ndarray, most: float, queue: np.ndarray, theirs: np.ndarray
 ) -> None:
-    """Fill ``theirs`` from where teammates were heard up to ``most`` steps ago."""
+    """Fill ``theirs`` with the distances from teammates that were heard up to ``most`` steps ago."""
     tail = 0
     theirs[:] = UNREACHABLE
     for m in range(ages.shape[0]):
@@ -85,7 +87,10 @@ def _offer(
     lidar_range: float,
     candidates: CandidateScratch,
 ) -> None:
-    """Offer all moves a candidate ``steps`` steps away, to which the moves ``first`` begin a shortest path."""
+    """Update the best candidates of all moves with one that is ``steps`` steps away.
+
+    ``first`` are the moves, one bit each, that begin a shortest path to it.
+    """
     here = factor * view ** POWERS[kind]
     for k in range(4):
         way = steps - 1 if first >> k & 1 else steps + 1
@@ -98,7 +103,7 @@ def _offer(
 def _write(
     kind: int, gain: np.ndarray, sensor: Sensor, blocked: np.ndarray, candidates: CandidateScratch, out: np.ndarray
 ) -> int:
-    """Write one kind's five features of each move into ``out`` (4, 5); return the best prospect's flat cell or -1."""
+    """Write one kind's five features of each move into ``out`` (4, 5); return the best candidate's flat cell or -1."""
     best, most = -1, 0.0
     for k in range(4):
         if blocked[k] == 0 and candidates.worth[kind, k] > most:
@@ -126,9 +131,9 @@ def look_for_candidates(
     candidates: CandidateScratch,
     out: np.ndarray,
 ) -> None:
-    """Write the candidates of UAV ``i``'s four moves into ``out`` (4, 10), after the flood of the gains.
+    """Write the candidate features of UAV ``i``'s four moves into ``out`` (4, 10).
 
-    The best ones of the last observation, ``memory.prospect``, are brought up to date.
+    The gains must be flooded before. ``memory.prospect``, the best candidates, is updated.
     """
     belief, gain, weight, kept = known.belief[i], memory.gain[i], memory.weight[i], memory.prospect[i]
     width, lidar_range = belief.shape[1], REFERENCE_RANGE / sensor.rate

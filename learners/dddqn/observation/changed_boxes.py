@@ -1,4 +1,4 @@
-"""Boxes of the cells that became known since the last observation, so that little has to be computed again."""
+"""Boxes around the cells that became known since the last observation; only what depends on them is recomputed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from indoor_explorers.env.grid.compiled import inner, leaf
 
 @inner()
 def _note_row(belief: np.ndarray, noted: np.ndarray) -> tuple[int, int]:
-    """Note what is known of one row (W,); return the first newly known cell and the one after the last."""
+    """Note the known cells of one row (W,); return the first newly known column and the one after the last."""
     first, after = belief.shape[0], 0
     for c in range(belief.shape[0]):
         if belief[c] != UNKNOWN and noted[c] == 0:
@@ -20,15 +20,15 @@ def _note_row(belief: np.ndarray, noted: np.ndarray) -> tuple[int, int]:
 
 @leaf()
 def note(belief: np.ndarray, noted: np.ndarray, boxes: np.ndarray) -> int:
-    """Note what is known of a belief (H, W); return how many ``boxes`` hold all that is newly known.
+    """Note the known cells of a belief (H, W); write ``boxes`` around the newly known ones and return their number.
 
-    A box is (top, left, bottom, right), the last two exclusive; adjacent rows with changes share one.
-    There must be room for one in every other row.
+    A box is (top, left, bottom, right), the last two exclusive; adjacent rows with changes share one box.
+    ``boxes`` must have room for one box in every second row.
     """
     found, joined = 0, False
     for r in range(belief.shape[0]):
         changed = False
-        for c in range(belief.shape[1]):  # without a branch, many cells at a time
+        for c in range(belief.shape[1]):  # without a branch, so that the loop is vectorised
             changed |= (belief[r, c] != UNKNOWN) & (noted[r, c] == 0)
         if changed:
             left, right = _note_row(belief[r], noted[r])

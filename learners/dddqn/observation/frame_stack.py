@@ -1,4 +1,4 @@
-"""The frame stack: the latest scenes of each UAV, shown to the network together (Mnih et al. 2015)."""
+"""The frame stack: the latest scenes of each UAV as one network input (Mnih et al. 2015)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from indoor_explorers.env.grid.arrays import Mask
 
 
 def stacked(scene: NDArray[np.uint8], scenes: NDArray[np.uint8], first: Mask) -> NDArray[np.uint8]:
-    """Return the latest scenes (K, I) after new ones (K, S); where they are the ``first`` (K,), they are repeated."""
+    """Push new scenes (K, S) onto stacked ones (K, I), latest first; the ``first`` (K,) of an episode is repeated."""
     if scene.shape == scenes.shape:
         return scene
     frames = scenes.shape[1] // scene.shape[1]

@@ -1,8 +1,8 @@
-"""Where everything is in an observation, and how it turns with the world.
+"""The layout of an observation, and its symmetries.
 
 An observation has two parts. ``scene`` (S,) uint8, 255 standing for 1: the layers of the fine map, the coarse map's
-unknown and known free cells (and mates, where the fine map shows them), the four sides, identity, progress. ``moves``
-(4, F) float32: for each move, whether it is blocked and the features that are switched on.
+unknown and known free cells (and teammates, if the fine map shows them), the four sides, identity, progress. ``moves``
+(4, F) float32: for each move, whether it is blocked and the enabled features.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, ObservationConfig
 
-#: How many flips and quarter turns there are; number 0 leaves everything as it is.
+#: Number of symmetries of the grid, rotations and reflections; number 0 is the identity.
 SYMMETRIES = 8
-#: UAVs that identity tells apart; more of them share.
+#: Number of different identities; in larger teams several UAVs share one.
 IDENTITIES = 8
-#: Numbers of progress.
+#: Number of progress inputs.
 PROGRESS = 3
-#: Features of each move, by the switch that turns them on; the first is always there.
+#: Features of each move, by the setting that enables them; the first is always there.
 BLOCKED = ("blocked",)
 BLOCKED_AT = 0
 GAINS = (
@@ -51,43 +51,47 @@ TOURS = (
 PROSPECTS = ("by all that is in view", "with isolated cells counting more")
 PROSPECT = ("there is one", "steps behind the best", "it is the best", "distance", "what is in view there")
 
-#: Steps beyond the shortest tour, or behind the best prospect, at which that feature is 1.
+#: Steps beyond the shortest tour, or behind the best candidate, at which that feature is 1.
 BEYOND = 8.0
 
 
 class ObservationLayout(NamedTuple):
-    """Offsets and sizes as plain numbers for compiled code; an offset of -1 means left out."""
+    """Offsets and sizes as plain numbers for compiled code; an offset of -1 means that the part is left out."""
 
     crop: int
+    """Side of the fine map in pixels."""
     coarse: int
+    """Side of the coarse map in blocks."""
     layers: NDArray[np.int64]
-    """(8,) where each of :data:`indoor_explorers.learners.dddqn.observation.config.LAYERS` begins in the scene."""
+    """(8,) offsets in the scene of :data:`indoor_explorers.learners.dddqn.observation.config.LAYERS`."""
     coarse_at: int
+    """Offset of the coarse map in the scene; so for the next parts."""
     coarse_mates: bool
+    """Whether the coarse map shows teammates."""
     sides_at: int
     identity_at: int
     progress_at: int
     scene: int
-    """Numbers of one scene, S."""
+    """Size of one scene, S."""
     gains_at: int
-    """Where the gains begin among the features of a move."""
+    """Offset of the gains among the features of a move; so for the next parts."""
     visits_at: int
     tours_at: int
     prospects_at: int
     features: int
-    """Features of a move, F."""
+    """Number of features of a move, F."""
     frames: int
-    """Scenes shown together."""
+    """Number of stacked scenes."""
 
     @property
     def inputs(self) -> int:
-        """Numbers of all scenes shown together."""
+        """Size of all stacked scenes together."""
         return self.scene * self.frames
 
 
 @lru_cache(maxsize=64)
 def observation_layout(config: ObservationConfig) -> ObservationLayout:
-    """Work out the layout of an observation."""
+    """Return the layout of an observation."""
     at, layers = 0, np.full(len(LAYERS), -1)
     for layer in config.layers:
         layers[LAYERS.index(layer)], at = at, at + config.crop**2
@@ -127,7 +131,7 @@ def observation_layout(config: ObservationConfig) -> ObservationLayout:
 
 
 def _places(at: int, *sizes: int) -> list[int]:
-    """Return where parts of these sizes begin one after another, -1 for those left out, and where the last one ends."""
+    """Return the offsets of consecutive parts of these sizes, -1 for empty ones, and the end of the last part."""
     places = []
     for size in sizes:
         places.append(at if size else -1)
@@ -136,11 +140,11 @@ def _places(at: int, *sizes: int) -> list[int]:
 
 
 def tour_costs(layout: ObservationLayout, to_goal: float, to_mark: float) -> NDArray[np.float32] | None:
-    """Return weights (F,) of the features of a move that charge each step beyond the shortest tours.
+    """Return weights (F,) of a move's features that charge each step beyond the shortest tours.
 
-    Steps behind the best prospect by all that is in view cost as much as those of tours to the goal: of one kind alone,
-    as a UAV drawn to two places at once may end up flying to and fro between them. None where neither is seen or they
-    cost nothing.
+    A step beyond the shortest tour to the goal costs ``to_goal``, one beyond the shortest tour to 90 % ``to_mark``. A
+    step behind the best candidate costs ``to_goal``, for candidates of the first kind only: a UAV that is drawn to two
+    candidates may oscillate between them. None if the observation has neither feature, or if both costs are 0.
     """
     if layout.tours_at == layout.prospects_at == -1 or to_goal == to_mark == 0.0:
         return None
@@ -161,16 +165,16 @@ class Symmetries(NamedTuple):
     moves: NDArray[np.int64]
     """(8, 4) for the rows of the move features."""
     action: NDArray[np.int64]
-    """(8, 4) the move that each move turns into."""
+    """(8, 4) the image of each move."""
 
 
 def turned(array: NDArray[Any], symmetry: int) -> NDArray[Any]:
-    """Return a (H, W) array under one of the eight symmetries: mirrored from 4 on, then turned."""
+    """Return an array (H, W) under one of the eight symmetries: symmetries 4 to 7 mirror it, then all rotate it."""
     return np.rot90(np.fliplr(array) if symmetry >= 4 else array, symmetry % 4)
 
 
 def _turned_moves(symmetry: int) -> list[int]:
-    """Return the move that each of the four moves turns into."""
+    """Return the images of the four moves under a symmetry."""
     result = []
     for row, col in MOVES[:4]:
         marked = np.zeros((3, 3))
@@ -182,7 +186,7 @@ def _turned_moves(symmetry: int) -> list[int]:
 
 @lru_cache(maxsize=64)
 def symmetries(config: ObservationConfig) -> Symmetries:
-    """Return the tables of an observation."""
+    """Return the index tables of an observation's symmetries."""
     layout = observation_layout(config)
     action = np.array([_turned_moves(g) for g in range(SYMMETRIES)])
     moves = np.argsort(action, axis=1)

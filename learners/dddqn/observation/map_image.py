@@ -1,7 +1,7 @@
 """The map image, called ``scene`` in arrays: maps around one UAV, as pixels of 0 to 255.
 
-The fine map has one pixel for each cell at lidar range 3 and for 3x3 cells at range 10; the coarse map has one for
-each block of 3x3 pixels. Both are centred on the UAV and zero off the map.
+A pixel of the fine map is one cell at lidar range 3, and 3x3 cells at range 10; a pixel of the coarse map is a block of
+3x3 fine pixels. Both maps are centred on the UAV and zero off the map.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from indoor_explorers.learners.dddqn.observation.layout import IDENTITIES, Obser
 from indoor_explorers.learners.dddqn.observation.memory import ObservationMemory
 from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor
 
-#: Places of the layers in :data:`indoor_explorers.learners.dddqn.config.LAYERS`.
+#: Indices of the layers in :data:`indoor_explorers.learners.dddqn.observation.config.LAYERS`.
 _UNKNOWN, _FREE, _CHANCE, _VISITS, _FRONTIER, _DISTANCE, _MATES, _MATES_PAST = range(8)
-#: Visits beyond this many look the same.
+#: Largest number of visits that is shown.
 VISIT_CAP = 4
-#: Reference steps at which a distance or a wait is shown as one half.
+#: Distance or waiting time, in steps at the reference range, that is shown as one half.
 HALF_DISTANCE = 8.0
-#: Factor on a teammate's mark for each reference step since it was heard.
+#: Factor on a teammate's brightness for each step, at the reference range, since it was heard.
 FADING = 0.95
 
 
@@ -41,7 +41,7 @@ def tabulate(belief: np.ndarray, unknown: np.ndarray, free: np.ndarray) -> None:
 
 @leaf(entry=False)
 def within(table: np.ndarray, top: int, left: int, bottom: int, right: int) -> int:
-    """Sum a summed-area table over rows top..bottom - 1 and columns left..right - 1, cut to the map."""
+    """Return the sum over rows top..bottom - 1 and columns left..right - 1, clipped to the map."""
     height, width = table.shape[0] - 1, table.shape[1] - 1
     top, bottom = min(max(top, 0), height), min(max(bottom, 0), height)
     left, right = min(max(left, 0), width), min(max(right, 0), width)
@@ -50,7 +50,7 @@ def within(table: np.ndarray, top: int, left: int, bottom: int, right: int) -> i
 
 @leaf(entry=False)
 def _pool(table: np.ndarray, row: int, col: int, pixels: int, side: int, out: np.ndarray) -> None:
-    """Write the share of each of pixels x pixels blocks, ``side`` (odd) cells wide, centred on (row, col)."""
+    """Write the mean of a table over each of pixels x pixels blocks, ``side`` (odd) cells wide, around (row, col)."""
     first = -((pixels * side) // 2)
     for i in range(pixels):
         top = row + first + i * side
@@ -62,7 +62,7 @@ def _pool(table: np.ndarray, row: int, col: int, pixels: int, side: int, out: np
 
 @leaf(entry=False)
 def _pool_layer(layer: np.ndarray, row: int, col: int, pixels: int, side: int, mean: bool, out: np.ndarray) -> None:
-    """Write the mean or the greatest value of each of pixels x pixels blocks of a layer (H, W)."""
+    """Write the mean or the maximum of a layer (H, W) over each of pixels x pixels blocks around (row, col)."""
     height, width = layer.shape
     first = -((pixels * side) // 2)
     for i in range(pixels):
@@ -92,7 +92,7 @@ def _show_frontier(belief: np.ndarray, layer: np.ndarray) -> None:
 
 @leaf(entry=False)
 def _show_distance(belief: np.ndarray, rate: float, scratch: Scratch) -> None:
-    """Show how far known free cells are from the nearest frontier; 255 elsewhere."""
+    """Show the distance of known free cells to the nearest frontier cell; 255 elsewhere."""
     width, found = belief.shape[1], 0
     scratch.layer[:], scratch.steps[:] = 255, UNREACHABLE
     for r in range(belief.shape[0]):
@@ -108,7 +108,7 @@ def _show_distance(belief: np.ndarray, rate: float, scratch: Scratch) -> None:
 
 @leaf(entry=False)
 def _freshness(age: int, rate: float) -> int:
-    """Return the mark of a teammate heard ``age`` steps ago: 255 for now, fading with age."""
+    """Return the brightness of a teammate heard ``age`` steps ago: 255 for age 0, fading with age."""
     return int(255.0 * FADING ** (age * rate) + 0.5)
 
 
@@ -116,7 +116,7 @@ def _freshness(age: int, rate: float) -> int:
 def _show_mates(
     row: int, col: int, mates: np.ndarray, ages: np.ndarray, sensor: Sensor, side: int, past: int, out: np.ndarray
 ) -> None:
-    """Mark teammates on a map of blocks ``side`` cells wide: those heard now (``past`` 0), before (1) or ever (2)."""
+    """Show teammates on a map of blocks ``side`` cells wide: those heard now (``past`` 0), before (1) or ever (2)."""
     pixels = int(np.sqrt(out.shape[0]) + 0.5)
     first = -((pixels * side) // 2)
     out[:] = 0
@@ -138,7 +138,7 @@ def _write_fine(
     layout: ObservationLayout,
     out: np.ndarray,
 ) -> None:
-    """Write the layers of the fine map that tell of cells."""
+    """Write the layers of the fine map, except those of teammates."""
     row, col, side, size = known.cell[i, 0], known.cell[i, 1], sensor.scale, layout.crop * layout.crop
     for layer in range(_MATES):
         at = layout.layers[layer]
@@ -163,7 +163,7 @@ def _write_fine(
 
 @leaf(entry=False)
 def _write_sides(row: int, col: int, table: np.ndarray, disc: float, out: np.ndarray) -> None:
-    """Write the unknown cells down, left, up and right of the UAV."""
+    """Write how many unknown cells are below, left of, above and right of the UAV, as x / (x + 4 disc)."""
     height, width = table.shape[0] - 1, table.shape[1] - 1
     sides = (
         within(table, row + 1, 0, height, width),

@@ -1,7 +1,8 @@
-"""The learned map prior: how likely an unknown cell is to count, from the 7x7 cells around it.
+"""The learned map prior: the probability that an unknown cell is free and reachable, from the 7x7 cells around it.
 
-A net of one hidden layer, fitted before the training to what unknown cells of the training's maps turned out to be
-(:mod:`indoor_explorers.learners.dddqn.learning.prior_fitting`). Far from any known obstacle a cell is taken to count.
+Coverage counts such cells. The prior is a network with one hidden layer, fitted before the training to unknown cells of
+the training maps (:mod:`indoor_explorers.learners.dddqn.learning.prior_fitting`). Without a known obstacle among the
+7x7 cells the probability is 1.
 """
 
 from __future__ import annotations
@@ -15,20 +16,20 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
 
-#: Cells seen in each direction around a cell, and a side of the patch.
+#: Half width and side of the patch around a cell, in cells.
 REACH, PATCH = 3, 7
-#: Inputs: for every cell of the patch whether it is known free, known occupied, off the map.
+#: Number of inputs: for every cell of the patch whether it is known free, known occupied, off the map.
 INPUTS = 3 * PATCH * PATCH
 #: Hidden units.
 UNITS = 32
-#: What the patch shows off the map.
+#: Code of cells off the map in a patch.
 OFF_MAP = 3
 
 Array = NDArray[np.float32]
 
 
 class MapPrior(NamedTuple):
-    """The net's arrays; ``hidden`` has no rows where there is no prior, and all unknown cells are taken to count."""
+    """The network's arrays; without rows in ``hidden`` there is no prior, and every probability is 1."""
 
     hidden: Array
     """(147, U)."""
@@ -43,7 +44,7 @@ class MapPrior(NamedTuple):
 
 
 def no_prior() -> MapPrior:
-    """Return the prior that takes all unknown cells to count."""
+    """Return the empty prior, whose probabilities are 1."""
     return _arranged(np.zeros((0, UNITS)), np.zeros(UNITS), np.zeros(UNITS), np.zeros(1))
 
 
@@ -55,14 +56,14 @@ def _arranged(hidden: NDArray[Any], hidden_bias: NDArray[Any], out: NDArray[Any]
 
 
 def prior_from(arrays: Mapping[str, NDArray[Any]]) -> MapPrior:
-    """Arrange the arrays of a weights file, by the names of :func:`prior_arrays`; no prior where there are none."""
+    """Return the prior with the arrays of a weights file, named as in :func:`prior_arrays`; empty without arrays."""
     if not arrays:
         return no_prior()
     return _arranged(arrays["prior.hidden"], arrays["prior.hidden_bias"], arrays["prior.out"], arrays["prior.out_bias"])
 
 
 def prior_arrays(prior: MapPrior) -> dict[str, Array]:
-    """Return the arrays by name, none for no prior."""
+    """Return the prior's arrays by name; none for the empty prior."""
     if len(prior.hidden) == 0:
         return {}
     return {f"prior.{name}": array for name, array in prior._asdict().items() if name != "work"}
@@ -70,7 +71,7 @@ def prior_arrays(prior: MapPrior) -> dict[str, Array]:
 
 @leaf()
 def write_patch(belief: np.ndarray, row: int, col: int, out: np.ndarray) -> int:
-    """Write the 7x7 cells around one (49,), row by row; return how many of them are known obstacles."""
+    """Write the 7x7 cells around a cell into ``out`` (49,) uint8; return how many of them are known obstacles."""
     height, width = belief.shape
     obstacles, at = 0, 0
     for r in range(row - REACH, row + REACH + 1):
@@ -84,7 +85,7 @@ def write_patch(belief: np.ndarray, row: int, col: int, out: np.ndarray) -> int:
 
 @inner()
 def _judge(patch: np.ndarray, prior: MapPrior) -> float:
-    """Return the log-odds of the cell in the middle of a patch to count."""
+    """Return the log-odds that the cell in the middle of a patch is free and reachable."""
     units = prior.work.shape[0]
     for u in range(units):
         prior.work[u] = prior.hidden_bias[u]
@@ -101,10 +102,9 @@ def _judge(patch: np.ndarray, prior: MapPrior) -> float:
 
 @leaf()
 def write_chances(belief: np.ndarray, prior: MapPrior, patch: np.ndarray, box: np.ndarray, chance: np.ndarray) -> None:
-    """Write the chance of each unknown cell to count, (H, W) uint8, 255 for certainly; 0 for known cells.
+    """Write the probability of each unknown cell to ``chance`` (H, W) uint8, 255 standing for 1; 0 for known cells.
 
-    Only those are written that newly known cells in a ``box`` (top, left, bottom, right) may have changed. ``patch``
-    (49,) uint8 is scratch.
+    Only cells whose patch touches ``box`` (top, left, bottom, right) are written. ``patch`` (49,) uint8 is scratch.
     """
     height, width = belief.shape
     for r in range(max(box[0] - REACH, 0), min(box[2] + REACH, height)):

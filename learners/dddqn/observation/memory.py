@@ -1,4 +1,4 @@
-"""What a UAV must remember, beyond its belief, to observe: one column for each UAV."""
+"""The memory, beyond the belief, that a UAV's observations need: one column per UAV."""
 
 from __future__ import annotations
 
@@ -13,52 +13,52 @@ from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import PROSPECTS
 
-#: A gain that is to be counted, and that of a cell where the UAV has been: it has seen what there is to see from there.
+#: Marks in place of a gain: it must be recomputed; the UAV has been in the cell, which has nothing more to show.
 STALE, SPENT = -1, -2
-#: Cells of the longest tour that is remembered.
+#: Length of the longest tour that is kept, in cells.
 LONGEST = 40
 
 
 class ObservationMemory(NamedTuple):
-    """Arrays of C columns for maps of (H, W) cells; R = 256 where tours are planned and 0 elsewhere."""
+    """Arrays of C columns for maps of (H, W) cells; R = 256 if tours are searched, else 0."""
 
     noted: NDArray[np.uint8]
-    """(C, H, W) cells known at the last look."""
+    """(C, H, W) cells known at the last observation."""
     visits: NDArray[np.uint8]
     """(C, H, W) visits since the last gain."""
     aimed: NDArray[np.int64]
-    """(C,) flat cell that the last move was to lead to, -1 for none."""
+    """(C,) flat target cell of the last move, -1 for none."""
     looks: NDArray[np.int64]
-    """(C,) looks taken so far."""
+    """(C,) number of observations so far."""
     barred: NDArray[np.int32]
-    """(C, H, W) the look until which a cell is taken for blocked, since a teammate was in the way to it."""
+    """(C, H, W) number of the observation until which a cell counts as blocked, after a teammate was in it."""
     pushes: NDArray[np.int64]
-    """(C,) how often one was since the last gain."""
+    """(C,) blocked moves since the last gain."""
     chance: NDArray[np.uint8]
-    """(C, H, W) chance of an unknown cell to count, 255 for certainly; 0 for known cells."""
+    """(C, H, W) probability that an unknown cell is free and reachable, 255 standing for 1; 0 for known cells."""
     gain: NDArray[np.int32]
-    """(C, H, W) unknown cells in view of a cell, -1 where they are to be counted anew, -2 where the UAV has been."""
+    """(C, H, W) view gain: unknown cells in view of a cell, :data:`STALE` or :data:`SPENT`."""
     weight: NDArray[np.float32]
-    """(C, H, W) how much these count when isolated ones count more; empty maps where prospects are not looked for."""
+    """(C, H, W) view gain with isolated cells weighted more; (C, 0, 0) if there are no candidate features."""
     prospect: NDArray[np.int64]
-    """(C, 2) flat cell of the best prospect of each kind at the last look, -1 for none."""
+    """(C, 2) flat cell of the best candidate of each kind at the last observation, -1 for none."""
     obstacles: NDArray[np.uint8]
-    """(C, H, W) obstacles, known and assumed, that ``views`` and ``passages`` reckon with; 255 before the first."""
+    """(C, H, W) the map with assumed obstacles that ``views`` and ``passages`` were computed for; 255 at first."""
     views: NDArray[np.uint64]
-    """(C, R, 4) what is visible from each cell, unknown cells being transparent, as bits."""
+    """(C, R, 4) bit set of the cells visible from each cell, unknown cells being transparent."""
     passages: NDArray[np.int32]
-    """(C, R, 4) neighbours that are not taken for obstacles, -1 for none."""
+    """(C, R, 4) neighbours of each cell that are not obstacles, known or assumed; -1 for none."""
     tour: NDArray[np.int64]
-    """(C, 2, 41) the rest of the best tours found so far, to the goal and to the mark on the way: cells, then -1."""
+    """(C, 2, 41) the remaining cells of the best tours found so far, to the goal and to 90 %; -1 after the last."""
     gained: NDArray[np.int64]
-    """(C,) cells gained by the own lidar so far."""
+    """(C,) cells discovered by the UAV's own lidar so far."""
     idle: NDArray[np.int64]
     """(C,) steps since the last gain."""
     nearest: NDArray[np.int64]
-    """(C,) steps to the nearest place that shows something unknown, -1 when nothing within reach is unknown."""
+    """(C,) steps to the nearest reachable cell with unknown cells in view, -1 for none."""
 
     def forget(self, columns: slice | Sequence[int]) -> None:
-        """Begin some columns anew."""
+        """Reset some columns for new episodes."""
         self.noted[columns] = 0
         self.visits[columns] = 0
         self.aimed[columns] = -1
@@ -74,7 +74,7 @@ class ObservationMemory(NamedTuple):
         self.nearest[columns] = 0
 
     def aim(self, cell: NDArray[np.int64], action: NDArray[np.int64]) -> None:
-        """Remember where the moves (C,) that are made now from cells (C, 2) are to lead to."""
+        """Store the target cells of moves (C,) from cells (C, 2)."""
         height, width = self.noted.shape[1:]
         row, col = (cell + MOVES[action]).T
         inside = (row >= 0) & (row < height) & (col >= 0) & (col < width)
@@ -82,7 +82,7 @@ class ObservationMemory(NamedTuple):
 
 
 def new_memory(columns: int, shape: tuple[int, int], observation: ObservationConfig) -> ObservationMemory:
-    """Allocate the memory of ``columns`` UAVs on (H, W) maps, for tours where the map is small enough."""
+    """Allocate the memory of ``columns`` UAVs on (H, W) maps, with that of tours if the map is small enough."""
     cells = (columns, *shape)
     room = STRIDE * ROOM if observation.tours and max(shape) <= ROOM else 0
     memory = ObservationMemory(

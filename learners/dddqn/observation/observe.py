@@ -1,16 +1,16 @@
-"""What the network sees of one UAV, computed from its own belief and what it heard alone.
+"""The network's observation, computed only from the UAV's own belief and from what it received by radio.
 
-``scene`` (S,) uint8, 255 standing for 1, is a picture of the surroundings
-(:mod:`indoor_explorers.learners.dddqn.observation.map_image`). ``moves`` (4, F) float32 says of each move whether it is
-blocked and, as switched on, what planners would see behind it
+``scene`` (S,) uint8, 255 standing for 1, is an image of the surroundings
+(:mod:`indoor_explorers.learners.dddqn.observation.map_image`). ``moves`` (4, F) float32 tells for each move whether it
+is blocked and, if enabled, planner features
 (:mod:`indoor_explorers.learners.dddqn.observation.view_gain`,
 :mod:`indoor_explorers.learners.dddqn.observation.candidates`, :mod:`indoor_explorers.learners.dddqn.observation.tours`)
-and how often the next cell was visited since the last gain. :mod:`indoor_explorers.learners.dddqn.observation.layout`
-tells where everything is.
+and the visits of the next cell since the last gain. :mod:`indoor_explorers.learners.dddqn.observation.layout` defines
+the order of the numbers.
 
-Everything is measured in lidar ranges, so the input has the same size and about the same meaning for any map and
-lidar. Rotating or mirroring the world permutes the numbers; only chances, which were learned from examples, and tours,
-a search that breaks ties in a fixed order, then differ a little.
+Lengths are measured in lidar ranges, so the observation has the same size and similar values for any map and lidar.
+Rotating or mirroring the world permutes the numbers, with small differences in the map prior, which is learned, and in
+tours, whose search breaks ties in a fixed order.
 """
 
 from __future__ import annotations
@@ -48,12 +48,12 @@ from indoor_explorers.learners.dddqn.observation.view_gain import (
 )
 from indoor_explorers.learners.guard import discovered
 
-#: Observations for which a contested cell counts as blocked, plus the UAV's number; encounters up to which that grows.
+#: A contested cell counts as blocked for (PATIENCE + the UAV's number) * min(encounters, GROWTH) observations.
 PATIENCE, GROWTH = 2, 3
 
 
 class ObservationContext(NamedTuple):
-    """Everything that observing on maps of one shape needs besides the UAV's own state."""
+    """Constants and working arrays of observations on maps of one shape."""
 
     layout: ObservationLayout
     sensor: Sensor
@@ -66,7 +66,7 @@ class ObservationContext(NamedTuple):
 def observation_context(
     config: ObservationConfig, shape: tuple[int, int], scenario: Scenario, prior: MapPrior
 ) -> ObservationContext:
-    """Prepare to observe on (H, W) maps of a scenario."""
+    """Return the context of observations on (H, W) maps of a scenario."""
     lidar = sensor(scenario.lidar.range)
     tours = new_tour_scratch(shape, scenario, config.tour_width)
     return ObservationContext(
@@ -78,7 +78,10 @@ def observation_context(
 def _remember(
     belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, memory: ObservationMemory, i: int
 ) -> int:
-    """Count a visit, forgetting all of them after a gain of its own; return how many boxes hold what became known."""
+    """Count the gain and the visit, and reset the visits after a gain; return the number of boxes of newly known cells.
+
+    Only cells that the UAV's own lidar discovered are a gain.
+    """
     noted, visits = memory.noted[i], memory.visits[i]
     gain = discovered(belief, row, col, sensor.lidar, scratch.scan, noted)
     memory.gained[i] += gain
@@ -91,9 +94,10 @@ def _remember(
 
 @inner()
 def _give_way(memory: ObservationMemory, i: int, row: int, col: int, agent: int) -> None:
-    """Take the cell that a teammate was in for blocked: longer with each encounter, and longer for higher numbers.
+    """Mark the target of a move that a teammate blocked as blocked for some observations.
 
-    So two UAVs that met do not mirror each other's moves for ever.
+    The time grows with each encounter and with the UAV's number, so that two UAVs that meet do not mirror each other's
+    moves for ever.
     """
     memory.looks[i] += 1
     memory.pushes[i] = 0 if memory.idle[i] == 0 else memory.pushes[i]
@@ -150,7 +154,7 @@ def _look_for_tours(
 def _look_ahead(
     known: Known, memory: ObservationMemory, i: int, context: ObservationContext, moves: np.ndarray
 ) -> None:
-    """Write what lies behind each move; the summed-area tables must be filled."""
+    """Write the features of each move; the summed-area tables must be filled."""
     belief, row, col, layout = known.belief[i], known.cell[i, 0], known.cell[i, 1], context.layout
     gain, weight = memory.gain[i], memory.weight[i]
     memory.nearest[i] = flood_gains(belief, row, col, context.sensor, context.scratch, gain, weight)
@@ -192,9 +196,9 @@ def observe(
     scene: np.ndarray,
     moves: np.ndarray,
 ) -> None:
-    """Remember and observe for some ``columns`` (K,) of C UAVs on maps of one shape.
+    """Update the memory and compute the observations of some ``columns`` (K,) of C UAVs on maps of one shape.
 
-    Fills those columns of ``scene`` (C, S) uint8 and ``moves`` (C, 4, F) float32.
+    Fills these columns of ``scene`` (C, S) uint8 and ``moves`` (C, 4, F) float32. Call it once per step.
     """
     for i in columns:
         _observe(known, memory, i, context, scene[i], moves[i])

@@ -1,6 +1,6 @@
-"""The optimistic map of a small room: unknown cells are taken for free, unless the map prior says otherwise.
+"""The optimistic map of a small room: unknown cells are assumed free and transparent, except likely obstacles.
 
-Those that are nearly certain not to count, by the learned prior, are assumed to be obstacles.
+Cells that are nearly certainly not free and reachable, by the learned map prior, are assumed to be obstacles.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import leaf
 
-#: Unknown cells whose chance to count is below this, of 255, are assumed to be obstacles.
+#: Probability, times 255, below which an unknown cell is assumed to be an obstacle.
 UNLIKELY = 40
 
 
@@ -18,7 +18,7 @@ UNLIKELY = 40
 def assume_obstacles(belief: np.ndarray, chance: np.ndarray, out: np.ndarray) -> bool:
     """Write a belief with the assumed obstacles into ``out`` (H, W); return whether any obstacles are known.
 
-    ``chance`` (H, W) is that of the unknown cells to count, of 255.
+    ``chance`` (H, W) uint8 is the map prior's probability of the unknown cells, 255 standing for 1.
     """
     any_known = False
     for r in range(belief.shape[0]):

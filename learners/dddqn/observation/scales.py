@@ -10,40 +10,40 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan
 
-#: The lidar range, in cells, that distances and areas are measured in: the thesis's.
+#: The lidar range, in cells, that distances and areas are scaled to: that of the thesis.
 REFERENCE_RANGE = 3.0
-#: Discounts a step, at the reference range, of the gain ahead.
+#: Discount factors of the gain ahead, per step at the reference range.
 DISCOUNTS = (0.7, 0.85, 0.95)
 
 
 class Sensor(NamedTuple):
-    """What the observation needs to know about a lidar range; lengths are scaled by ``range / 3``."""
+    """Constants of a lidar range; lengths are scaled by ``range / 3``."""
 
     lidar: LidarModel
     """The lidar."""
     reach: int
-    """Cells: the largest row or column offset in range."""
+    """Largest row or column offset in range, in cells."""
     disc: float
-    """Cells in range, the own left out: the most that one scan can reveal."""
+    """Number of cells in range without the UAV's own: the most that one scan can reveal."""
     scale: int
-    """Cells: side of one pixel of the fine map, odd; also the spacing of the places whose gain is computed."""
+    """Side of one pixel of the fine map in cells, odd; also the spacing of the lattice of view gains."""
     rate: float
-    """Reference steps a step: 3 / range."""
+    """Steps at the reference range per step: 3 / range."""
     decay: NDArray[np.float64]
-    """(3,) discounts of the gain ahead for one step."""
+    """(3,) discount factors of the gain ahead per step."""
 
 
 class Scratch(NamedTuple):
-    """Arrays that one observation works in, for maps of one shape."""
+    """Working arrays of one observation, for maps of one shape."""
 
     steps: NDArray[np.int32]
-    """(H, W) distances."""
+    """(H, W) distances in steps."""
     first: NDArray[np.uint8]
     """(H, W) the moves, one bit each, that begin a shortest path to a cell."""
     ahead: NDArray[np.float64]
-    """(4, 5) what lies behind each move."""
+    """(4, 5) the gains behind each move: the best for each discount, the sum, and the distance to the nearest."""
     power: NDArray[np.float64]
-    """(3,) discounts of a distance."""
+    """(3,) discount factors of the current distance."""
     queue: NDArray[np.int32]
     """(H*W,) flood queue."""
     boxes: NDArray[np.int64]
@@ -55,9 +55,9 @@ class Scratch(NamedTuple):
     layer: NDArray[np.uint8]
     """(H, W) one layer of the fine map, cell by cell."""
     patch: NDArray[np.uint8]
-    """(49,) cells around one."""
+    """(49,) the 7x7 cells around one."""
     blocked: NDArray[np.uint8]
-    """(4,) moves that are blocked."""
+    """(4,) whether each move is blocked."""
     scan: Scan
     """Working arrays of scans."""
 

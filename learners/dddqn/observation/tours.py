@@ -1,10 +1,9 @@
-"""Planner features of the moves in small rooms: what tours a small beam search finds behind each of them.
+"""Tour features of the moves in small rooms: the tours that a beam search finds behind each of them.
 
-Unknown cells are taken to be free to fly through and transparent but for those that the learned map prior is nearly
-certain about (:mod:`~indoor_explorers.learners.dddqn.observation.optimistic_map`). Cells that it rather takes for
-obstacles need not be seen while others are left. Cells that a teammate was nearer to when it was last heard are left to
-it while others are left; those that are as near to both are the lower number's. So are those in the sector of a
-teammate never heard, where it was not likely to be heard.
+The search plans on the optimistic map (:mod:`~indoor_explorers.learners.dddqn.observation.optimistic_map`). Its tours
+need not view cells that are probably obstacles by the map prior, as long as other cells are left. Likewise they leave a
+cell to a teammate that was closer to it when last heard (at equal distance to the lower number), and a cell in the
+sector of a teammate that was never heard, in scenarios whose radio seldom connects the team at the start.
 """
 
 from __future__ import annotations
@@ -24,17 +23,18 @@ from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND, TOURS
 from indoor_explorers.learners.dddqn.observation.memory import LONGEST, ObservationMemory
 
-#: Shares of the cells that tours leave unseen: at the goal, and at the mark on the way.
+#: Shares of the cells that tours leave unseen: at the goal (99 %) and at the mark (90 %).
 GOAL_REST, HALFWAY_REST = 0.01, 0.1
-#: Part of a cell that may be missing at the goal, as all shares are estimates.
+#: Cells that may be missing at the goal in addition, since the total is an estimate.
 SLACK = 0.2
-#: Extra weight of isolated unseen cells in tours to the goal: in a room without obstacles so far, and with some.
+#: Additional weight of isolated unseen cells in tours to the goal: without known obstacles, and with some.
 OPEN_ISOLATION, ISOLATION = 8.0, 20.0
-#: The same for tours to the mark on the way, as a factor.
+#: Factor on this weight in tours to the mark.
 HALFWAY_ISOLATION = 0.25
-#: Chances below this, of 255, let a cell be left out.
+#: Probability by the map prior, times 255, below which a cell may be left out.
 LIKELY = 96
-#: Share of the map that teammates' radios cover together above which they are likely to be heard from the beginning.
+#: Share of the map covered by the radios of all teammates above which teammates are likely to hear each other at the
+#: start.
 OFTEN = 0.4
 #: Scales of the features: steps, steps to the mark, delay beyond the least.
 STEPS, HALFWAY_STEPS, DELAYS = 48.0, 40.0, 200.0
@@ -42,7 +42,7 @@ STEPS, HALFWAY_STEPS, DELAYS = 48.0, 40.0, 200.0
 _FINISHED, _STEPS, _DELAY, _HALFWAY = range(4)
 #: Columns of ``TourScratch.least``: the least steps, delay and steps to the mark of all moves.
 _LEAST_STEPS, _LEAST_DELAY, _LEAST_TO_MARK = range(3)
-#: Kinds of tours: to the goal, and to the mark on the way.
+#: Kinds of tours: to the goal, and to the mark of 90 %.
 _GOAL, _MARK = range(2)
 #: Columns of the features of a move, by their names.
 _GOAL_FOUND = TOURS.index("a tour to the goal was found")
@@ -60,31 +60,32 @@ _GOAL_HALFWAY = TOURS.index("steps of the tour to the goal until 90 %")
 
 
 class TourScratch(NamedTuple):
-    """Scratch of the search for tours."""
+    """Working arrays of the search for tours."""
 
     beam: Beam
+    """Those of the beam search."""
     attainable: np.ndarray
-    """(4,) words: what can be seen from anywhere in reach."""
+    """(4,) words: cells that can be viewed from any reachable cell."""
     unseen: np.ndarray
-    """(4,) words: what of it tours are to see."""
+    """(4,) words: those that tours have to view."""
     steps: np.ndarray
-    """(256,) distances of a flood."""
+    """(256,) distances of a breadth-first search."""
     queue: np.ndarray
-    """(256,)."""
+    """(256,) its queue."""
     stale: np.ndarray
     """(16, 16) cells whose views have changed."""
     found: np.ndarray
     """(4, 2, 4) the tours behind each move, to the goal and to the mark."""
     paths: np.ndarray
-    """(4, 2, 41) their cells, -1 after the last and where a tour is not finished."""
+    """(4, 2, 41) their cells, -1 after the last; only -1 for an unfinished tour."""
     least: np.ndarray
-    """(3,)."""
+    """(3,) the minima over all moves."""
     sector: np.ndarray
-    """(H, W) the UAV in whose sector of the map a cell lies, -1 where there are none; empty where tours are not."""
+    """(H, W) number of the UAV in whose sector a cell lies, -1 without sectors; empty on larger maps."""
 
 
 def new_tour_scratch(shape: tuple[int, int], scenario: Scenario, width: int) -> TourScratch:
-    """Allocate the scratch for maps of (H, W) cells and a search that keeps ``width`` states at each step."""
+    """Allocate the working arrays for maps of (H, W) cells and a beam of ``width`` states."""
     return TourScratch(
         beam=new_beam(width),
         attainable=np.zeros(WORDS, np.uint64),
@@ -100,9 +101,9 @@ def new_tour_scratch(shape: tuple[int, int], scenario: Scenario, width: int) -> 
 
 
 def sectors(shape: tuple[int, int], scenario: Scenario) -> NDArray[np.int64]:
-    """Return (H, W) which of the team's equally large sectors around the middle of the map each cell lies in.
+    """Divide the map into one sector of equal area around its middle for each UAV; return each cell's sector (H, W).
 
-    There are none, -1, where some teammate is likely to be in radio range from the beginning.
+    All are -1, for no sectors, if some teammate is likely to be in radio range at the start.
     """
     team, radio = scenario.team, scenario.radio
     reach = {"none": 0.0, "unlimited": np.inf}.get(radio.model, radio.range)
@@ -116,7 +117,7 @@ def sectors(shape: tuple[int, int], scenario: Scenario) -> NDArray[np.int64]:
 
 @inner()
 def _is_a_mates(known: Known, i: int, r: int, c: int, sector: np.ndarray) -> bool:
-    """Tell whether (r, c) is a teammate's: one that was nearer when last heard, or one never heard in its sector."""
+    """Tell whether (r, c) is left to a teammate: one closer when last heard, or one never heard, in its sector."""
     owner, agent, ages, mates = sector[r, c], known.agent[i], known.ages[i], known.mates[i]
     if owner >= 0 and owner != agent and ages[owner] < 0:
         return True
@@ -129,7 +130,10 @@ def _is_a_mates(known: Known, i: int, r: int, c: int, sector: np.ndarray) -> boo
 
 @leaf(entry=False)
 def _wanted(known: Known, i: int, chance: np.ndarray, sector: np.ndarray, out: np.ndarray, stage: int) -> int:
-    """Take from ``out`` (4,) what is known, from stage 1 on what is unlikely, at 2 what is a mate's; count the rest."""
+    """Remove cells from ``out`` (4,) and return how many remain.
+
+    Removes known cells; from stage 1 on also unlikely ones; at stage 2 also those left to teammates.
+    """
     belief = known.belief[i]
     for r in range(belief.shape[0]):
         for c in range(belief.shape[1]):
@@ -150,7 +154,7 @@ def _free(belief: np.ndarray) -> int:
 
 @leaf(entry=False)
 def _choose_unseen(known: Known, i: int, chance: np.ndarray, scratch: TourScratch) -> tuple[int, float]:
-    """Write what tours are to see (4,); return how much that is and how many cells there may be to count in all."""
+    """Write the cells that tours have to view; return their number and the estimated number of free cells in all."""
     left, total, free, unseen = 0, 0.0, _free(known.belief[i]), scratch.unseen
     for stage in (2, 1, 0):
         for w in range(WORDS):
@@ -173,7 +177,7 @@ def _search(
     aim: Aim,
     kept: np.ndarray,
 ) -> None:
-    """Find a tour behind a move; the ``kept`` one (41,), found before, is taken where it is better."""
+    """Find a tour that begins with a move; use the ``kept`` one (41,) of an earlier step if it is better."""
     after = at + MOVES[move, 0] * STRIDE + MOVES[move, 1]
     path, found = scratch.paths[move, kind], scratch.found[move, kind]
     tour = shortest_tour(after, scratch.unseen, views, passages, aim, scratch.beam)
@@ -195,7 +199,7 @@ def _search(
 
 @inner()
 def _move_on(at: int, kept: np.ndarray) -> None:
-    """Take the first cell off a tour when the UAV is there."""
+    """Remove the first cell of a tour if the UAV has reached it."""
     if kept[0] == at:
         for k in range(kept.shape[0] - 1):
             kept[k] = kept[k + 1]
@@ -203,7 +207,7 @@ def _move_on(at: int, kept: np.ndarray) -> None:
 
 @inner()
 def _keep_best(kind: int, scratch: TourScratch, blocked: np.ndarray, kept: np.ndarray) -> None:
-    """Remember the best tour of all moves."""
+    """Keep the best tour of all moves for the next step."""
     best = -1
     for k in range(4):
         if blocked[k] == 0 and scratch.paths[k, kind, 0] >= 0:
@@ -221,7 +225,7 @@ def _kept(numbers: np.ndarray) -> Tour:
 
 @inner()
 def _write(goal: Tour, mark: Tour, least: np.ndarray, left: int, total: float, early: bool, out: np.ndarray) -> None:
-    """Write the twelve features of one move; ``least`` holds the least steps, delay and steps to the mark of all."""
+    """Write the twelve features of one move; ``least`` holds the minima of steps, delay and steps to the mark."""
     out[_GOAL_FOUND] = goal.finished
     out[_GOAL_BEYOND] = min((goal.steps - least[_LEAST_STEPS]) / BEYOND, 1.0)
     out[_GOAL_SHORTEST] = goal.steps == least[_LEAST_STEPS]
@@ -247,10 +251,10 @@ def look_for_tours(
     blocked: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Write the features of UAV ``i``'s four moves into ``out`` (4, 12); those of ``blocked`` (4,) moves say so.
+    """Write the tour features of UAV ``i``'s four moves into ``out`` (4, 12).
 
-    ``memory.views`` and ``memory.passages`` must be up to date. ``memory.tour``, the best tours found before, to the
-    goal and to the mark, are brought up to date.
+    A ``blocked`` (4,) move has zeros, except that its steps beyond the shortest tours are 1. ``memory.views`` and
+    ``memory.passages`` must be up to date. ``memory.tour``, the best tours so far, is updated.
     """
     views, passages, kept = memory.views[i], memory.passages[i], memory.tour[i]
     at = known.cell[i, 0] * STRIDE + known.cell[i, 1]

@@ -1,8 +1,8 @@
-"""Planner features of the moves on maps of any size: what could be gained behind each of them, and how far away.
+"""View-gain features of the moves on maps of any size: the gains behind each move, and their distances.
 
 One breadth-first search from the UAV serves all four moves. The grid is bipartite, so a step to a neighbour changes
-the distance to a place by one, always: it is one less if a shortest path begins with that step, and one more if none
-does. The search carries along, for every cell, the moves that begin a shortest path to it.
+the distance to any cell by exactly one: it is one less if a shortest path begins with that step, and one more if none
+does. The search stores, for every cell, the moves that begin a shortest path to it.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor
 
 #: Columns of ``Scratch.ahead``: the best gain for each discount, the sum of the gains, the steps to the nearest.
 _SUM, _NEAREST = 3, 4
-#: Half the side of the square around an unknown cell in which known cells make it isolated, and the square's other
-#: cells.
+#: Half width of the square around an unknown cell in which known cells make it isolated, and the number of other cells
+#: in the square.
 AROUND, OTHERS = 2, 24
-#: Extra weight of an unknown cell without another unknown one in that square.
+#: Additional weight of an unknown cell without another unknown one in that square.
 ISOLATION = 8.0
 
 
 @leaf(entry=False)
 def forget_gains(gain: np.ndarray, box: np.ndarray, reach: int) -> None:
-    """Forget the gains that newly known cells in a ``box`` (top, left, bottom, right) may have changed."""
+    """Mark the gains as stale that newly known cells in a ``box`` (top, left, bottom, right) may have changed."""
     for r in range(max(box[0] - reach, 0), min(box[2] + reach, gain.shape[0])):
         for c in range(max(box[1] - reach, 0), min(box[3] + reach, gain.shape[1])):
             if gain[r, c] != SPENT:
@@ -37,7 +37,7 @@ def forget_gains(gain: np.ndarray, box: np.ndarray, reach: int) -> None:
 
 @leaf(entry=False)
 def _weigh(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch) -> tuple[int, float]:
-    """Return how many unknown cells are in view of a cell, and how much they count with isolated ones counting more."""
+    """Return the number of unknown cells in view of a cell, and their sum with isolated ones weighted more."""
     width, found, weight = belief.shape[1], 0, 0.0
     for k in range(visible_cells(belief, row, col, sensor.lidar, scratch.scan)):
         r, c = divmod(scratch.scan.cells[k], width)
@@ -52,10 +52,10 @@ def _weigh(belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scra
 def gain_at(
     belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gain: np.ndarray, weight: np.ndarray
 ) -> int:
-    """Return the unknown cells in view of a cell, counted if ``gain`` (H, W) is stale there and kept in it.
+    """Return the view gain of a cell, the number of unknown cells in view; a stale entry of ``gain`` is recomputed.
 
-    ``weight`` (H, W) keeps how much they count with isolated ones counting more, unless it is empty. The summed-area
-    tables must be filled.
+    ``weight`` (H, W) gets the gain with isolated cells weighted more, unless it is empty. The summed-area tables must
+    be filled.
     """
     if gain[row, col] == STALE:
         reach, gain[row, col] = sensor.reach, 0
@@ -69,13 +69,13 @@ def gain_at(
 
 @leaf(entry=False)
 def _on_lattice(row: int, col: int, shape: tuple[int, int], scale: int) -> bool:
-    """Tell whether a cell lies on the lattice around the middle of the map, which turns with it."""
+    """Tell whether a cell lies on the lattice around the middle of the map, which the symmetries map to itself."""
     return (2 * row + 1 - shape[0]) % scale == 0 and (2 * col + 1 - shape[1]) % scale == 0
 
 
 @leaf(entry=False)
 def _spread(belief: np.ndarray, cell: int, scratch: Scratch, tail: int) -> int:
-    """Reach the neighbours of a flat cell and hand on the moves that lead there; return the end of the queue."""
+    """Expand a flat cell: enqueue new neighbours and pass on the first moves; return the new end of the queue."""
     steps, first, width = scratch.steps, scratch.first, belief.shape[1]
     row, col = divmod(cell, width)
     distance = steps[row, col] + 1
@@ -93,9 +93,10 @@ def _spread(belief: np.ndarray, cell: int, scratch: Scratch, tail: int) -> int:
 
 @leaf(entry=False)
 def _credit(gain: int, steps: int, first: int, share: float, sensor: Sensor, scratch: Scratch) -> None:
-    """Credit all moves with a gain ``steps`` steps from the UAV, to which the moves ``first`` begin a shortest path.
+    """Add a gain ``steps`` steps from the UAV to what lies ahead of all moves.
 
-    ``scratch.power`` holds the discounts of one step less; ``share`` is the weight of the gain in the sum.
+    ``first`` are the moves, one bit each, that begin a shortest path to it; ``share`` is its weight in the sum.
+    ``scratch.power`` holds the discount factors of ``steps`` - 1.
     """
     ahead, power, decay = scratch.ahead, scratch.power, sensor.decay
     for k in range(4):
@@ -113,10 +114,10 @@ def _credit(gain: int, steps: int, first: int, share: float, sensor: Sensor, scr
 def flood_gains(
     belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, gains: np.ndarray, weights: np.ndarray
 ) -> int:
-    """Look at the gain of reachable places, a lattice and every frontier cell, and fill ``scratch.ahead`` with it.
+    """Fill ``scratch.ahead`` with the view gains of the reachable frontier cells and of a lattice of reachable cells.
 
-    Returns the steps to the nearest gain, -1 when nothing within reach is unknown. The summed-area tables must be
-    filled; ``gains`` (H, W) and ``weights`` keep what was counted, see :func:`gain_at`.
+    Returns the steps to the nearest gain, -1 if no reachable cell has one. The summed-area tables must be filled;
+    ``gains`` (H, W) and ``weights`` are updated as by :func:`gain_at`.
     """
     width, nearest, at, head, tail = belief.shape[1], -1, 0, 0, 1
     weight = (sensor.scale * sensor.rate) ** 2
@@ -148,10 +149,9 @@ def flood_gains(
 
 @leaf(entry=False)
 def write_gains(move: int, here: int, sensor: Sensor, scratch: Scratch, out: np.ndarray) -> None:
-    """Write the six gains of one legal move into ``out``.
+    """Write the features :data:`~indoor_explorers.learners.dddqn.observation.layout.GAINS` of one legal move.
 
-    They are those of :data:`~indoor_explorers.learners.dddqn.observation.layout.GAINS`. ``here`` is the gain of the
-    next cell; the rest is what :func:`flood_gains` found.
+    ``here`` is the gain of the next cell; the rest was computed by :func:`flood_gains`.
     """
     ahead = scratch.ahead[move]
     distance = ahead[_NEAREST] * sensor.rate
