@@ -233,8 +233,9 @@ class Store:
         return {name: {"fingerprint": fingerprint, **json.loads(facts)} for name, fingerprint, facts in rows}
 
     def runs(self) -> list[dict[str, Any]]:
-        """Return the facts of each run, oldest first."""
-        return [json.loads(facts) for (facts,) in self._db.execute("SELECT facts FROM run ORDER BY id")]
+        """Return the facts of each run that an episode is from, oldest first."""
+        flown = "SELECT facts FROM run WHERE id IN (SELECT run FROM episode) ORDER BY id"
+        return [json.loads(facts) for (facts,) in self._db.execute(flown)]
 
     def experiment(self) -> str:
         """Return what all runs together flew as an experiment in TOML, empty when there was none."""

@@ -101,7 +101,7 @@ def test_an_experiment_may_grow(tmp_path):
     with Store(tmp_path / "results.db") as store:
         store.begin_run(grown, about(grown), {})
         assert list(store.policies()) == ["w", "v"]
-        assert len(store.runs()) == 2
+        assert store.runs() == [{"command": "x"}]  # the second one has flown nothing yet
 
 
 @pytest.mark.parametrize(
