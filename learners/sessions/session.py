@@ -149,9 +149,7 @@ class Session:
         there = (self.out / checkpoint).exists()
         if there or (self.out / RECORD).exists():
             if not resume:
-                raise InputError(
-                    f"{self.out} already holds a training; give --resume to go on with it, or another --out"
-                )
+                raise InputError(f"{self.out} already holds a training; give --resume to continue it, or another --out")
             before = read_record(self.out, type(self.record), [self.record.learner])
             carried = self.record.resumed(before, self.out / RECORD)
             if there:
@@ -160,7 +158,7 @@ class Session:
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(f"{self.out}: cannot be made a folder for the training: {error.strerror}") from error
+            raise InputError(f"{self.out}: cannot create the folder of the training: {error.strerror}") from error
 
     @property
     def interrupted(self) -> bool:
