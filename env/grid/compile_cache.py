@@ -37,7 +37,7 @@ from numba.core.serialize import dumps
 from platformdirs import user_cache_path
 
 from indoor_explorers.env.grid.fingerprints import fingerprint, type_key
-from indoor_explorers.env.grid.lazy_code import install
+from indoor_explorers.env.grid.numba_tuning import install
 
 #: Parts of numba that carry no types.
 _Result: Any = CompileResult

@@ -20,6 +20,7 @@ from numba.core.dispatcher import Dispatcher
 
 from indoor_explorers.env.grid import compile_cache
 from indoor_explorers.env.grid.compile_cache import CompileCache
+from indoor_explorers.env.grid.numba_tuning import widen_literals
 
 #: Set in the environment, this keeps a process from saying so.
 QUIET = "INDOOR_EXPLORERS_QUIET"
@@ -39,6 +40,7 @@ def kernel(*, entry: bool = True, **options: Any) -> Callable[[Function], Functi
         dispatcher = _njit(nogil=True, no_cfunc_wrapper=True, no_cpython_wrapper=not entry, **options)(function)
         if isinstance(dispatcher, Dispatcher):  # a plain function when NUMBA_DISABLE_JIT is set
             cast(Any, dispatcher)._cache = CompileCache(cast(Any, function), dispatcher.targetoptions)
+            widen_literals(dispatcher)
         return cast(Function, dispatcher)
 
     return compiled

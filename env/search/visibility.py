@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.arrays import Belief, Cell
+from indoor_explorers.env.grid.arrays import Belief, Cell, read_only
 from indoor_explorers.env.grid.cells import FREE, MOVES, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood
@@ -95,11 +95,27 @@ def _scan_into(
     return found
 
 
+@kernel(entry=False)
+def _grown(words: np.ndarray, size: int) -> np.ndarray:
+    """Return a copy of an array with room for ``size`` numbers."""
+    larger = np.empty(size, words.dtype)
+    for k in range(words.shape[0]):
+        larger[k] = words[k]
+    return larger
+
+
 @kernel()
-def _fill_table(truth: np.ndarray, starts: np.ndarray, count_all_cells: bool, lidar: LidarModel) -> VisibilityTable:
+def _fill_table(
+    truth: np.ndarray,
+    starts: np.ndarray,
+    steps: np.ndarray,
+    number: np.ndarray,
+    count_all_cells: bool,
+    lidar: LidarModel,
+) -> VisibilityTable:
+    """Return the table of :func:`visibility_table`; ``steps`` (H, W) and ``number`` (H*W,) as in :func:`_number`."""
     height, width = truth.shape
-    number, cells = np.full(truth.size, -1, np.int32), np.empty(truth.size, np.int32)
-    steps = np.full(truth.shape, UNREACHABLE, np.int32)
+    cells = np.empty(truth.size, np.int32)
     cells = cells[: _number(truth, starts, steps, cells, number)].copy()
     neighbours = np.empty((cells.shape[0], 4), np.int32)
     _link((height, width), number, cells, neighbours)
@@ -111,8 +127,7 @@ def _fill_table(truth: np.ndarray, starts: np.ndarray, count_all_cells: bool, li
     for i in range(cells.shape[0]):
         found = _scan_into(truth, cells[i], counts, lidar, scan, tiles, words)
         if size + found > tile.shape[0]:
-            tile, bits = np.append(tile, np.empty(size + found, np.int32)), np.append(bits, np.empty_like(bits))
-            bits = np.append(bits, np.empty(tile.shape[0] - bits.shape[0], np.uint64))
+            tile, bits = _grown(tile, 2 * (size + found)), _grown(bits, 2 * (size + found))
         for k in range(found):
             word = tiles[k]
             tile[size], bits[size] = word, words[word]
@@ -131,7 +146,9 @@ def visibility_table(
     Only the cells that can be reached are counted or, with ``count_all_cells``, all cells of the map.
     """
     flat = np.array([row * truth.shape[1] + col for row, col in starts], np.int64)
-    return VisibilityTable(*_fill_table(np.ascontiguousarray(truth), flat, count_all_cells, lidar))
+    steps, number = np.full(truth.shape, UNREACHABLE, np.int32), np.full(truth.size, -1, np.int32)
+    table = _fill_table(read_only(np.ascontiguousarray(truth)), flat, steps, number, count_all_cells, lidar)
+    return VisibilityTable(*table)
 
 
 @leaf()

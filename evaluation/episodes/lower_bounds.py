@@ -53,13 +53,13 @@ def least_steps(world: World, episode: int, share: float) -> int:
     overshoot = 0.5 if sensor.model == "marsexplorer" else 0.0  # cells that this model sees beyond the range
     half_widths = lidar_model(sensor.range + overshoot).half_widths
     within, edges = _range_gains(counts, table.cells, team, half_widths)
-    by_range = _steps_by_gain(edges, steps, needed - within, team)
+    by_range = _steps_by_gain(edges, edges.max(), steps, needed - within, team)
     if not looks:
         return by_range
     seen, news = _sight_gains(table, team)
     return max(
         by_range,
-        _steps_by_gain(news, steps, needed - seen, team),
+        _steps_by_gain(news, news.max(), steps, needed - seen, team),
         _steps_by_distance(table, steps, needed),
         spanning_tree_bound(table, truth.shape[1], team, total - needed),
     )
@@ -133,9 +133,9 @@ def _range_gains(counts: np.ndarray, cells: np.ndarray, team: int, half_widths: 
 
 
 @kernel()
-def _steps_by_gain(gains: np.ndarray, steps: np.ndarray, missing: int, team: int) -> int:
+def _steps_by_gain(gains: np.ndarray, largest: int, steps: np.ndarray, missing: int, team: int) -> int:
     """Return the fewest steps in which the largest gains add up to ``missing``."""
-    waiting = np.zeros(gains.max() + 1, np.int64)
+    waiting = np.zeros(largest + 1, np.int64)
     cell, passed = team, 0
     while missing > 0:
         passed += 1

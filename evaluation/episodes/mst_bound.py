@@ -102,7 +102,7 @@ def _nearest_first(steps: np.ndarray) -> np.ndarray:
 
     Steps are small, so they are counted: that takes numba a tenth of the time to compile that a sort does.
     """
-    places = np.zeros(steps.max() + 2, np.int64)
+    places = np.zeros(steps.shape[0] + 1, np.int64)  # no shortest path has more steps than there are other cells
     for cell in range(steps.shape[0]):
         places[steps[cell] + 1] += 1
     for k in range(1, places.shape[0]):
@@ -114,34 +114,53 @@ def _nearest_first(steps: np.ndarray) -> np.ndarray:
     return order
 
 
+@leaf(entry=False)
+def _least(steps: np.ndarray, region: np.ndarray) -> int:
+    """Return the fewest of the steps (M,) to cells of a region (M,) bool; ``FAR`` if that has none."""
+    nearest = FAR
+    for cell in range(region.shape[0]):
+        if region[cell]:
+            nearest = min(nearest, steps[cell])
+    return int(nearest)
+
+
+def _between(table: VisibilityTable, width: int, team: int, size: int, groups: int) -> NDArray[np.int64]:
+    """Return the steps between the starts, taken as one place, and the regions of groups of ``size`` cells, (G, G)."""
+    number = np.full(len(table.union) * TILE * TILE, -1, np.int64)
+    number[table.cells] = np.arange(len(table.cells))
+    least, between = np.full(len(table.cells), FAR, np.int32), np.zeros((groups + 1, groups + 1), np.int64)
+    places = _fill_between(table, width, team, size, number, least, between)
+    return between[:places, :places]
+
+
 @kernel()
-def _between(table: VisibilityTable, width: int, team: int, size: int, groups: int) -> np.ndarray:
-    """Return the steps between the starts, taken as one place, and the regions of groups of so many cells, (G, G)."""
-    count = table.cells.shape[0]
-    number = np.full(table.union.shape[0] * TILE * TILE, -1, np.int64)
-    for cell in range(count):
-        number[table.cells[cell]] = cell
-    regions, between = np.zeros((groups + 1, count), np.bool_), np.zeros((groups + 1, groups + 1), np.int64)
-    steps, least, queue = np.empty(count, np.int32), np.full(count, FAR, np.int32), np.empty(count, np.int32)
+def _fill_between(
+    table: VisibilityTable, width: int, team: int, size: int, number: np.ndarray, least: np.ndarray, between: np.ndarray
+) -> int:
+    """Fill ``between`` (G, G); return how many rows of it, as groups may run out.
+
+    ``number`` is that of each flat cell in the table, -1 for none; ``least`` (M,) is ``FAR`` at first.
+    """
+    count, groups = table.cells.shape[0], between.shape[0] - 1
+    regions = np.zeros((groups + 1, count), np.bool_)
+    steps, queue = np.empty(count, np.int32), np.empty(count, np.int32)
     regions[0, :team] = True
     for made in range(groups + 1):
         _flood(table, regions[made], steps, queue)
-        least = np.minimum(least, steps)
+        for cell in range(count):
+            least[cell] = min(least[cell], steps[cell])
         for other in range(made):
-            nearest = FAR
-            for cell in range(count):
-                if regions[other, cell]:
-                    nearest = min(nearest, steps[cell])
-            between[made, other] = between[other, made] = nearest
+            between[made, other] = between[other, made] = _least(steps, regions[other])
         if made == groups:
             break
         middle = _seen_last(table, width, number, _nearest_first(least))
         words = _group(table, width, middle, size, queue, steps)
         for cell in range(count):
             regions[made + 1, cell] = _sees(table, cell, words)
-        if not regions[made + 1].any() or least[regions[made + 1]].min() == 0:
-            return between[: made + 1, : made + 1]
-    return between
+        nearest = _least(least, regions[made + 1])
+        if nearest == 0 or nearest == FAR:
+            return int(made + 1)
+    return int(groups + 1)
 
 
 def _spanning_tree(between: NDArray[np.int64]) -> int:

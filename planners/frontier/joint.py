@@ -171,7 +171,7 @@ class JointPilot(CandidatePilot):
         cells, ahead = self.candidates(view, fields)
         fine = ~self.near_banned(view, cells)
         cells, ahead = cells[fine], ahead[fine]
-        steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64)
+        steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64, order="C")
         gains, shared = candidate_views(
             view.belief, cells, UnknownWeight(parameters.isolation, parameters.fade * reach), lidar_model(reach)
         )

@@ -35,27 +35,25 @@ class Clusters(NamedTuple):
 
 
 @kernel(entry=False)
-def _gather(mask: np.ndarray, seed: int, cells: np.ndarray, count: int) -> int:
-    """Move the 8-connected part around flat cell ``seed`` from ``mask`` to ``cells``; return the new count.
+def _label(mask: np.ndarray, seed: int, label: int, labels: np.ndarray, queue: np.ndarray) -> int:
+    """Label the 8-connected part of ``mask`` around flat cell ``seed``; return how many cells it has.
 
     Unlike the searches of :mod:`indoor_explorers.env.search`, this one goes to all eight neighbours.
     """
     height, width = mask.shape
-    first, head = count, count
-    cells[count] = seed
-    count += 1
-    mask[seed // width, seed % width] = False
-    while head < count:
-        row, col = divmod(cells[head], width)
+    head, tail = 0, 1
+    queue[0] = seed
+    labels[seed // width, seed % width] = label
+    while head < tail:
+        row, col = divmod(queue[head], width)
         head += 1
         for r in range(max(0, row - 1), min(height, row + 2)):
             for c in range(max(0, col - 1), min(width, col + 2)):
-                if mask[r, c]:
-                    mask[r, c] = False
-                    cells[count] = r * width + c
-                    count += 1
-    cells[first:count].sort()
-    return count
+                if mask[r, c] and labels[r, c] == 0:
+                    labels[r, c] = label
+                    queue[tail] = r * width + c
+                    tail += 1
+    return tail
 
 
 @kernel(entry=False)
@@ -110,23 +108,37 @@ def _split(cells: np.ndarray, width: int, radius: float, begin: int, end: int, e
 
 
 @kernel()
-def _clustered(mask: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+def _clustered(mask: np.ndarray, radius: float, cells: np.ndarray, ends: np.ndarray) -> int:
+    """Fill ``cells`` (F,) and ``ends`` (F + 1,) of :class:`Clusters`; return how many numbers of ``ends`` count."""
     height, width = mask.shape
-    total = np.sum(mask)
-    cells, ends = np.empty(total, np.int32), np.zeros(total + 1, np.int64)
-    found, count = 0, 1
+    labels, groups = np.zeros((height, width), np.int32), 0
+    places = np.zeros(cells.shape[0] + 1, np.int64)  # where each group's next cell goes; group 0 is none
+    for row in range(height):
+        for col in range(width):
+            if mask[row, col] and labels[row, col] == 0:
+                groups += 1
+                size = _label(mask, row * width + col, groups, labels, cells)
+                if groups < cells.shape[0]:
+                    places[groups + 1] = places[groups] + size
     for row in range(height):
         for col in range(width):
             if mask[row, col]:
-                begin = found
-                found = _gather(mask, row * width + col, cells, found)
-                count = _split(cells, width, radius, begin, found, ends, count)
-    return cells, ends[:count]
+                group = labels[row, col]
+                cells[places[group]] = row * width + col
+                places[group] += 1
+    begin, count = 0, 1
+    for group in range(1, groups + 1):
+        count = _split(cells, width, radius, begin, places[group], ends, count)
+        begin = places[group]
+    return int(count)
 
 
 def frontier_clusters(belief: Belief, lidar_range: float) -> Clusters:
     """Return the clusters of all frontier cells of a (H, W) belief, in row-major order of their groups."""
-    return Clusters(*_clustered(frontier_mask(belief), SPREAD * lidar_range))
+    mask = frontier_mask(belief)
+    total = np.count_nonzero(mask)
+    cells, ends = np.empty(total, np.int32), np.zeros(total + 1, np.int64)
+    return Clusters(cells, ends[: _clustered(mask, SPREAD * lidar_range, cells, ends)])
 
 
 @kernel()

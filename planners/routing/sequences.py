@@ -60,11 +60,15 @@ def _best(
     shared: np.ndarray,
     hysteresis: np.ndarray,
     utility: Utility,
-) -> tuple[np.ndarray, np.ndarray]:
+    values: np.ndarray,
+    sequences: np.ndarray,
+) -> None:
+    """Fill what :func:`best_sequences` returns; values are 0 and sequences -1 at first."""
     count = away.shape[0]
     power, rate, trust = utility
-    values, sequences = np.zeros(count), np.full((count, LENGTH), -1, np.int64)
-    most = gains.max() ** power
+    most = 0.0
+    for a in range(count):
+        most = max(most, gains[a] ** power)
     for a in range(count):
         sequences[a, 0] = a
         if away[a] >= UNREACHABLE:
@@ -89,7 +93,6 @@ def _best(
                 if three > best:
                     best, sequences[a, 1], sequences[a, 2] = three, b, c
         values[a] = best
-    return values, sequences
 
 
 def best_sequences(
@@ -100,7 +103,10 @@ def best_sequences(
     ``gains`` (K,) is what teammates have left of the problem's. Values are (K,), 0 for what cannot be reached;
     sequences (K, 3) hold numbers of places, -1 after their end.
     """
-    return _best(problem.away[uav], problem.between, gains, problem.shared, problem.hysteresis[uav], utility)
+    values, sequences = np.zeros(len(gains)), np.full((len(gains), LENGTH), -1, np.int64)
+    hysteresis = problem.hysteresis[uav]
+    _best(problem.away[uav], problem.between, gains, problem.shared, hysteresis, utility, values, sequences)
+    return values, sequences
 
 
 @kernel()
@@ -108,13 +114,16 @@ def _rest(
     first: int, rest: np.ndarray, away: np.ndarray, between: np.ndarray, weights: np.ndarray, latency: float
 ) -> float:
     count = rest.shape[0] + 1
-    start, weight, ways = np.empty(count, away.dtype), np.empty(count), np.empty((count, count))
+    start, weight, ways, total = np.empty(count), np.empty(count), np.empty((count, count)), 0.0
     for i in range(count):
         place = first if i == 0 else rest[i - 1]
         start[i], weight[i] = away[place], weights[place]
+        total += weight[i]
         for j in range(count):
             ways[i, j] = between[place, first if j == 0 else rest[j - 1]]
-    return float(improved_cost(by_nearest(0, ways), start, ways, weight / max(weight.sum(), 1e-300), latency))
+    for i in range(count):
+        weight[i] /= max(total, 1e-300)
+    return float(improved_cost(by_nearest(0, ways), start, ways, weight, latency))
 
 
 def cost_of_rest(

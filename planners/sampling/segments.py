@@ -7,7 +7,9 @@ and its centre is (r + .5, c + .5). Unknown cells are taken to be passable.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel
 
@@ -55,22 +57,27 @@ def fly(belief: np.ndarray, row: float, col: float, to_row: float, to_col: float
 
 
 @kernel()
-def entries(belief: np.ndarray, vertices: np.ndarray, parents: np.ndarray) -> np.ndarray:
-    """Return the cells from which the edges of a tree first enter the unknown, as flat indices.
-
-    ``vertices`` is (K, 2) and ``parents`` (K,), each parent before its children and the root's -1, as
-    :func:`indoor_explorers.planners.sampling.trees.grow_tree` returns them. Branches behind an entry are not
-    looked at.
-    """
-    count = vertices.shape[0]
-    known = np.ones(count, np.bool_)
-    found = np.empty(count, np.int32)
+def _entries(
+    belief: np.ndarray, vertices: np.ndarray, parents: np.ndarray, known: np.ndarray, found: np.ndarray
+) -> int:
+    """Write the cells of :func:`entries` to ``found`` (K,); return how many. ``known`` (K,) is true at first."""
     size = 0
-    for k in range(1, count):
+    for k in range(1, vertices.shape[0]):
         parent = parents[k]
         entry = fly(belief, vertices[parent, 0], vertices[parent, 1], vertices[k, 0], vertices[k, 1])
         known[k] = known[parent] and entry == ALL_KNOWN
         if known[parent] and entry >= 0:
             found[size] = entry
             size += 1
-    return np.unique(found[:size])
+    return size
+
+
+def entries(belief: Belief, vertices: NDArray[np.float64], parents: NDArray[np.int64]) -> NDArray[np.int32]:
+    """Return the cells from which the edges of a tree first enter the unknown, as sorted flat indices.
+
+    ``vertices`` is (K, 2) and ``parents`` (K,), each parent before its children and the root's -1, as
+    :func:`indoor_explorers.planners.sampling.trees.grow_tree` returns them. Branches behind an entry are not
+    looked at.
+    """
+    known, found = np.ones(len(vertices), np.bool_), np.empty(len(vertices), np.int32)
+    return np.unique(found[: _entries(belief, vertices, parents, known, found)])

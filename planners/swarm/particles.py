@@ -105,14 +105,18 @@ def _evolve(
     problem: AssignmentProblem,
     code: Code,
     keys: np.ndarray,
+    own_value: np.ndarray,
     length: int,
     chances: np.ndarray,
     pulls: np.ndarray,
     stagnation: int,
 ) -> np.ndarray:
-    """Run the swarm from (S, N L) ``keys``; ``chances`` is (T, S, 2, N L), ``pulls`` (T, 4). Return the best (N, L)."""
+    """Run the swarm from (S, N L) ``keys`` and return the best plan (N, L).
+
+    ``own_value`` (S,) is -inf at first; ``chances`` is (T, S, 2, N L), ``pulls`` (T, 4).
+    """
     particles, size = keys.shape
-    speeds, own, own_value = np.zeros((particles, size)), keys.copy(), np.full(particles, -np.inf)
+    speeds, own = np.zeros((particles, size)), keys.copy()
     plan, order, times = np.empty((size // length, length), np.int64), np.empty(size, np.int64), np.empty(size)
     leader, leading, idle = 0, -np.inf, 0
     for t in range(chances.shape[0] + 1):
@@ -121,7 +125,9 @@ def _evolve(
             decode(keys[s].reshape(plan.shape), code, plan)
             found = value(problem, plan, order, times)
             if found > own_value[s]:
-                own_value[s], own[s] = found, keys[s]
+                own_value[s] = found
+                for i in range(size):
+                    own[s, i] = keys[s, i]
             if found > leading:
                 leading, leader, idle = found, s, 0
         if t == chances.shape[0] or idle >= stagnation:
@@ -134,7 +140,7 @@ def _evolve(
 
 def code_of(problem: AssignmentProblem, length: int) -> Code:
     """Return how keys of plans with ``length`` goals a UAV are read."""
-    return Code(*choices(problem), followers(problem, FOLLOWERS + length))
+    return Code(*choices(problem), np.ascontiguousarray(followers(problem, FOLLOWERS + length)))
 
 
 def keys_of(goals: Assignment, code: Code, length: int) -> NDArray[np.float64]:
@@ -172,4 +178,5 @@ def optimise(
     pulls = np.empty((swarm.rounds, 4))
     pulls[:, 0] = np.linspace(*swarm.inertia, swarm.rounds)
     pulls[:, 1:] = swarm.cognitive, swarm.social, swarm.largest_step
-    return np.asarray(_evolve(problem, code, keys, length, chances, pulls, swarm.stagnation))
+    unknown = np.full(len(keys), -np.inf)
+    return np.asarray(_evolve(problem, code, keys, unknown, length, chances, pulls, swarm.stagnation))

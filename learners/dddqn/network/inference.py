@@ -89,7 +89,8 @@ def _tours(arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config
 @kernel(entry=False)
 def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray) -> None:
     """Write x W + b; inputs that are zero cost nothing."""
-    out[:] = bias
+    for j in range(out.shape[0]):
+        out[j] = bias[j]
     for i in range(x.shape[0]):
         value = x[i]
         if value != 0.0:
@@ -134,10 +135,10 @@ def _own_values(moves: np.ndarray, weights: NetworkWeights, out: np.ndarray) -> 
 @kernel()
 def q_values(scenes: np.ndarray, moves: np.ndarray, weights: NetworkWeights, q: np.ndarray) -> None:
     """Write the values ``q`` (B, 4) of scenes (B, inputs) uint8 and move features (B, 4, features) float32."""
-    width = weights.look.shape[1]
+    width, features = weights.look.shape[1], moves.shape[2]
     look, think = np.empty(width, np.float32), np.empty(width, np.float32)
     pixels = np.empty(scenes.shape[1], np.float32)
-    joined = np.empty(width + moves.shape[1] * moves.shape[2], np.float32)
+    joined = np.empty(width + 4 * features, np.float32)
     value = np.empty(1, np.float32)
     for b in range(scenes.shape[0]):
         for i in range(pixels.shape[0]):
@@ -146,8 +147,11 @@ def q_values(scenes: np.ndarray, moves: np.ndarray, weights: NetworkWeights, q: 
         if weights.layer_norm:
             _norm(look, weights.look_scale, weights.look_shift)
         _relu(look)
-        joined[:width] = look
-        joined[width:] = moves[b].ravel()
+        for i in range(width):
+            joined[i] = look[i]
+        for k in range(4):
+            for i in range(features):
+                joined[width + k * features + i] = moves[b, k, i]
         _linear(joined, weights.think, weights.think_bias, think)
         if weights.layer_norm:
             _norm(think, weights.think_scale, weights.think_shift)
