@@ -1,7 +1,7 @@
 """Experiments, their results and reports.
 
-Names other than :func:`compare` are imported when they are first asked for: worker processes do without tables and
-statistics, and the command line shows its help without the world.
+Names other than :func:`compare` are imported when they are first used: worker processes do not need tables and
+statistics, and the command line shows its help at once.
 """
 
 from typing import TYPE_CHECKING

@@ -18,14 +18,14 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
     """Compare policies and return the summary as a table with the columns of ``summary.csv``.
 
     Writes ``out/results.db``, ``report.html``, and what :func:`~indoor_explorers.evaluation.exports.write_exports`
-    does. Episodes that ``out/results.db`` holds already are not flown again, but for failed ones with
-    ``retry_failed``. A policy that breaks in any way costs only its own episodes; without workers (0) it is flown in
-    this process, and what hangs, leaks or dies there is not caught.
+    does. Episodes that ``out/results.db`` already holds are not flown again, except failed ones with
+    ``retry_failed``. A policy that breaks costs only its own episodes. With 0 workers episodes are flown in this
+    process, where a policy that hangs, leaks memory or ends the process is not caught.
 
     Args:
         out: the folder of the results; it is made where there is none.
-        watcher: is told about the progress.
-        command: what was typed, for the record of where results come from.
+        watcher: receives the progress.
+        command: the command that was typed; the report shows it.
         **options: those of ``indoor-explorers compare``, which are the fields of
             :class:`~indoor_explorers.evaluation.experiment.request.ComparisonRequest`: ``policies``, ``scenario``,
             ``experiment``, ``maps``, ``resolution``, ``team``, ``episodes``, ``seed``, ``settings``, ``workers``,
@@ -34,10 +34,10 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
-        RunError: the disk is full, or no worker can be started; what was stored before stays, and is not flown again.
+        RunError: the disk is full, or no worker can be started; episodes stored before that are kept.
 
     """
-    # imported here, since the command line shows its help without the world
+    # imported here, so that the command line shows its help at once
     from indoor_explorers.evaluation.driver import run
     from indoor_explorers.evaluation.experiment.planning import plan
 

@@ -24,20 +24,20 @@ from indoor_explorers.evaluation.results.store import Store
 if TYPE_CHECKING:
     from indoor_explorers.evaluation.results.results import Results
 
-#: Workers that jobs are cut for where nobody knows how many there will be.
-CLUSTER = 32
-#: How episodes are flown where nothing else is asked for.
+#: Number of workers that jobs are planned for on a Ray cluster, whose size is not known beforehand.
+CLUSTER_WORKERS = 32
+#: The default options.
 DEFAULTS = ComparisonRequest()
 
 
 class Watcher(Protocol):
-    """Is told about the progress of a run."""
+    """Receives the progress of a run."""
 
     def begin(self, total: int, missing: int) -> None:
-        """Be told how many episodes there are, and how many of them are not in the store yet."""
+        """Receive, before the first flight, the number of all episodes and of those that the store lacks."""
 
     def flown(self, records: Sequence[FlownEpisode], seconds_left: float | None) -> None:
-        """Be told of newly stored episodes, and in how many seconds all will be; None where that is not known."""
+        """Receive newly stored episodes and the estimated seconds until the last one; None without an estimate."""
 
 
 def run(
@@ -48,9 +48,10 @@ def run(
     watcher: Watcher | None = None,
     command: str = "",
 ) -> Results:
-    """Fly what ``out`` does not hold yet and write everything that is made from it.
+    """Fly the episodes that ``out`` lacks, then write the exports and the report.
 
-    How it is flown is what ``request`` says; see :func:`~indoor_explorers.evaluation.compare.compare`.
+    ``request`` says how episodes are flown: engine, workers and limits; see
+    :func:`~indoor_explorers.evaluation.compare.compare`.
     """
     fly_missing(experiment, out, request, watcher=watcher, command=command)
     return write_outputs(out, request.ratio_to)
@@ -64,11 +65,11 @@ def fly_missing(
     watcher: Watcher | None = None,
     command: str = "",
 ) -> None:
-    """Fly what ``out/results.db`` does not hold yet, and write nothing else; see :func:`run`."""
+    """Fly the episodes that ``out/results.db`` lacks, and write nothing else; see :func:`run`."""
     how = request
     fly_jobs = make_engine(how.engine, how.workers, how.address, how.decision_timeout, how.memory_limit)
     about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
-    for scenario in experiment.scenarios:
+    for scenario in experiment.scenarios:  # refuses maps on which the team cannot start before anything is flown
         for index in range(scenario.map.count):
             draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
     _make_folder(out)
@@ -76,7 +77,7 @@ def fly_missing(
         chosen_baselines([*store.policies(), *about], [], how.ratio_to)  # refuses unknown ones before anything is flown
         number = store.begin_run(experiment, about, run_facts(command, how.engine, how.workers))
         finished = store.finished(failed=not how.retry_failed)
-        workload = Workload(experiment, finished, _crew(how))
+        workload = Workload(experiment, finished, _worker_count(how))
         if watcher is not None:
             watcher.begin(len(experiment.policies) * len(experiment.tasks()), len(workload))
         for records in fly_jobs(workload) if workload else ():
@@ -87,15 +88,15 @@ def fly_missing(
                 watcher.flown(records, workload.seconds_left())
 
 
-def _crew(request: ComparisonRequest) -> int:
-    """Return the number of workers that jobs are cut for."""
+def _worker_count(request: ComparisonRequest) -> int:
+    """Return the number of workers that jobs are planned for."""
     if request.workers is not None:
         return request.workers
-    return CLUSTER if request.engine == "ray" else os.cpu_count() or 1
+    return CLUSTER_WORKERS if request.engine == "ray" else os.cpu_count() or 1
 
 
 def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
-    """Return what results say about a policy: where it comes from, its parameters, its weights, and a hash of all."""
+    """Return the facts that results store about a policy: class, parameters, weights, flags, and a hash."""
     parameters: dict[str, Any] = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
     facts = {
         "use": use,
@@ -119,7 +120,7 @@ def _make_folder(out: Path) -> None:
 
 def write_outputs(out: Path, ratio_to: Sequence[str] | None = None) -> Results:
     """Write the exports and the report from ``out/results.db``."""
-    # imported here, as they take longer than everything else together and worker processes do without
+    # imported here: they take seconds to import, and worker processes do not need them
     from indoor_explorers.evaluation.exports import write_exports
     from indoor_explorers.evaluation.report import write_report
     from indoor_explorers.evaluation.results.results import Results

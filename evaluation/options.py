@@ -1,4 +1,4 @@
-"""How the fields of a request are written on the command line: a word is read into a value, or refused in one line."""
+"""How the fields of a request are given on the command line, and how their values are parsed."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from typing import Any
 
 @dataclass(frozen=True, kw_only=True)
 class Option:
-    """Marks a field as an option of the command line; the field's docstring is its help."""
+    """Marks a field as a command-line option; the field's docstring is its help text."""
 
     metavar: str | None = None
-    """What stands for the value in the help."""
+    """The placeholder for the value in the help text."""
     read: Callable[[str], Any] = str
-    """Turns a word into a value."""
+    """Parses an argument; raises ``ArgumentTypeError`` for invalid ones."""
     several: bool = False
-    """Whether it takes several words, and may be given several times."""
+    """Whether it takes several values, and may be given several times."""
     choices: tuple[str, ...] | None = None
-    """The words it takes; None for any."""
+    """The allowed values; None for any."""
     flag: str | None = None
-    """How it is spelled, such as ``--set``; None: as the field, with dashes for underscores."""
+    """The flag, such as ``--set``; None: the name of the field, with dashes for underscores."""
     positional: bool = False
-    """Whether it is given without a flag."""
+    """Whether it is a positional argument."""
 
 
 def read_setting(text: str) -> tuple[str, Any]:
-    """Read ``key=value``; the value is TOML where it is TOML, else a plain word."""
+    """Read ``key=value``; the value is parsed as TOML, and is a string where it is not TOML."""
     key, equals, value = text.partition("=")
     if not equals or not key:
         raise ArgumentTypeError(f"expected key=value such as goal=0.9, got {text!r}")

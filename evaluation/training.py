@@ -1,4 +1,4 @@
-"""The train command: a learner found by name, with a live line of its progress."""
+"""The train command: find a learner by name, train it, and show the progress."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.policies.registry import missing_module
 from indoor_explorers.env.scenarios.validation import validated
 
-#: Entry points of modules with a ``TrainingConfig`` and a ``train`` function, as those of the DDDQN.
+#: Entry-point group of learners: modules with a ``TrainingConfig`` and a ``train`` function.
 GROUP = "indoor_explorers.learners"
 
 
@@ -35,7 +35,7 @@ def find_learner(name: str) -> Any:
 
 
 def nested(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return settings with dotted keys as tables within tables.
+    """Return settings with dotted keys as nested tables.
 
     Raises:
         InputError: a key is both a single setting and a table.
@@ -67,7 +67,7 @@ def preset_of(learner: str, name: str) -> Any:
 def run_training(
     learner: str, scenario: Scenario, settings: Mapping[str, Any], *, out: Path, seed: int, resume: bool
 ) -> int:
-    """Train, showing steps, speed, loss and the latest evaluation; returns the exit status."""
+    """Train a learner; show steps, speed, loss and evaluations; return the exit status."""
     module = find_learner(learner)
     config = validated(module.TrainingConfig, nested(settings), f"settings of learner {learner!r}")
     console = Console()

@@ -1,4 +1,4 @@
-"""The options of a command, made from the fields of its request."""
+"""Command-line options made from the fields of a request."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.options import Option
 
 
 def add_options(parser: argparse.ArgumentParser, request: type[Request]) -> None:
-    """Add every field of a request that is marked as an option; what is not given is not in the parsed namespace."""
+    """Add an option for every field marked as one; options that are not given are missing in the parsed namespace."""
     for name, field in request.model_fields.items():
         for option in field.metadata:
             if isinstance(option, Option):

@@ -1,4 +1,4 @@
-"""The page that ``indoor-explorers check`` prints: what was checked, what each check found, and how to fix it."""
+"""What ``indoor-explorers check`` prints: the policy, the result of each check, and how to fix failures."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from rich.text import Text
 from indoor_explorers.env import Finding, Policy
 from indoor_explorers.env.conformance import is_privileged, shown
 
-#: Columns before what was found.
+#: Columns that everything is indented by.
 _INDENT = 2
 
 
 def print_header(console: Console, name: str, policy: Policy) -> None:
-    """Say which policy is checked, its class and parameters, and what it is told.
+    """Print the policy's name, class and parameters, and what it is given to know.
 
     Raises:
         PolicyError: the policy cannot say whether it is privileged.
@@ -43,7 +43,7 @@ def print_header(console: Console, name: str, policy: Policy) -> None:
 
 def _parameters(policy: Policy) -> str:
     if not dataclasses.is_dataclass(policy):
-        return "none that results can say; make the policy a dataclass"
+        return "none that results can store; make the policy a dataclass"
     told = [f"{field.name}={shown(getattr(policy, field.name, None))}" for field in dataclasses.fields(policy)]
     return ", ".join(told) or "none"
 
@@ -66,7 +66,7 @@ def print_findings(console: Console, findings: Sequence[Finding]) -> None:
 
 
 def _mark(finding: Finding, plain: bool) -> Text:
-    """Return a tick or a cross, and the same in a word for those who see no colours."""
+    """Return a tick or a cross with a word beside it, so that colours are not needed."""
     if finding.passed:
         sign, word, style = "\N{CHECK MARK} ", "ok", "green"
     elif finding.conclusive:

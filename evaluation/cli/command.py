@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 #: Characters of a line where the output is not a terminal.
 PLAIN_WIDTH = 120
-#: What is left after Ctrl-C, unless a command says otherwise.
+#: What Ctrl-C says, unless a command says something else.
 KEPT = "what is finished is kept, and the same command goes on from there"
 
 Options = TypeVar("Options", bound=Request)
@@ -22,17 +22,17 @@ Options = TypeVar("Options", bound=Request)
 
 @dataclass(frozen=True)
 class Command(Generic[Options]):
-    """One word after ``indoor-explorers``."""
+    """A subcommand of ``indoor-explorers``."""
 
     name: str
     about: str
-    """Its line in the help."""
+    """Its line in the help text."""
     options: type[Options]
     """A request; its fields are the options."""
     run: Callable[[Options, str], int]
-    """Takes the options and what was typed, and returns the exit status."""
+    """Takes the options and the typed command, and returns the exit status."""
     interrupted: str = KEPT
-    """What is left after Ctrl-C."""
+    """What Ctrl-C says."""
 
     def start(self, given: dict[str, Any], typed: str) -> int:
         """Run with the options that were given; returns the exit status."""
@@ -45,7 +45,7 @@ def debugging() -> bool:
 
 
 def make_console() -> Console:
-    """Return where commands print."""
+    """Return the console that commands print to."""
     from rich.console import Console
 
     console = Console()

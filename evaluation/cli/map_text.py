@@ -20,7 +20,7 @@ _DOTS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
 
 
 def facts(floorplan: Floorplan) -> str:
-    """Return one line on a map: size, resolution, free area, what of it is connected, what was kept, start."""
+    """Return one line about a map: size, resolution, free area, connected share, share kept, start."""
     free = int((floorplan.truth == FREE).sum())
     scale, area = "no scale", f"{free} free"
     if floorplan.resolution:
@@ -51,7 +51,7 @@ def picture(floorplan: Floorplan, width: int) -> str:
 
 
 def _coarse(floorplan: Floorplan, scale: int) -> Mask:
-    """Return the free cells of a map reduced ``scale`` times; without any, those that are half free."""
+    """Return the free cells of a map reduced ``scale`` times; if too few stay free, the half-free blocks."""
     source = Source(name=floorplan.name, where=floorplan.name, cells=floorplan.truth, resolution=1.0)
     try:
         coarse = reduced(source, float(scale))

@@ -1,4 +1,4 @@
-"""The progress of a comparison: episodes, rate, time left, and the running means of each policy."""
+"""The progress of a comparison: episodes, rate, time left, and running means of the policies."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from indoor_explorers.evaluation.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, shared
 
-#: Seconds between two lines where the output is no terminal.
+#: Seconds between two lines where the output is not a terminal.
 SAY_EVERY = 10.0
 
 
 class ProgressBar:
-    """Show the progress of a run, live on a terminal; elsewhere say a line at the start and now and then."""
+    """Show the progress of a run: live on a terminal, elsewhere as a line every :data:`SAY_EVERY` seconds."""
 
     def __init__(self, console: Console, thresholds: Mapping[str, CoverageThreshold] | None = None) -> None:
-        """Write to ``console``; ``thresholds`` are what scenarios are judged by, 99 % for those not in it."""
+        """Write to ``console``; ``thresholds`` are those of the scenarios by name, 99 % for others."""
         self._console = console
         self._thresholds = thresholds or {}
         self._means = RunningMeans()
@@ -44,7 +44,7 @@ class ProgressBar:
         self._live = Live(get_renderable=self._shown, console=console, transient=True, refresh_per_second=4)
         self._flown = self._missing = 0
         self._left = ""
-        self._start = self._said = time.monotonic()
+        self._start = self._printed = time.monotonic()
 
     def __enter__(self) -> ProgressBar:
         if self._console.is_terminal:
@@ -57,26 +57,26 @@ class ProgressBar:
         self._live.stop()
 
     def begin(self, total: int, missing: int) -> None:
-        """Show how much there is to do."""
+        """Show how many episodes are missing."""
         if missing < total:
             rest = f"; flying {missing}" if missing else ""
-            self._console.print(f"{total - missing} of {counted(total, 'episode')} are there already{rest}")
+            self._console.print(f"{total - missing} of {counted(total, 'episode')} are in the store already{rest}")
         elif not self._console.is_terminal:
             self._console.print(f"flying {counted(total, 'episode')}")
         self._missing, self._begun = missing, True
-        self._start = self._said = time.monotonic()
+        self._start = self._printed = time.monotonic()
         self._bar.reset(self._task, total=missing, rate="", left="")
 
     def flown(self, records: Sequence[FlownEpisode], seconds_left: float | None = None) -> None:
-        """Count finished episodes; ``seconds_left`` is how long the others will take."""
-        self._left = "" if seconds_left is None else f"some {seconds_left:.0f} s left"
+        """Count finished episodes; ``seconds_left`` is the estimated time for the others."""
+        self._left = "" if seconds_left is None else f"about {seconds_left:.0f} s left"
         for record in records:
             threshold = self._thresholds.get(record.task.scenario, T99)
             self._means.add(record, record.metrics.get(threshold.key) is not None)
         self._flown += len(records)
         self._bar.update(self._task, completed=self._flown, rate=f"{self._rate:.1f} episodes/s", left=self._left)
-        if not self._console.is_terminal and time.monotonic() - self._said > SAY_EVERY:
-            self._said = time.monotonic()
+        if not self._console.is_terminal and time.monotonic() - self._printed > SAY_EVERY:
+            self._printed = time.monotonic()
             self._console.print(self._line(), highlight=False, markup=False, soft_wrap=True)
 
     @property

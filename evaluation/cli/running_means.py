@@ -15,7 +15,7 @@ class Figures(NamedTuple):
     coverage: float = 0.0
     """Of the team at the end, from 0 to 1."""
     reached: float = 0.0
-    """1 where the team reached the coverage that the scenario is judged by."""
+    """1 where the team reached the coverage threshold of the scenario, else 0."""
 
     def plus(self, other: Figures) -> Figures:
         """Return the sums."""
@@ -27,9 +27,9 @@ class Figures(NamedTuple):
 
 
 class RunningMeans:
-    """Compare policies while they fly: means are over the tasks that every policy seen so far has flown.
+    """Means of the policies while they fly, over the tasks that every policy seen so far has flown.
 
-    A policy that has only begun, or that flew an easier scenario first, so looks neither better nor worse for it.
+    Means over all flown episodes would favour a policy that happens to fly an easier scenario first.
     """
 
     def __init__(self) -> None:
@@ -43,9 +43,9 @@ class RunningMeans:
         self._sums: dict[str, Figures] = {}
 
     def add(self, record: FlownEpisode, reached: bool) -> None:
-        """Take in an episode, and whether the team reached the coverage that its scenario is judged by."""
+        """Add an episode; ``reached`` says whether the team reached the coverage threshold of its scenario."""
         name = record.policy
-        if name not in self._flown:  # which has flown nothing yet: no task is common to all any more
+        if name not in self._flown:  # a new policy: no task is common to all any more
             self._flown[name], self.episodes[name], self.failed[name] = {}, 0, 0
             self.tasks, self._sums = 0, dict.fromkeys(self._flown, Figures())
         self.episodes[name] += 1

@@ -1,4 +1,4 @@
-"""Watch a policy fly one episode, in a window or in a file: the same episode that a comparison flies."""
+"""Show one episode of a policy in a window or save it to a file: the same episode that a comparison flies."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from indoor_explorers.evaluation.experiment.experiment import Experiment
 def watch(experiment: Experiment, console: Console, *, save: Path | None, steps: int | None, fps: float | None) -> None:
     """Fly the first episode of an experiment's first policy and show it, or save it to a file.
 
-    ``steps`` cuts it short. Prints where the file is and how the episode ended.
+    ``steps`` limits its length. Prints the path of the file and how the episode ended.
 
     Raises:
-        InputError: the file cannot be written, or there is no window to be had.
-        RunError: the policy failed; no file is written then.
+        InputError: the file cannot be written, or no window can be opened.
+        RunError: the policy failed; no file is written.
 
     """
     policy, scenario = experiment.policies[0].make(), experiment.scenarios[0]
@@ -51,10 +51,10 @@ def watch(experiment: Experiment, console: Console, *, save: Path | None, steps:
 
 
 def flight(policy: Policy, world: World, last: int) -> Iterator[bool]:
-    """Fly episode 0 of a world that has begun, up to step ``last``; yield at its start and after every step.
+    """Fly episode 0 of a world that has begun, up to step ``last``.
 
-    Yields whether the episode goes on. It is flown as :mod:`indoor_explorers.evaluation.episodes.runner` flies a batch
-    of one.
+    Yields at the start and after every step whether the episode goes on. The episode is the one that
+    :mod:`indoor_explorers.evaluation.episodes.runner` flies in a batch of one.
     """
     yield last > 0
     try:
@@ -66,7 +66,7 @@ def flight(policy: Policy, world: World, last: int) -> Iterator[bool]:
 
 
 class Show:
-    """Follow a flight and picture it."""
+    """Draws an episode while it is flown."""
 
     def __init__(self, world: World, title: str, last: int) -> None:
         self._world = world
@@ -75,11 +75,11 @@ class Show:
         self._trails = Trails(world.state.truth.shape[1:])
 
     def picture(self) -> NDArray[np.uint8]:
-        """Return the present moment, (h, w, 3) uint8."""
+        """Return a picture of the current step, (h, w, 3) uint8."""
         return paint(scene_of(self._world, 0, self._trails, self._title))
 
     def in_window(self, moments: Iterator[bool], fps: float | None) -> None:
-        """Show every step in a window, and its last picture until somebody closes it; closing it ends the flight."""
+        """Show every step in a window, and the last one until the window is closed; closing it ends the flight."""
         window = Window(self._title, fps if fps is not None else FPS[0])
         try:
             for going in moments:
@@ -94,7 +94,7 @@ class Show:
             window.close()
 
     def in_file(self, moments: Iterator[bool], video: VideoWriter, console: Console) -> None:
-        """Record the flight and write the file; says which."""
+        """Record the flight, write the file and print its path."""
         if not console.is_terminal:
             console.print(f"flying {self._title}", highlight=False, soft_wrap=True)
         columns = [TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()]

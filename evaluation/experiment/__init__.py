@@ -1,1 +1,1 @@
-"""What is flown: experiments, the selection of policies and scenarios, provenance."""
+"""Experiments, requests, the selection of policies and scenarios, limits and provenance."""

@@ -22,7 +22,7 @@ class Task(NamedTuple):
     map_index: int
     """Which of the scenario's map files; 0 for generators."""
     seed: int
-    """Makes the generated map, the spawns, the order of moves and the pilots' draws."""
+    """Seed of the generated map, the spawns, the order of moves and the pilots' random numbers."""
 
 
 #: Characters of a policy's name in results.
@@ -37,7 +37,7 @@ class PolicyChoice(BaseModel):
     use: str = Field(min_length=1)
     """Registry name, ``NAME:PATH`` or ``module:Class``."""
     name: str = Field("", max_length=LONGEST_NAME)
-    """Name in tables and figures; the registry name when left out, a path in it shortened where it is long."""
+    """Name in tables and figures; by default the registry name, with a long path in it shortened."""
     parameters: dict[str, Any] = {}
     """Arguments of the policy's constructor."""
 
@@ -53,7 +53,7 @@ class PolicyChoice(BaseModel):
 
 
 def _brief(use: Any) -> Any:
-    """Return what is used, without the middle of a long path."""
+    """Return a name with the middle of a long path left out."""
     if not isinstance(use, str) or len(use) <= LONGEST_NAME:
         return use
     head = use.partition(":")[0][:20]
@@ -71,14 +71,14 @@ class Job(NamedTuple):
 
 
 class Experiment(BaseModel):
-    """Describe a comparison completely."""
+    """A complete description of a comparison."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
     policies: tuple[PolicyChoice, ...] = Field(min_length=1)
     """The policies compared, in the order of tables."""
     scenarios: tuple[Scenario, ...] = Field(min_length=1)
-    """The tasks, as they are flown."""
+    """The scenarios, with all settings applied."""
     episodes: int = Field(30, ge=1, le=1_000_000)
     """Seeds flown on each map."""
     seed: int = Field(0, ge=0, lt=2**62)
@@ -107,7 +107,7 @@ class Experiment(BaseModel):
         return next(scenario for scenario in self.scenarios if scenario.name == name)
 
     def to_toml(self) -> str:
-        """Print the experiment as TOML that can be read back, every setting of every scenario in it.
+        """Return the experiment as TOML that can be read back, with every setting of every scenario.
 
         Paths of map files are written as absolute ones.
         """
@@ -119,9 +119,10 @@ class Experiment(BaseModel):
 
 
 def merged_experiments(texts: Sequence[str]) -> str:
-    """Return as TOML what the runs of one store flew together, given the experiment of each in TOML, oldest first.
+    """Return one experiment in TOML for all runs of a store, given that of each run in TOML, oldest first.
 
-    Policies and episodes are those of any run; the rest is that of the latest. Empty where there was no run.
+    It has the policies of all runs and the largest number of episodes; the rest is that of the latest run. Empty
+    without a run.
     """
     if not texts:
         return ""
@@ -139,7 +140,7 @@ def build_experiment(
     seed: int | None = None,
     settings: Mapping[str, Any],
 ) -> Experiment:
-    """Put an experiment together from scenarios as they are flown, and ``settings`` on each of them."""
+    """Build an experiment from scenarios, with ``settings`` applied to each of them."""
     flown = tuple(scenario.with_settings(settings) for scenario in scenarios)
     numbers = {"episodes": episodes, "seed": seed}
     given = {name: value for name, value in numbers.items() if value is not None}

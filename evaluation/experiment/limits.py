@@ -1,4 +1,4 @@
-"""What a worker process may take before it is stopped."""
+"""Limits of a worker process on decision time and memory."""
 
 from __future__ import annotations
 
@@ -6,31 +6,31 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
-#: Seconds that a decision may take where nobody says otherwise.
+#: Default limit of a decision in seconds.
 DECISION_TIMEOUT = 60.0
-#: Share of the machine's memory that all workers together may use where nobody says otherwise.
+#: Default share of the machine's memory that all workers together may use.
 MEMORY_SHARE = 0.8
 #: Bytes of a gigabyte.
 GB = 10**9
 
 
 class Limits(NamedTuple):
-    """What one worker may take."""
+    """The limits of one worker."""
 
     decision_timeout: float | None
-    """Seconds that a decision may take; None: as long as it likes."""
+    """Seconds that a decision may take; None for no limit."""
     memory: int
     """Bytes of memory that the process may use."""
 
 
 def limits_for(workers: int, decision_timeout: float | None, memory_limit: float | None) -> Limits:
-    """Return the limits of each of so many workers; ``memory_limit`` in GB, None for a fair share of the machine's."""
+    """Return the limits of each worker; ``memory_limit`` in GB, None for an equal share of the machine's memory."""
     fair = int(MEMORY_SHARE * machine_memory() / max(1, workers))
     return Limits(decision_timeout, fair if memory_limit is None else int(memory_limit * GB))
 
 
 def machine_memory() -> int:
-    """Return the bytes of memory that this process and its children can have."""
+    """Return the bytes of memory that this process and its children may use."""
     physical = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     try:
         return min(physical, int(Path("/sys/fs/cgroup/memory.max").read_text()))

@@ -1,4 +1,4 @@
-"""From a request to an experiment, by way of the file that the request may name."""
+"""Turn a request, and the experiment file that it may name, into an experiment."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ SHIPPED = Path(__file__).parents[1] / "experiments"
 
 
 def plan(request: ComparisonRequest) -> Experiment:
-    """Put an experiment together from a request and the file that it names.
+    """Build an experiment from a request and the file that it names.
 
-    Of the policies and scenarios asked for, those named like an entry of the file are that entry.
+    A policy or scenario that has the name of an entry of the file means that entry.
 
     Raises:
-        InputError: something asked for does not exist or does not fit together.
+        InputError: a policy, scenario or file does not exist, or options contradict each other.
 
     """
     path = None if request.experiment is None else experiment_file(request.experiment)
@@ -40,7 +40,7 @@ def plan(request: ComparisonRequest) -> Experiment:
 
 
 def experiment_file(asked: Path) -> Path:
-    """Return the file of an experiment: the path asked for, or the one of that name that ships.
+    """Return the path of an experiment file: the one asked for, or that of a shipped experiment by name.
 
     Raises:
         InputError: there is no such file and none of that name.
@@ -70,7 +70,7 @@ def read_experiment(path: Path) -> ComparisonRequest:
 
 
 def _scenarios(request: ComparisonRequest, file: ComparisonRequest, folder: Path) -> list[Scenario]:
-    """Return the scenarios asked for, on the map files asked for where there are any; ``folder`` is the file's."""
+    """Return the scenarios asked for, with the maps of the request if it has any; ``folder`` is that of the file."""
     if request.resolution is not None and not request.maps:
         raise InputError("expected --maps with --resolution, got none; name the map files to resample")
     if not request.maps:

@@ -18,7 +18,7 @@ FLOORS, SOURCES = ("env", "planners", "learners", "evaluation"), {".py", ".txt",
 
 
 def run_facts(command: str, engine: str, workers: int | None) -> dict[str, Any]:
-    """Return the facts of a run as a flat mapping of strings and numbers; ``workers`` None are as many as there are."""
+    """Return the facts of a run as a flat mapping of strings and numbers; ``workers`` is None for all cores."""
     return {
         "command": command,
         "started": datetime.now(UTC).isoformat(timespec="seconds"),

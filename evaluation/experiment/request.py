@@ -1,4 +1,4 @@
-"""What a comparison is asked for: one request that the command line, an experiment file and Python all fill."""
+"""The options of a comparison, filled by the command line, an experiment file or Python."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ENGINES = ("local", "ray")
 
 
 def _several(value: Any) -> Any:
-    """Return one entry as a tuple of one."""
+    """Return a single entry as a tuple of one."""
     one = isinstance(value, (str, Path, Mapping)) or not isinstance(value, Sequence)
     return value if value is None else (value,) if one else tuple(value)
 
@@ -45,7 +45,7 @@ TEAM = Option(metavar="N", read=read_count)
 SEED = Option(metavar="S", read=read_natural)
 SETTINGS = Option(metavar="key=value", read=read_setting, several=True, flag="--set")
 POLICY_NAMES = Option(metavar="a,b,...", read=read_names)
-#: Settings by dotted keys; pairs of a key and a value will do.
+#: Settings by dotted keys, or pairs of key and value.
 Settings = Annotated[Mapping[str, Any], BeforeValidator(_settings), SETTINGS]
 NO_SETTINGS: Mapping[str, Any] = {}
 
@@ -57,53 +57,53 @@ class Request(BaseModel):
 
 
 class ComparisonRequest(Request):
-    """What a comparison is asked for. A new option is a field here, and nothing else."""
+    """The options of a comparison. To add an option, add a field here."""
 
     experiment: Annotated[Path | None, Option(metavar="FILE.toml|NAME")] = None
-    """Policies, scenarios, episodes, seed and settings in a file, or in an experiment that ships, such as families;
-    options beside it take precedence."""
+    """A file with policies, scenarios, episodes, seed and settings, or the name of an experiment that ships, such as
+    families. Options given beside it take precedence."""
     policies: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), POLICY_NAMES] = None
-    """Names of entries of the experiment, of policies, NAME:PATH such as sb3:DIR, or module:Class. A name with a comma
-    in it stands in double quotes, which the shell must not remove: '"dddqn, no guard",pso'."""
+    """The policies: names of policies or of entries of the experiment, NAME:PATH such as sb3:DIR, or module:Class.
+    Put a name that has a comma in double quotes, and protect these from the shell: '"dddqn, no guard",pso'."""
     scenario: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), SCENARIO] = None
-    """One, or several with commas: names of entries of the experiment, presets, or files."""
+    """One or more, separated by commas: presets, files, or names of entries of the experiment."""
     maps: Annotated[tuple[str, ...], BeforeValidator(_paths), Option(metavar="PATH", several=True)] = ()
-    """Map files to explore instead."""
+    """Explore these map files instead."""
     resolution: Annotated[float | None, RESOLUTION] = None
     """Metres per cell to resample map files to."""
     team: Annotated[int | None, TEAM] = None
     """Number of UAVs."""
     episodes: Annotated[int | None, Option(metavar="N", read=read_count)] = None
-    """Seeds flown on each map (default 30)."""
+    """Number of seeds flown on each map (default 30)."""
     seed: Annotated[int | None, SEED] = None
     """First seed (default 0)."""
     settings: Settings = NO_SETTINGS
     """Scenario settings such as goal=0.9 or radio.range=3."""
     workers: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
-    """Worker processes (default: all cores). 0 flies in this process, where policies that hang or die are not
-    caught."""
+    """Number of worker processes (default: one for each core). 0 flies in this process, where policies that hang or
+    die are not caught."""
     decision_timeout: Annotated[float | None, Option(metavar="SECONDS", read=read_seconds)] = DECISION_TIMEOUT
-    """A decision that takes longer fails its episode; compiling does not count."""
+    """Fail an episode when a decision takes longer; compiling does not count."""
     memory_limit: Annotated[float | None, Option(metavar="GB", read=read_gigabytes)] = None
-    """A policy whose process uses more fails its episode (default: four fifths of the machine's memory / workers)."""
+    """Fail an episode when its process uses more memory (default: four fifths of the machine's memory / workers)."""
     retry_failed: Annotated[bool, Option()] = False
-    """Fly failed episodes again and replace them; otherwise they count as finished."""
+    """Fly failed episodes again and replace them; without this they count as finished."""
     engine: Annotated[str, Option(choices=ENGINES)] = ENGINES[0]
     """Where episodes are flown: in worker processes of this machine, or on a Ray cluster."""
     address: Annotated[str | None, Option(metavar="HOST:PORT")] = None
-    """The Ray cluster's head (default: as Ray finds one)."""
+    """Address of the Ray cluster's head (default: found by Ray)."""
     ratio_to: Annotated[tuple[str, ...] | None, BeforeValidator(_several), POLICY_NAMES] = None
-    """Print steps as ratios to these policies' on the same tasks. Tables and page have ratios in any case: to
-    frontier-nearest, or else the first policy, and to policies that know the map."""
+    """Print steps divided by those of these policies on the same tasks. Tables and page always have ratios; by default
+    to frontier-nearest, or else the first policy, and to policies that know the map."""
 
     @classmethod
     def of(cls, **options: Any) -> ComparisonRequest:
-        """Return the request for some options.
+        """Return the request with these options.
 
         Raises:
-            InputError: there is no such option, or it takes no such value.
+            InputError: an option is unknown, or its value is invalid.
         """
-        # imported here, since the command line shows its help without the world
+        # imported here, so that the command line shows its help at once
         from indoor_explorers.env.scenarios.validation import validated
 
         return validated(cls, options, "comparison")

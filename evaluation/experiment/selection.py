@@ -1,4 +1,4 @@
-"""What of an experiment file is flown, all of it or the entries named, and which policies are the baselines."""
+"""Selects policies and scenarios, all of an experiment file or the entries named, and the baselines of ratios."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.scenarios.loading import named_scenario, scenario_for_comparison
 
-#: Compared when nothing else is asked for: chance and the four families.
+#: The default policies: chance and the four families.
 DEFAULT_POLICIES = ("random", "frontier-nearest", "frontier", "rrt", "pso", "dddqn")
 DEFAULT_SCENARIO = "thesis-obstacles"
-#: What the steps of all policies are divided by where nothing else is asked for.
+#: The default baseline of ratios of steps.
 DEFAULT_BASELINE = "frontier-nearest"
 
 
 def chosen_policies(asked: Sequence[Any] | None, listed: Sequence[Any] | None) -> list[Any]:
-    """Return the policies asked for; the name of an entry of the file means that entry with its parameters.
+    """Return the policies asked for; the name of an entry of the file means that entry, with its parameters.
 
     Args:
-        asked: names, or whole entries; None asks for all that the file lists.
+        asked: names or entries; None for all that the file lists.
         listed: the entries of the experiment file; None where there are none.
 
     """
@@ -37,13 +37,13 @@ def _policy_name(entry: Any) -> str:
 
 
 def chosen_scenarios(asked: Sequence[Any] | None, listed: Sequence[Any] | None, folder: Path) -> list[Scenario]:
-    """Return the scenarios asked for in the form comparisons fly; the name of an entry of the file means that entry.
+    """Return the scenarios asked for as comparisons fly them; the name of an entry of the file means that entry.
 
     Args:
-        asked: presets' names, ``.toml`` files or scenarios; None asks for all that the file lists.
+        asked: presets' names, ``.toml`` files or scenarios; None for all that the file lists.
         listed: the entries of the experiment file: presets' names, ``.toml`` files, or tables of settings; None where
             there are none.
-        folder: where the experiment file lies; paths in it are relative to it.
+        folder: the folder of the experiment file; paths in the file are relative to it.
 
     """
     if asked is None and listed is None:
@@ -70,9 +70,9 @@ def _listed_scenario(entry: Any, folder: Path) -> Scenario:
 
 
 def chosen_baselines(names: Sequence[str], privileged: Sequence[str], asked: Sequence[str] | None = None) -> list[str]:
-    """Return what policies are compared with: those asked for, else the usual one and those that know the map.
+    """Return the baselines of ratios: those asked for, else one policy and those that know the map.
 
-    The usual one is ``frontier-nearest`` where it takes part, else the first policy that does not know the map.
+    The one policy is ``frontier-nearest`` where it takes part, else the first that does not know the map.
 
     Raises:
         InputError: no policy of that name takes part.

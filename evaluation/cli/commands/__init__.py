@@ -1,7 +1,7 @@
-"""The commands, a file for each or for a few that belong together.
+"""The commands, one file for each or for a few related ones.
 
-Each file has the options of its commands and what they do. What takes long to import is imported when a command
-runs, so that help and errors come at once.
+Each file has the options of its commands and the functions that run them. Slow imports are made when a command runs,
+so that help and errors come at once.
 """
 
 from typing import Any

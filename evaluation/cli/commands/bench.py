@@ -11,18 +11,18 @@ from indoor_explorers.evaluation.options import Option, read_names
 
 
 class BenchOptions(Request):
-    """Which figures are measured, and where they are written."""
+    """The options of ``bench``."""
 
     json_file: Annotated[Path | None, Option(metavar="FILE", flag="--json")] = None
     """Write the figures as a list of name, value and unit."""
     growth: Annotated[bool, Option()] = False
-    """Also measure how speeds and decisions grow with map, lidar and team."""
+    """Also measure how speed and decision time change with map size, lidar range and team size."""
     figures: Annotated[Path | None, Option(metavar="DIR")] = None
-    """Draw that, too: growth and decisions, .svg and .png."""
+    """Also draw these as growth.svg/.png and decisions.svg/.png in DIR; implies --growth."""
     all: Annotated[bool, Option()] = False
-    """Measure everything, also what takes minutes."""
+    """Measure everything, including what takes minutes."""
     only: Annotated[tuple[str, ...], Option(metavar="PATTERN,...", read=read_names)] = ()
-    """Of everything, only figures with such a name: 'world-*-core'."""
+    """Measure only the figures whose names match, such as 'world-*-core'."""
 
 
 def run_bench(options: BenchOptions, typed: str) -> int:

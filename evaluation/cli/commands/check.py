@@ -11,14 +11,14 @@ from indoor_explorers.evaluation.options import Option
 
 
 class CheckOptions(Request):
-    """Which policy is checked."""
+    """The options of ``check``."""
 
     policy: Annotated[str, Option(metavar="MODULE:CLASS", positional=True)]
-    """Or the name of an installed policy, or NAME:PATH."""
+    """The policy: MODULE:CLASS, the name of an installed policy, or NAME:PATH."""
 
 
 def check(options: CheckOptions, typed: str) -> int:
-    """Run the whole conformance suite on a policy and print what it found; the status is 1 where a check fails."""
+    """Run the conformance suite on a policy and print the results; the status is 1 if a check fails."""
     from indoor_explorers.env import make_policy, run_checks
     from indoor_explorers.evaluation.cli.check_table import print_findings, print_header
 

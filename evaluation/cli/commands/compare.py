@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 class CompareOptions(ComparisonRequest):
-    """What is compared, and where the results go."""
+    """The options of ``compare``."""
 
     out: Annotated[Path, Option(metavar="DIR")]
-    """Folder of the results; resumed when it exists."""
+    """Folder for the results; an existing one is resumed."""
 
 
 def run_compare(options: CompareOptions, typed: str) -> int:
@@ -43,7 +43,7 @@ def run_compare(options: CompareOptions, typed: str) -> int:
 
 
 def print_ratios(results: Results, asked: Sequence[str] | None, console: Console) -> None:
-    """Print steps as ratios to those of the policies asked for, where any are."""
+    """Print steps as ratios to those of the policies asked for; nothing where none are."""
     from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
     from indoor_explorers.evaluation.results.ratios import Ratios
 

@@ -1,4 +1,4 @@
-"""``policies`` and ``scenarios``: what there is to compare."""
+"""``policies`` and ``scenarios``: list what can be compared."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from indoor_explorers.env.maps.sources import MapSource
 
 
-#: What is listed of a scenario: cells, UAVs, cells, model and cells, steps, coverage, rule; rewards of these.
+#: Columns of the list of scenarios; map, lidar and radio range in cells, last the rewards of step, cell and goal.
 HEADINGS = ("scenario", "map", "UAVs", "lidar", "radio", "steps", "goal", "stuck", "step, cell, goal")
 
 
@@ -45,7 +45,7 @@ def list_policies(options: NoOptions, typed: str) -> int:
 
 
 def _is_own_name(name: str, entry: EntryPoint) -> bool:
-    """Return whether a name is that of its class: ``rrt-aep`` of ``RrtAep``."""
+    """Return whether a name is that of its class, such as ``rrt-aep`` for ``RrtAep``, and not an alias."""
     return entry.value.rpartition(":")[2].lower() == name.replace("-", "")
 
 
@@ -92,7 +92,7 @@ def _scenario_row(preset: Scenario) -> tuple[str, ...]:
 
 
 def _shape(source: MapSource) -> tuple[int, int]:
-    """Return the cells of a source's first map, drawn only where its settings do not tell them."""
+    """Return the (height, width) of a source's first map, drawn only where its settings lack them."""
     height, width = getattr(source, "height", None), getattr(source, "width", None)
     return (height, width) if height and width else source.floorplan(0, 0).shape
 

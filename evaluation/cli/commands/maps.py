@@ -1,4 +1,4 @@
-"""``maps``: show map files, or what a scenario generates, and their facts."""
+"""``maps``: draw map files, or the maps of a scenario, and print their facts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class MapsOptions(Request):
-    """Which maps are shown."""
+    """The options of ``maps``."""
 
     paths: Annotated[tuple[Path, ...], Option(metavar="PATH", several=True, positional=True)] = ()
     """Map files: .yaml, .png, .pgm, .bmp, .map, .npy, .json."""
@@ -24,13 +24,13 @@ class MapsOptions(Request):
     scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
     """Show the maps of this scenario instead."""
     seed: Annotated[int | None, SEED] = None
-    """Makes the map of a scenario (default 0)."""
+    """Seed of the scenario's map (default 0)."""
     settings: Settings = NO_SETTINGS
     """Scenario settings such as map.height=128."""
 
 
 def show_maps(options: MapsOptions, typed: str) -> int:
-    """Print a picture and the facts of map files, or of the maps that a scenario's seed makes."""
+    """Print a picture and the facts of map files, or of the maps of a scenario."""
     from indoor_explorers.evaluation.cli.map_text import facts, picture
 
     console = make_console()
@@ -59,4 +59,4 @@ def _floorplans(options: MapsOptions) -> Iterator[Floorplan]:
         yield from (draw_floorplan(scenario, options.seed or 0, index) for index in range(scenario.map.count))
 
 
-MAPS = Command("maps", "show map files, or what a scenario generates, and their facts", MapsOptions, show_maps)
+MAPS = Command("maps", "draw map files, or the maps of a scenario, and print their facts", MapsOptions, show_maps)

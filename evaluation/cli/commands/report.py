@@ -1,4 +1,4 @@
-"""``report``: rebuild a report, combine several results, or say what changed between two."""
+"""``report``: rebuild a report, combine several results, or compare new results with old ones."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from indoor_explorers.evaluation.options import Option, read_natural
 
 
 class ReportOptions(Request):
-    """Which results are reported, and what is written."""
+    """The options of ``report``."""
 
     folders: Annotated[tuple[Path, ...], Option(metavar="DIR", several=True, positional=True)]
-    """Folders that compare has written."""
+    """Folders written by compare."""
     out: Annotated[Path, Option(metavar="FILE.html")]
     """The page to write."""
     against: Annotated[Path | None, Option(metavar="OLD")] = None
-    """Say what changed since the results of this folder."""
+    """Also show what changed since the results in this folder."""
     ratio_to: Annotated[tuple[str, ...] | None, POLICY_NAMES] = None
-    """Print steps as ratios to these policies' on the same tasks. The page has ratios in any case: to frontier-nearest,
-    or else the first policy, and to policies that know the map."""
+    """Print steps divided by those of these policies on the same tasks. The page always has ratios; by default to
+    frontier-nearest, or else the first policy, and to policies that know the map."""
     replays: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
-    """Replay N episodes of each scenario (default: as many as keep the page under 10 MB)."""
+    """Embed replays of N episodes of each scenario (default: as many as keep the page under 10 MB)."""
     exports: Annotated[Path | None, Option(metavar="DIR")] = None
     """Also write summary, tables, figures, experiments and planner-arena.db."""
 
 
 def run_report(options: ReportOptions, typed: str) -> int:
-    """Rebuild a report from one folder, or combine several; say what changed against another."""
+    """Rebuild a report from one folder, or combine several; print what changed against old results."""
     from indoor_explorers.env.errors import InputError
     from indoor_explorers.evaluation.exports import write_exports
     from indoor_explorers.evaluation.report import write_report

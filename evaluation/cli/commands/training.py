@@ -1,4 +1,4 @@
-"""``train``, ``ablate`` and ``thesis``: train learners, and say what came of it."""
+"""``train``, ``ablate`` and ``thesis``: train learners and evaluate them."""
 
 from __future__ import annotations
 
@@ -14,26 +14,27 @@ DEFAULT_SCENARIO = "thesis-obstacles"
 
 
 class TrainOptions(Request):
-    """What is trained, on what, and where it is written."""
+    """The options of ``train``."""
 
     learner: Annotated[str, Option(metavar="NAME")] = "dddqn"
-    """What learns: dddqn, sb3-ppo and others."""
+    """The learner: dddqn, sb3-ppo and others."""
     preset: Annotated[str | None, Option(metavar="NAME")] = None
-    """Scenario, hyperparameters and seed of weights that ship, or of a quick training, where not given here."""
+    """Take scenario, hyperparameters and seed from a preset: that of weights that ship, or a quick training. Options
+    given here take precedence."""
     scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
-    """What to train on (default thesis-obstacles)."""
+    """The scenario to train on (default thesis-obstacles)."""
     settings: Settings = NO_SETTINGS
     """Hyperparameters of the training, such as batch=512 or observation.tours=false."""
     seed: Annotated[int | None, SEED] = None
-    """Makes the whole training (default 1)."""
+    """Random seed of the training (default 1)."""
     out: Annotated[Path, Option(metavar="DIR")]
-    """Folder of checkpoints, weights and history."""
+    """Folder for checkpoints, weights and history."""
     resume: Annotated[bool, Option()] = False
-    """Go on from the checkpoint in DIR."""
+    """Continue from the checkpoint in DIR."""
 
 
 def run_train(options: TrainOptions, typed: str) -> int:
-    """Train a learner on a scenario, both given or a preset's."""
+    """Train a learner on a scenario."""
     from indoor_explorers.env.scenarios.loading import named_scenario
     from indoor_explorers.evaluation.training import preset_of, run_training
 
@@ -50,28 +51,28 @@ def run_train(options: TrainOptions, typed: str) -> int:
 
 
 class AblateOptions(Request):
-    """Which variants of a learner are trained and compared."""
+    """The options of ``ablate``."""
 
     learner: Annotated[str, Option(metavar="NAME")] = "dddqn"
-    """What learns."""
+    """The learner."""
     scenario: Annotated[str, Option(metavar="PRESET|FILE.toml")] = DEFAULT_SCENARIO
-    """What to train on."""
+    """The scenario to train on."""
     only: Annotated[tuple[list[str], ...], Option(metavar="PATTERN", read=read_names, several=True)] = (["*"],)
-    """Train these variants and the full one."""
+    """Train only the variants whose names match, and the full one."""
     seeds: Annotated[int, COUNT] = 3
-    """Trainings of each variant."""
+    """Number of trainings of each variant, each with another seed."""
     settings: Settings = NO_SETTINGS
     """Hyperparameters of all trainings, such as total_steps=2000000."""
     jobs: Annotated[int, COUNT] = 1
-    """Trainings at once."""
+    """Number of trainings that run at the same time."""
     episodes: Annotated[int, COUNT] = 200
-    """Unseen maps that each training is evaluated on."""
+    """Number of unseen maps that each training is evaluated on."""
     out: Annotated[Path, Option(metavar="DIR")]
-    """Folder of trainings, table and figures; resumed when it exists."""
+    """Folder for trainings, table and figures; an existing one is resumed."""
 
 
 def run_ablate(options: AblateOptions, typed: str) -> int:
-    """Train a learner's variants and say what each ingredient is worth; the status is 1 where a training failed."""
+    """Train a learner's variants and print what each ingredient is worth; the status is 1 if a training failed."""
     from indoor_explorers.evaluation.ablation import run_ablation
 
     console = make_console()
@@ -93,24 +94,25 @@ def run_ablate(options: AblateOptions, typed: str) -> int:
 
 
 class ThesisOptions(Request):
-    """Which experiments of the thesis are flown again."""
+    """The options of ``thesis``."""
 
     episodes: Annotated[int, COUNT] = 10_000
-    """Training episodes in the empty room, five times as many among obstacles; the default is the thesis's."""
+    """Training episodes in the empty room; among obstacles five times as many. The default is that of the thesis."""
     versions: Annotated[tuple[str, ...], Option(metavar="a,b,...", read=read_names)] = ("thesis", "mended")
-    """thesis: as it was; mended: every mistake corrected; a switch's name: this one alone; each: each of them alone."""
+    """Which versions to train. thesis: as it was; mended: with all its mistakes corrected; the name of a switch: with
+    this one corrected; each: one version for each switch."""
     only: Annotated[tuple[str, ...], Option(metavar="PATTERN,...", read=read_names)] = ("*",)
-    """Only experiments with such a name: 'team-*'."""
+    """Repeat only the experiments whose names match, such as 'team-*'."""
     settings: Settings = NO_SETTINGS
     """Hyperparameters of all trainings, such as environments=16."""
     seed: Annotated[int, SEED] = 1
-    """Makes every training."""
+    """Random seed of every training."""
     out: Annotated[Path, Option(metavar="DIR")]
-    """Folder of trainings, page and figures; resumed when it exists."""
+    """Folder for trainings, page and figures; an existing one is resumed."""
 
 
 def run_thesis_experiments(options: ThesisOptions, typed: str) -> int:
-    """Fly the thesis's experiments and write the page about them."""
+    """Repeat the thesis's experiments and write the page about them."""
     from indoor_explorers.evaluation.thesis import run_thesis
 
     console = make_console()
@@ -130,5 +132,5 @@ def run_thesis_experiments(options: ThesisOptions, typed: str) -> int:
 TRAIN = Command("train", "train a learner: the DDDQN, or a baseline through another library", TrainOptions, run_train)
 ABLATE = Command("ablate", "train a learner without each of its ingredients, and compare", AblateOptions, run_ablate)
 THESIS = Command(
-    "thesis", "fly every experiment of the IndoorExplorers thesis again", ThesisOptions, run_thesis_experiments
+    "thesis", "repeat every experiment of the IndoorExplorers thesis", ThesisOptions, run_thesis_experiments
 )

@@ -1,4 +1,4 @@
-"""``watch``: see a policy fly one episode, or save it as a video."""
+"""``watch``: show a policy fly one episode, or save it as a video."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from indoor_explorers.evaluation.options import Option, read_count, read_rate
 
 
 class WatchOptions(Request):
-    """Which episode is flown, and how it is shown."""
+    """The options of ``watch``."""
 
     policy: Annotated[str, Option(metavar="NAME")]
-    """A name, NAME:PATH such as sb3:DIR, or module:Class."""
+    """The policy: a name, NAME:PATH such as sb3:DIR, or module:Class."""
     scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
-    """The task (default thesis-obstacles)."""
+    """The scenario (default thesis-obstacles)."""
     maps: Annotated[str | None, Option(metavar="PATH")] = None
     """A map file to explore instead."""
     resolution: Annotated[float | None, RESOLUTION] = None
@@ -32,11 +32,11 @@ class WatchOptions(Request):
     team: Annotated[int | None, TEAM] = None
     """Number of UAVs."""
     seed: Annotated[int, SEED] = 0
-    """The episode; compare flies the same one for this seed."""
+    """Seed of the episode; compare flies the same episode for the same seed."""
     settings: Settings = NO_SETTINGS
     """Scenario settings such as goal=0.9 or radio.range=3."""
     save: Annotated[Path | None, Option(metavar="FILE")] = None
-    """Write a .gif, an .mp4, or the last moment as a .png."""
+    """Write a .gif, an .mp4, or the last step as a .png."""
     steps: Annotated[int | None, Option(metavar="N", read=read_count)] = None
     """Stop after N steps."""
     fps: Annotated[float | None, Option(metavar="N", read=read_rate)] = None

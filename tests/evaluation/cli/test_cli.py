@@ -105,7 +105,7 @@ def test_running_again_flies_nothing_and_changes_nothing(capsys, tmp_path):
     before = rows(tmp_path, machine=True)
     status, printed, _ = run(capsys, *words, "--out", tmp_path)
     assert status == 0
-    assert "4 of 4 episodes are there already" in printed
+    assert "4 of 4 episodes are in the store already" in printed
     assert rows(tmp_path, machine=True) == before
 
 
@@ -216,11 +216,11 @@ def test_failed_episodes_are_flown_again_on_request_alone(capsys, tmp_path, monk
     monkeypatch.setattr(plugins, "BROKEN", False)
     status, printed, _ = run(capsys, *words)
     assert status == 1
-    assert "4 of 4 episodes are there already" in printed
+    assert "4 of 4 episodes are in the store already" in printed
     assert "--retry-failed flies them again" in printed
     status, printed, _ = run(capsys, *words, "--retry-failed")
     assert status == 0
-    assert "2 of 4 episodes are there already; flying 2" in printed
+    assert "2 of 4 episodes are in the store already; flying 2" in printed
     assert stored(tmp_path) == 4
 
 
