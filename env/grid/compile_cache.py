@@ -54,6 +54,10 @@ Listener = Callable[[str | None], None]
 listeners: list[Listener] = []
 
 
+#: Those of all functions that this process has defined.
+_caches: list[CompileCache] = []
+
+
 class CompileCache:
     """The kept machine code of one function; what numba's dispatchers ask of a cache."""
 
@@ -62,6 +66,12 @@ class CompileCache:
         self._options = repr(sorted(options.items()))
         self._waiting: dict[str, BaseFileLock] = {}
         self._enabled = True
+        _caches.append(self)
+
+    @property
+    def label(self) -> str:
+        """Return the function's name with the beginning of its fingerprint; names of its entries begin with that."""
+        return f"{self._function.__name__}-{fingerprint(self._function)[:8]}"
 
     @property
     def cache_path(self) -> str | None:
@@ -121,7 +131,7 @@ class CompileCache:
             _versions(),
         )
         name = hashlib.sha256(repr(facts).encode()).hexdigest()
-        return folder / name[:2] / f"{self._function.__name__}-{name[2:34]}.nbc"
+        return folder / name[:2] / f"{self.label}-{name[2:34]}.nbc"
 
     def _wait_for_others(self, file: Path) -> None:
         """Wait until no other process compiles this entry, and keep others from it."""
@@ -153,19 +163,30 @@ def cache_folder() -> Path | None:
     return None
 
 
-def compiling_since(moment: float) -> list[str]:
-    """Return the functions that processes of this user began to compile since a time and have not finished, by entry.
+def compiling_since(moment: float) -> set[str]:
+    """Return the labels of functions that processes of this user began to compile since a time and have not finished.
 
     Args:
         moment: Seconds of the epoch.
 
     """
-    folder, found = cache_folder(), []
+    folder, found = cache_folder(), set()
     for lock in folder.glob("*/*.lock") if folder is not None else ():
         with contextlib.suppress(OSError):  # finished meanwhile
             if lock.stat().st_mtime >= moment:
-                found.append(lock.stem)
+                found.add(_label(lock))
     return found
+
+
+def not_compiled() -> set[str]:
+    """Return the labels of the functions that this process has defined and that have no entry."""
+    folder = cache_folder()
+    kept = {_label(file) for file in folder.glob("*/*.nbc")} if folder is not None else set()
+    return {cache.label for cache in _caches} - kept
+
+
+def _label(entry: Path) -> str:
+    return entry.stem.rpartition("-")[0]
 
 
 def _user() -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from indoor_explorers.env.grid.compile_cache import compiling_since
+from indoor_explorers.env.grid.compile_cache import compiling_since, not_compiled
 from indoor_explorers.evaluation.report.style.formatting import counted
 
 #: Seconds between two looks at the cache folder.
@@ -18,15 +18,18 @@ class CompileStatus:
         self._start = time.time() - 1.0  # file systems' clocks may be behind
         self._looked = 0.0
         self._seen: set[str] = set()
+        self._total = 0
         self._line = ""
 
     def line(self) -> str:
-        """Return what is compiled now and how many functions were so far, or nothing."""
+        """Return what is compiled now, and how many functions were of those that the policies may need, or nothing."""
         if time.monotonic() - self._looked >= EVERY:
             now = compiling_since(self._start)
             self._seen.update(now)
-            names = ", ".join(sorted({entry.rpartition("-")[0] for entry in now}))
-            count = counted(len(self._seen), "function")
-            self._line = f"compiling {names}; {count} so far, once per machine" if now else ""
+            if now and not self._total:
+                self._total = len(not_compiled() | now)
+            names = ", ".join(sorted({label.rpartition("-")[0] for label in now}))
+            count = f"{len(self._seen)} of at most {counted(max(self._total, len(self._seen)), 'function')}"
+            self._line = f"compiling {names}: {count}, once per machine" if now else ""
             self._looked = time.monotonic()
         return self._line

@@ -101,6 +101,21 @@ def test_what_has_changed_is_compiled_with_its_callers_and_nothing_else(kept, tm
     assert run(CALLS, kept, tmp_path)[0] == compiled
 
 
+LEFT = """
+from indoor_explorers.env.grid.compile_cache import not_compiled
+import made
+print(*sorted(label.partition("-")[0] for label in not_compiled()))
+made.outer(3)
+print(*sorted(label.partition("-")[0] for label in not_compiled()))
+"""
+
+
+def test_what_is_left_to_compile_is_known(tmp_path):
+    (tmp_path / "made.py").write_text(MODULE)
+    shown, _ = run(LEFT, tmp_path / "cache", tmp_path)
+    assert shown.splitlines() == ["apart inner outer", "apart"]
+
+
 def test_where_nothing_can_be_written_code_is_compiled_and_not_kept(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))  # no folder can be made below a file

@@ -86,20 +86,21 @@ def test_a_terminal_sees_every_policy(records):
 def test_what_is_compiled_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr(compile_cache, "cache_folder", lambda: tmp_path)
     monkeypatch.setattr(compile_status, "EVERY", 0.0)
+    monkeypatch.setattr(compile_status, "not_compiled", lambda: {"view_gain-1a", "beam-2b", "learn-3c"})
     (tmp_path / "ab").mkdir()
-    stale = tmp_path / "ab" / "left_behind-0.lock"
+    stale = tmp_path / "ab" / "left_behind-0f-0.lock"
     stale.touch()
     os.utime(stale, (0, 0))
     screen = io.StringIO()
     bar = ProgressBar(Console(file=screen, width=100))
     assert bar._compiling.line() == ""
-    lock = tmp_path / "ab" / "view_gain-1.lock"
+    lock = tmp_path / "ab" / "view_gain-1a-1.lock"
     lock.touch()
-    assert bar._compiling.line() == "compiling view_gain; 1 function so far, once per machine"
-    (tmp_path / "ab" / "beam-2.lock").touch()
+    assert bar._compiling.line() == "compiling view_gain: 1 of at most 3 functions, once per machine"
+    (tmp_path / "ab" / "beam-2b-2.lock").touch()
     lock.unlink()
     Console(file=screen, width=100).print(bar._shown())
-    assert "compiling beam; 2 functions so far" in screen.getvalue()
+    assert "compiling beam: 2 of at most 3 functions" in screen.getvalue()
 
 
 def test_a_log_file_gets_lines(records, monkeypatch):
