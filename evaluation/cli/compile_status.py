@@ -12,24 +12,25 @@ EVERY = 0.5
 
 
 class CompileStatus:
-    """Name the functions that are being compiled on this machine, by this process or by workers."""
+    """Name the functions that are being compiled on this machine, by this process or by workers, and count them."""
 
     def __init__(self) -> None:
         self._start = time.time() - 1.0  # file systems' clocks may be behind
         self._looked = 0.0
-        self._seen: set[str] = set()
-        self._total = 0
+        self._missing: set[str] = set()
         self._line = ""
 
     def line(self) -> str:
         """Return what is compiled now, and how many functions were of those that the policies may need, or nothing."""
         if time.monotonic() - self._looked >= EVERY:
             now = compiling_since(self._start)
-            self._seen.update(now)
-            if now and not self._total:
-                self._total = len(not_compiled() | now)
-            names = ", ".join(sorted({label.rpartition("-")[0] for label in now}))
-            count = f"{len(self._seen)} of at most {counted(max(self._total, len(self._seen)), 'function')}"
-            self._line = f"compiling {names}: {count}, once per machine" if now else ""
+            self._line = self._told(now) if now else ""
             self._looked = time.monotonic()
         return self._line
+
+    def _told(self, now: set[str]) -> str:
+        missing = not_compiled()
+        self._missing |= missing
+        names = ", ".join(sorted({label.rpartition("-")[0] for label in now}))
+        done = len(self._missing) - len(missing)
+        return f"compiling {names}: {done} of at most {counted(len(self._missing), 'function')} done, once per machine"

@@ -86,7 +86,8 @@ def test_a_terminal_sees_every_policy(records):
 def test_what_is_compiled_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr(compile_cache, "cache_folder", lambda: tmp_path)
     monkeypatch.setattr(compile_status, "EVERY", 0.0)
-    monkeypatch.setattr(compile_status, "not_compiled", lambda: {"view_gain-1a", "beam-2b", "learn-3c"})
+    missing = {"view_gain-1a", "beam-2b", "learn-3c"}
+    monkeypatch.setattr(compile_status, "not_compiled", lambda: missing)
     (tmp_path / "ab").mkdir()
     stale = tmp_path / "ab" / "left_behind-0f-0.lock"
     stale.touch()
@@ -96,11 +97,12 @@ def test_what_is_compiled_is_named(tmp_path, monkeypatch):
     assert bar._compiling.line() == ""
     lock = tmp_path / "ab" / "view_gain-1a-1.lock"
     lock.touch()
-    assert bar._compiling.line() == "compiling view_gain: 1 of at most 3 functions, once per machine"
+    assert bar._compiling.line() == "compiling view_gain: 0 of at most 3 functions done, once per machine"
     (tmp_path / "ab" / "beam-2b-2.lock").touch()
     lock.unlink()
+    missing.remove("view_gain-1a")
     Console(file=screen, width=100).print(bar._shown())
-    assert "compiling beam: 2 of at most 3 functions" in screen.getvalue()
+    assert "compiling beam: 1 of at most 3 functions done" in screen.getvalue()
 
 
 def test_a_log_file_gets_lines(records, monkeypatch):
