@@ -96,7 +96,7 @@ def _scan_into(
 
 
 @kernel(entry=False)
-def _grown(words: np.ndarray, size: int) -> np.ndarray:
+def grown(words: np.ndarray, size: int) -> np.ndarray:
     """Return a copy of an array with room for ``size`` numbers."""
     larger = np.empty(size, words.dtype)
     for k in range(words.shape[0]):
@@ -127,7 +127,7 @@ def _fill_table(
     for i in range(cells.shape[0]):
         found = _scan_into(truth, cells[i], counts, lidar, scan, tiles, words)
         if size + found > tile.shape[0]:
-            tile, bits = _grown(tile, 2 * (size + found)), _grown(bits, 2 * (size + found))
+            tile, bits = grown(tile, 2 * (size + found)), grown(bits, 2 * (size + found))
         for k in range(found):
             word = tiles[k]
             tile[size], bits[size] = word, words[word]

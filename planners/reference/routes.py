@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood_table
-from indoor_explorers.env.search.visibility import VisibilityTable, add_visible
+from indoor_explorers.env.search.visibility import VisibilityTable, add_visible, grown
 
 #: Steps to a cell that cannot be reached.
 FAR = np.int32(2**20)
@@ -139,18 +139,19 @@ def tracks(
     table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, aims: Aims
 ) -> np.ndarray:
     """Return the numbers of the cells that the UAVs are in up to the last aim, (steps + 1, N)."""
-    seen, steps = start(table, state), 0
-    out = np.empty((1024, state.cell.shape[0]), np.int64)
-    out[0] = state.cell
-    while seen < aims.last:
-        new = fly_on(table, distances, routes, state)
-        if new < 0:
+    team, seen, new, size = state.cell.shape[0], start(table, state), 0, 0
+    out = np.empty(1024 * team, np.int64)
+    while new >= 0:
+        if size == out.shape[0]:
+            out = grown(out, 2 * size)
+        for n in range(team):
+            out[size + n] = state.cell[n]
+        size += team
+        if seen >= aims.last:
             break
-        seen, steps = seen + new, steps + 1
-        if steps == out.shape[0]:
-            out = np.concatenate((out, np.empty_like(out)))
-        out[steps] = state.cell
-    return out[: steps + 1]
+        new = fly_on(table, distances, routes, state)
+        seen += new
+    return out[:size].reshape((size // team, team))
 
 
 @leaf(entry=False)
