@@ -1,1 +1,1 @@
-"""Where episodes are flown: worker processes of this machine, or a Ray cluster."""
+"""Engines, which fly episodes: worker processes of this machine, or a Ray cluster."""

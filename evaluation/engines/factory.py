@@ -1,4 +1,4 @@
-"""Where episodes are flown: in worker processes of this machine, or on a Ray cluster."""
+"""Makes the engine that flies the episodes: worker processes of this machine, or a Ray cluster."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from indoor_explorers.evaluation.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.experiment.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.experiment.request import ENGINES
 
-#: Flies jobs and yields the records of each as it finishes, in whatever order.
+#: Flies jobs and yields the records of each as it finishes, in any order.
 Engine = Callable[[Jobs], Iterator[list[FlownEpisode]]]
 
 
@@ -24,13 +24,13 @@ def make_engine(
     decision_timeout: float | None = DECISION_TIMEOUT,
     memory_limit: float | None = None,
 ) -> Engine:
-    """Return an engine by name; every one of them flies the same episodes.
+    """Return an engine by name; both fly the same episodes.
 
-    ``decision_timeout`` in seconds and ``memory_limit`` in GB are what a policy may take, see
+    ``decision_timeout`` in seconds and ``memory_limit`` in GB limit a policy, see
     :mod:`indoor_explorers.evaluation.experiment.limits`.
 
     Raises:
-        InputError: no such engine, arguments that it does not take, no Ray, or no cluster at ``address``.
+        InputError: the engine is unknown, an option does not apply to it, Ray is missing, or no cluster answers.
     """
     if name not in ENGINES:
         raise InputError(f"expected an engine, {' or '.join(ENGINES)}, got {name!r}")
@@ -38,8 +38,8 @@ def make_engine(
         return partial(_ray_engine(workers, address), decision_timeout=decision_timeout, memory_limit=memory_limit)
     if address is not None:
         raise InputError(f"expected --engine ray with --address {address}, got --engine local; leave one of them out")
-    crew = (os.cpu_count() or 1) if workers is None else workers
-    return partial(fly_jobs, workers=crew, limits=limits_for(crew, decision_timeout, memory_limit))
+    count = (os.cpu_count() or 1) if workers is None else workers
+    return partial(fly_jobs, workers=count, limits=limits_for(count, decision_timeout, memory_limit))
 
 
 def _ray_engine(workers: int | None, address: str | None) -> Callable[..., Iterator[list[FlownEpisode]]]:

@@ -15,7 +15,7 @@ from indoor_explorers.evaluation.experiment.limits import Limits
 
 
 def fly_job(job: Job) -> list[Record]:
-    """Fly a job in this process, unprotected: a policy that hangs or ends its process does that to this one."""
+    """Fly a job in this process, without protection from a policy that hangs or ends its process."""
     return list(fly(job.policy.make(), job.policy.name, job.scenario, job.tasks, bounds=job.bounds))
 
 
@@ -26,22 +26,22 @@ def fly_jobs(jobs: Jobs, workers: int, limits: Limits) -> Iterator[list[FlownEpi
     needs no guard around its call.
 
     Raises:
-        InputError: an episode cannot be flown, whatever the policy does.
-        RunError: the same for reasons of the program's; what was yielded before stays valid.
+        InputError: an episode cannot be flown with any policy, because of its settings.
+        RunError: a worker cannot be started or failed for another reason; records yielded before stay valid.
 
     """
     if workers == 0:
         yield from map(fly_job, jobs)
         return
-    crew = [Supervisor(limits) for _ in range(min(workers, len(jobs)))]
+    supervisors = [Supervisor(limits) for _ in range(min(workers, len(jobs)))]
     idle: SimpleQueue[Supervisor] = SimpleQueue()
-    for supervisor in crew:
+    for supervisor in supervisors:
         idle.put(supervisor)
-    threads = ThreadPoolExecutor(len(crew), "engine")
+    threads = ThreadPoolExecutor(len(supervisors), "engine")
     try:
-        yield from _as_completed(threads, jobs, idle, in_flight=len(crew) + 1)
+        yield from _as_completed(threads, jobs, idle, in_flight=len(supervisors) + 1)
     finally:
-        for supervisor in crew:
+        for supervisor in supervisors:
             supervisor.close()
         threads.shutdown(cancel_futures=True)
 
@@ -49,12 +49,12 @@ def fly_jobs(jobs: Jobs, workers: int, limits: Limits) -> Iterator[list[FlownEpi
 def _as_completed(
     threads: Executor, jobs: Jobs, idle: SimpleQueue[Supervisor], in_flight: int
 ) -> Iterator[list[FlownEpisode]]:
-    """Keep a few jobs in flight, so that stopping early leaves little behind."""
+    """Keep a few jobs submitted at a time, so that little is lost by stopping early."""
     waiting = iter(jobs)
     running: set[Future[list[FlownEpisode]]] = set()
     while True:
         while len(running) < in_flight and (job := next(waiting, None)) is not None:
-            running.add(threads.submit(_fly_by_any, idle, job))
+            running.add(threads.submit(_fly_with_idle, idle, job))
         if not running:
             return
         done, running = wait(running, return_when=FIRST_COMPLETED)
@@ -62,8 +62,8 @@ def _as_completed(
             yield future.result()
 
 
-def _fly_by_any(idle: SimpleQueue[Supervisor], job: Job) -> list[FlownEpisode]:
-    """Fly a job by a supervisor that has nothing to do."""
+def _fly_with_idle(idle: SimpleQueue[Supervisor], job: Job) -> list[FlownEpisode]:
+    """Fly a job with a supervisor that is idle."""
     supervisor = idle.get()
     try:
         return supervisor.fly(job)

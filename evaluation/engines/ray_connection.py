@@ -1,4 +1,4 @@
-"""To and from a Ray cluster: connect to one or start one, quietly, and leave it as it was found."""
+"""Connects to a Ray cluster or starts one, without Ray's output, and disconnects again."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from indoor_explorers.env.errors import InputError
 ANSWER_WITHIN = 5.0
 #: Ray sends no usage statistics and says nothing of accelerators.
 QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
-#: How HTTP/2, which a cluster's head speaks, is opened: the preface and no settings (RFC 9113, section 3.4).
+#: The connection preface of HTTP/2, the protocol of a cluster's head, with empty settings (RFC 9113, section 3.4).
 GREETING = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])
 
 
 @contextlib.contextmanager
 def connected(address: str | None = None) -> Iterator[None]:
-    """Connect this process to a cluster while the context lasts; see :func:`~.cluster.fly_jobs_on_ray`.
+    """Connect this process to a cluster while the context lasts; see :func:`~.ray_engine.fly_jobs_on_ray`.
 
     Raises:
         InputError: there is none at ``address``, or it has no CPUs.
@@ -51,17 +51,17 @@ def cpus() -> int:
 
 def _connect(address: str | None) -> None:
     with _environment(QUIET), warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # Ray's are about Ray's own changes to come
+        warnings.simplefilter("ignore")  # Ray warns of its own coming changes
         try:
             ray.init(address, include_dashboard=False, log_to_driver=False, logging_level=logging.ERROR)
-        except (OSError, ValueError, RuntimeError, RayError, SystemExit) as error:  # it ends processes in vain
+        except (OSError, ValueError, RuntimeError, RayError, SystemExit) as error:  # without a cluster Ray exits
             raise _no_cluster(address, str(error)) from error
 
 
 def check_address(address: str | None) -> None:
-    """Raise :class:`InputError` unless something that may be the head of a cluster answers at ``host:port``.
+    """Raise :class:`InputError` unless a server that may be the head of a cluster answers at ``host:port``.
 
-    Ray itself waits for minutes and then ends the process.
+    Ray itself would wait for minutes and then end the process.
     """
     if address in (None, "auto", "local"):
         return

@@ -1,7 +1,7 @@
 """The Ray engine: the jobs of a comparison on the cores of a cluster; CLUSTER.md says how to run one.
 
-A job is a Ray task of one CPU. The driver, which runs the command, submits a bounded number of them and yields their
-records as they come. What is lost with a node, its running jobs and the results that lay there, Ray flies again.
+A job is a Ray task of one CPU. The driver, the process of the command, submits a bounded number of jobs and yields
+their records as they come. When a node is lost, Ray repeats its running jobs and those whose results it held.
 Ray: Moritz et al., "Ray: a distributed framework for emerging AI applications", OSDI 2018.
 """
 
@@ -33,25 +33,25 @@ from indoor_explorers.evaluation.experiment.experiment import Job
 from indoor_explorers.evaluation.experiment.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.experiment.provenance import PACKAGES, source_digest
 
-#: How often Ray flies a job again whose node or process was lost, before the job counts as failed.
+#: How often Ray repeats a job whose node or process was lost before the job counts as failed.
 RETRIES = 3
 #: Jobs in flight for each CPU: one flies, one waits, so that no CPU waits for the driver.
 JOBS_PER_CPU = 2
-#: Seconds between two looks at how many CPUs the cluster has now.
+#: Seconds between two counts of the cluster's CPUs.
 COUNT_EVERY = 10.0
-#: How a run that cannot go on ends.
+#: End of the message of a run that cannot go on.
 KEPT = "the finished episodes are kept, and the same command goes on from there"
 
 
 class Origin(NamedTuple):
-    """What a job relies on where the command runs, and has to find on its node."""
+    """What a job needs on its node as it is where the command runs."""
 
     folder: str
     """The working folder, from which relative paths in a policy's parameters are read."""
     paths: tuple[str, ...]
-    """Where Python looks for modules, ``module:Class`` plug-ins of the working folder included."""
+    """Python's search path for modules, with the working folder for ``module:Class`` plug-ins."""
     versions: tuple[tuple[str, str], ...]
-    """What results depend on: packages and their versions, and a hash of this package's sources."""
+    """Versions of the packages that results depend on, and a hash of this package's sources."""
 
     @classmethod
     def here(cls) -> Origin:
@@ -71,11 +71,11 @@ def _versions() -> tuple[tuple[str, str], ...]:
 
 
 @lru_cache(maxsize=1)
-def settle(origin: Origin) -> None:
-    """Make this process ready for jobs of an origin.
+def prepare(origin: Origin) -> None:
+    """Prepare this process for jobs of an origin: search path and working folder.
 
     Raises:
-        InputError: other versions than there are installed here.
+        InputError: other versions than those of the origin are installed here.
     """
     here = dict(_versions())
     differing = [f"{name} {here.get(name)}, not {there}" for name, there in origin.versions if here.get(name) != there]
@@ -99,7 +99,7 @@ def fly_on_node(
         job: What to fly.
         plans: The floor plans of its map files, in the order of their indices.
     """
-    settle(origin)
+    prepare(origin)
     maps = job.scenario.map
     if isinstance(maps, FileMaps):
         held = maps.holding(dict(zip(_indices(job), plans, strict=True)))
@@ -126,23 +126,23 @@ def fly_jobs_on_ray(
         address: ``host:port`` of a cluster's head; None for where Ray finds one (``RAY_ADDRESS``, a cluster that runs
             on this machine), or a cluster of this machine alone, started for these jobs. A process that has connected
             itself to a cluster uses that one, and stays connected.
-        decision_timeout: Seconds that a decision may take; None for as long as it likes.
-        memory_limit: GB that a policy's process may use; None for a fair share of its node's.
+        decision_timeout: Seconds that a decision may take; None for no limit.
+        memory_limit: GB that a policy's process may use; None for an equal share of its node's memory.
 
     Raises:
         InputError: no cluster at that address, one without CPUs, or other versions on its nodes.
-        RunError: a job failed again and again; all others that had been submitted were yielded before.
+        RunError: a job failed after all retries; the other submitted jobs were yielded before.
     """
     with connected(address):
-        flight = _JobQueue(workers, (decision_timeout, memory_limit))
+        queue = _JobQueue(workers, (decision_timeout, memory_limit))
         try:
-            yield from flight.fly(jobs)
+            yield from queue.fly(jobs)
         finally:
-            flight.cancel()
+            queue.cancel()
 
 
 class _JobQueue:
-    """Keep jobs in flight on the cluster that this process is connected to."""
+    """Keeps a bounded number of jobs running on the cluster that this process is connected to."""
 
     def __init__(self, workers: int | None, allowed: tuple[float | None, float | None]) -> None:
         self._workers = workers
@@ -154,14 +154,14 @@ class _JobQueue:
         self._room, self._counted = 0, -COUNT_EVERY
 
     def fly(self, jobs: Jobs) -> Iterator[list[FlownEpisode]]:
-        """Yield the records of each job as it finishes; a failed one ends the flight when the others have landed."""
+        """Yield the records of each job as it finishes; raise the error of a failed one when the others are done."""
         waiting, failure = iter(jobs), None
         while True:
             while failure is None and self._has_room() and (job := next(waiting, None)) is not None:
                 self._submit(job)
             if not self._running:
                 break
-            for ref in self._landed():
+            for ref in self._finished():
                 try:
                     yield ray.get(ref)
                 except RayError as error:
@@ -171,7 +171,7 @@ class _JobQueue:
             raise failure
 
     def cancel(self) -> None:
-        """End what is still in flight."""
+        """Cancel the jobs that are still running."""
         for ref in self._running:
             ray.cancel(ref, force=True)
 
@@ -187,14 +187,14 @@ class _JobQueue:
         self._running[self._task.remote(self._origin, self._allowed, job, *plans)] = job
 
     def _plan(self, job: Job, index: int) -> Any:
-        """Return the object that every node gets a map file's floor plan from, made once."""
+        """Return the reference to a map file's floor plan in the object store, put there once."""
         key = (job.scenario.name, index)
         if key not in self._plans:
             self._plans[key] = ray.put(job.scenario.map.floorplan(index, 0))
         return self._plans[key]
 
-    def _landed(self) -> list[Any]:
-        """Wait for a job to finish; returns all that have."""
+    def _finished(self) -> list[Any]:
+        """Wait until a job has finished; return all that have."""
         first, others = ray.wait(list(self._running), num_returns=1)
         more, _ = ray.wait(others, num_returns=len(others), timeout=0) if others else ([], [])
         return [*first, *more]

@@ -1,4 +1,4 @@
-"""The supervisor: flies jobs in a process of their own, and still has a record of every episode when that dies."""
+"""The supervisor: flies jobs in a worker process and returns a record of every episode even if the process dies."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ from indoor_explorers.evaluation.experiment.limits import Limits
 
 __all__ = ["Limits", "Supervisor"]
 
-#: Processes that are started before it is given up.
+#: Attempts to start a worker process.
 STARTS = 3
 CLOSED = "the supervisor of these workers was closed"
 
 
 class _Attempt(NamedTuple):
-    """What flying a job in the process gave."""
+    """The result of flying a job in a worker process."""
 
     records: list[FlownEpisode]
-    """Of all its tasks, or of those that were finished when the process ended."""
+    """Records of all its tasks, or of those that were finished when the process ended."""
     exit: WorkerExit | None
-    """How it ended, None when all is well."""
+    """How the process ended, None when the job was finished."""
     fresh: bool
     """Whether the process had flown nothing before."""
     steps: Steps | None
-    """Those of the episode that it ended in, if that was flown alone."""
+    """The steps of the episode during which the process ended, if the job had only that one."""
 
 
 class Supervisor:
-    """Fly jobs in one worker process, and replace that when it dies, hangs or takes too much memory.
+    """Fly jobs in one worker process, and replace it when it dies, hangs or takes too much memory.
 
-    Of a job of several episodes nobody knows which one the process died of. So those without a record are flown again
-    one by one: episodes do not depend on their batch, and the guilty ones fail alone. An episode fails only in a
-    process that has flown nothing before, so that nothing that an earlier one left behind is put down to it; and if
-    the process was killed from outside, which may be chance, only when that happens a second time.
+    When a process dies in a job of several episodes, it is not known which of them was the cause. So those without a
+    record are flown again one by one: episodes do not depend on their batch, and only the one at fault fails. An
+    episode counts as failed only in a process that has flown nothing before, so that it is not blamed for what an
+    earlier one left behind; and where the process was killed from outside, only when that happens a second time.
 
-    Several threads may call; they take turns.
+    Safe to call from several threads; they take turns.
     """
 
     def __init__(self, limits: Limits) -> None:
@@ -57,8 +57,8 @@ class Supervisor:
         """Return a record for every task of the job.
 
         Raises:
-            InputError: the job cannot be flown as it is, whatever the policy does.
-            RunError: the same for reasons of the program's, or the supervisor was closed meanwhile.
+            InputError: the job cannot be flown with any policy, because of its settings.
+            RunError: the worker failed for another reason, or the supervisor was closed meanwhile.
 
         """
         with self._turn:
@@ -70,7 +70,7 @@ class Supervisor:
             return tried.records + [self._fly_alone(one) for one in alone]
 
     def close(self) -> None:
-        """End the process; a job that is being flown ends with a RunError."""
+        """End the process; a running job raises a RunError."""
         self._closed.set()
         for worker in list(self._workers):
             worker.kill()
@@ -88,13 +88,13 @@ class Supervisor:
                 return _failed(job, tried.exit, tried.steps)
 
     def _try(self, job: Job) -> _Attempt:
-        """Fly a job once, as far as it goes."""
+        """Fly a job once, until it is finished or the process ends."""
         worker = self._worker()
         fresh = worker.fresh
         try:
             worker.send(job)
             records = []
-            while isinstance(message := worker.hear(), FlownEpisode):
+            while isinstance(message := worker.receive(), FlownEpisode):
                 records.append(message)
             if isinstance(message, WorkerExit) and not self._closed.is_set():
                 return _Attempt(records, message, fresh, self._discard(worker, job.scenario.team))
@@ -106,22 +106,22 @@ class Supervisor:
         return _Attempt(records, None, fresh, None)
 
     def _worker(self) -> WorkerHandle:
-        """Return the process, a new one where there is none."""
+        """Return the worker process; start one if there is none."""
         if self._workers:
             return self._workers[0]
         for _ in range(STARTS):
             worker = WorkerHandle(self._limits)
             self._workers.append(worker)
-            if self._closed.is_set():  # asked only now, as whoever closes kills the workers that are listed by then
+            if self._closed.is_set():  # checked after the worker is listed: close() kills those listed
                 self._discard(worker, 1)
                 raise RunError(CLOSED)
-            if (ended := worker.hear()) is None:
+            if (ended := worker.receive()) is None:
                 return worker
             self._discard(worker, 1)
         raise RunError(f"a worker process cannot be started: {ended.reason}")
 
     def _discard(self, worker: WorkerHandle, team: int) -> Steps:
-        """Let go of a process that is of no use any more; return the steps of the episode that it flew alone."""
+        """End a worker process; return the steps of the episode that it was flying alone."""
         steps = worker.steps(team)
         worker.close()
         self._workers.remove(worker)

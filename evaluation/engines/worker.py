@@ -1,6 +1,6 @@
-"""What runs in a worker process: it flies the jobs it is sent and sends back their records.
+"""The code of a worker process: it receives jobs, flies them and sends back the records.
 
-It does not watch over the policies it flies; its driver does, see
+Limits on time and memory are enforced by the process that started it, see
 :mod:`indoor_explorers.evaluation.engines.worker_handle`.
 """
 
@@ -24,23 +24,23 @@ from indoor_explorers.evaluation.episodes.runner import BREAKING, describe_error
 from indoor_explorers.evaluation.episodes.shared_steps import Clock, SharedStepBuffer
 from indoor_explorers.evaluation.experiment.experiment import Job
 
-#: Seconds between two looks at whether the driver still lives.
-LOOK_EVERY = 0.5
+#: Seconds between two checks that the driver is still running.
+CHECK_INTERVAL = 0.5
 #: numba has no types for its events.
 _Listener: Any = event.Listener
 _register: Any = event.register
 
 
 def serve(connection: Connection, buffer: SharedStepBuffer, driver: int) -> None:
-    """Fly jobs until the connection closes: of each, send every record, then None; or what went wrong.
+    """Fly jobs until the connection closes: send every record of a job, then None; or an exception.
 
-    Ctrl-C is left to the driver; when that is killed, the process leaves. What policies print goes to the standard
-    error, as the standard output is the command's.
+    Ctrl-C is handled by the driver; when the driver is killed, this process exits. What policies print goes to the
+    standard error, as the standard output belongs to the command.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGUSR1, buffer.clock.interrupt)
     os.dup2(2, 1)
-    threading.Thread(target=_leave_with, args=(driver,), daemon=True).start()
+    threading.Thread(target=_exit_with, args=(driver,), daemon=True).start()
     _register("numba:compile", Compiling(buffer.clock))
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver is gone
         connection.send(None)
@@ -49,16 +49,16 @@ def serve(connection: Connection, buffer: SharedStepBuffer, driver: int) -> None
             _serve_job(job, connection, buffer)
 
 
-def _leave_with(driver: int) -> None:
+def _exit_with(driver: int) -> None:
     while os.getppid() == driver:
-        time.sleep(LOOK_EVERY)
+        time.sleep(CHECK_INTERVAL)
     os._exit(1)
 
 
 def _serve_job(job: Job, connection: Connection, buffer: SharedStepBuffer) -> None:
     try:
-        made = _made(job, buffer.clock)
-        for record in fly(made, job.policy.name, job.scenario, job.tasks, buffer, job.bounds):
+        policy = _make_policy(job, buffer.clock)
+        for record in fly(policy, job.policy.name, job.scenario, job.tasks, buffer, job.bounds):
             connection.send(record.without_map() if record.task in job.bounds else record)
         connection.send(None)
     except InputError as error:
@@ -69,20 +69,20 @@ def _serve_job(job: Job, connection: Connection, buffer: SharedStepBuffer) -> No
         connection.send(broken)
 
 
-def _made(job: Job, clock: Clock) -> Policy:
-    """Make the policy of a job, or one that breaks as the making did."""
+def _make_policy(job: Job, clock: Clock) -> Policy:
+    """Make the policy of a job; where that fails, return one whose pilots raise the same error."""
     try:
         with clock:
             return job.policy.make()
     except InputError:
         raise
     except BREAKING as error:
-        return _Unmade(error=error)
+        return _FailedPolicy(error=error)
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Unmade(Policy):
-    """A policy that cannot be made."""
+class _FailedPolicy(Policy):
+    """Stands for a policy whose constructor failed, so that its episodes fail with that error."""
 
     error: BaseException
 
@@ -91,7 +91,7 @@ class _Unmade(Policy):
 
 
 class Compiling(_Listener):  # type: ignore[misc]  # a base class without types
-    """Begin a decision's time anew after each function that numba had to compile for it: machines differ in that."""
+    """Restart the clock of a decision after each function that numba compiled for it: compiling does not count."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock

@@ -1,4 +1,4 @@
-"""A worker process as its driver sees it: it is sent jobs, and watched."""
+"""A worker process as its driver sees it: sends jobs, receives records, and enforces limits."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer, 
 from indoor_explorers.evaluation.episodes.steps import Steps
 from indoor_explorers.evaluation.experiment.limits import Limits
 
-#: Every worker keeps to one thread: the processes are the parallelism.
+#: Every worker uses one thread; the work is parallel over processes.
 ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
-#: Seconds between two looks at a worker.
-LOOK_EVERY = 0.25
+#: Seconds between two checks of a worker.
+CHECK_INTERVAL = 0.25
 #: Seconds that an interrupted decision has to end before its process is killed.
 GRACE = 2.0
-#: Signals that may come from elsewhere, such as from the system when it is short of memory.
+#: Signals that may come from outside, such as from the system when it is short of memory.
 FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 #: Seconds that a process may take to end after it was told to.
 SHUTDOWN_GRACE = 5.0
@@ -36,7 +36,7 @@ class WorkerExit(NamedTuple):
 
     reason: str
     from_outside: bool = False
-    """Whether somebody else than the policy may have ended it."""
+    """Whether something other than the policy may have ended it."""
 
 
 class WorkerHandle:
@@ -47,7 +47,7 @@ class WorkerHandle:
         """Whether it has flown nothing yet."""
         self._limits = limits
         self._buffer = SharedStepBuffer()
-        self._asked, self._waited, self._looked = 0.0, 0.0, time.monotonic()
+        self._asked, self._waited, self._checked = 0.0, 0.0, time.monotonic()
         self._marked = False
         self._connection, theirs = Pipe()
         self._process = LokyProcess(
@@ -57,16 +57,16 @@ class WorkerHandle:
         theirs.close()
 
     def send(self, job: Any) -> None:
-        """Send a job; a worker that is dead already does not mind. The steps of the one before are forgotten."""
+        """Send a job, and clear the steps of the one before; a dead worker is ignored here."""
         self.fresh = False
         self._buffer.begin()
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):
             self._connection.send(job)
 
-    def hear(self) -> Any:
-        """Wait for its next message and return it, or its :class:`WorkerExit`; watches it meanwhile."""
+    def receive(self) -> Any:
+        """Wait for its next message and return it, or its :class:`WorkerExit`; enforce the limits meanwhile."""
         while True:
-            ready = wait([self._connection, self._process.sentinel], self._patience)
+            ready = wait([self._connection, self._process.sentinel], self._interval)
             if self._connection in ready:
                 try:
                     return self._connection.recv()
@@ -74,32 +74,32 @@ class WorkerHandle:
                     return self._exit()
             if ready or self._process.exitcode is not None:
                 return self._exit()
-            if (reason := self._look()) is not None:
+            if (reason := self._violation()) is not None:
                 self.kill()
                 return WorkerExit(reason)
 
     def steps(self, team: int) -> Steps:
-        """Return the steps of the episode that it flies, or flew last, alone."""
+        """Return the steps of the single episode that it flies or flew last."""
         return self._buffer.steps(team)
 
     def kill(self) -> None:
-        """End it at once."""
+        """Kill the process."""
         if self._process.exitcode is None:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(self._process.pid, signal.SIGKILL)
             self._exit_code()
 
     def close(self) -> None:
-        """End it and let go of all that it shares."""
+        """Kill the process and free what it shares."""
         self.kill()
         self._connection.close()
         self._buffer.close()
 
     @property
-    def _patience(self) -> float:
-        """Seconds until the next look."""
+    def _interval(self) -> float:
+        """Seconds until the next check."""
         limit = self._limits.decision_timeout
-        return LOOK_EVERY if limit is None else min(LOOK_EVERY, limit / 2)
+        return CHECK_INTERVAL if limit is None else min(CHECK_INTERVAL, limit / 2)
 
     def _exit(self) -> WorkerExit:
         code = self._exit_code()
@@ -112,9 +112,9 @@ class WorkerHandle:
         return WorkerExit(f"the process of the policy was killed by signal {-code} ({name})", -code in FROM_OUTSIDE)
 
     def _exit_code(self) -> int | None:
-        """Wait for its end and return how it ended, None when it goes on.
+        """Wait for its end and return its exit code, None if it is still running.
 
-        Looks instead of joining: a policy can close the pipe that joining would wait for.
+        Polls instead of joining: a policy can close the pipe that joining would wait for.
         """
         until = time.monotonic() + SHUTDOWN_GRACE
         code: int | None = self._process.exitcode
@@ -123,8 +123,8 @@ class WorkerHandle:
             code = self._process.exitcode
         return code
 
-    def _look(self) -> str | None:
-        """Return why it has to be killed now, None while it behaves."""
+    def _violation(self) -> str | None:
+        """Return which limit it violates, so that it has to be killed; None for none."""
         used = memory_of(self._process.pid)
         if used > self._limits.memory:
             return f"worker used more than {self._limits.memory / 1e9:.3g} GB of memory (--memory-limit)"
@@ -139,13 +139,13 @@ class WorkerHandle:
         return overdue_reason(limit) if waited > limit + GRACE else None
 
     def _decision_seconds(self) -> float:
-        """Return how long the decision going on has been seen to go on.
+        """Return how many seconds the current decision has taken so far.
 
-        The time between two looks counts at most twice what it should be, so that a machine that was asleep, or a job
-        that was stopped by Ctrl-Z, puts no blame on the policy.
+        The time between two checks counts at most twice the interval, so that the policy is not blamed when the
+        machine was asleep or the command was stopped by Ctrl-Z.
         """
         now, asked = time.monotonic(), self._buffer.clock.asked
-        passed, self._looked = min(now - self._looked, 2 * self._patience), now
+        passed, self._checked = min(now - self._checked, 2 * self._interval), now
         if asked != self._asked or not asked:
             self._asked, self._waited, self._marked = asked, 0.0, False
         else:
@@ -154,7 +154,7 @@ class WorkerHandle:
 
 
 def memory_of(process: int | None) -> int:
-    """Return the bytes of memory that a process uses, 0 where the system does not tell."""
+    """Return the bytes of memory that a process uses, 0 where the system does not say."""
     try:
         resident = int(Path(f"/proc/{process}/statm").read_text().split()[1])
     except (OSError, IndexError):

@@ -1,4 +1,4 @@
-"""The work of a run: episodes handed out in jobs, the longest first, and an estimate of the time that is left."""
+"""The work of a run: missing episodes in jobs, the longest first, and an estimate of the time left."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.experiment.experiment import Experiment, Job, PolicyChoice, Task
 
-#: The most episodes of a job, and its most cells x steps x UAVs: what a worker loses at most when a run is killed.
-#: Learned policies decide for a whole job at once; of fifty episodes each costs a sixth less than of ten.
+#: Limits of a job in episodes and in cells x steps x UAVs; a worker loses at most one job when a run is killed.
+#: Jobs of fifty episodes cost a sixth less an episode than jobs of ten.
 JOB_EPISODES, JOB_WORK = 50, 40_000_000
-#: A job takes at most this share of what a worker has left to do, so that all end at about the same time, but not less
-#: than these seconds.
+#: A job is at most this share of a worker's remaining work, so that all workers end at about the same time, but at
+#: least this many seconds.
 SHARE, LEAST = 0.1, 0.5
-#: Seconds that an episode takes beside its decisions: for itself, and for each step of a UAV.
+#: Seconds besides decisions: of an episode, and of each step of a UAV.
 EPISODE, STEP = 0.01, 15e-6
 
 
@@ -28,26 +28,26 @@ class Jobs(Protocol):
     """The jobs of a run: a list, or a :class:`Workload`, whose next job is chosen when it is asked for."""
 
     def __len__(self) -> int:
-        """Return how many there are, or a number not below."""
+        """Return how many there are, or an upper bound."""
 
     def __iter__(self) -> Iterator[Job]:
         """Yield them in the order in which they are to be flown."""
 
 
 class _Size(NamedTuple):
-    """What an episode of a scenario costs before any was flown."""
+    """The estimated cost of an episode of a scenario before any was flown."""
 
     work: float
-    """In the unit of nothing; proportional to the time of its decisions, as a rule of thumb."""
+    """Roughly proportional to the time of its decisions; without a unit."""
     most: int
     """The most episodes of a job."""
 
 
 class Workload:
-    """Hand out the missing episodes of an experiment; iterate for the jobs, and add the records as they come.
+    """The missing episodes of an experiment: iterate for the jobs, and add the records as they come.
 
-    The first job of every policy in every scenario is one episode, which tells what the others will cost. From then on
-    the policy and scenario whose episodes cost most come first.
+    The first job of every policy in every scenario is one episode, which measures what the others will cost. After
+    that, the policy and scenario with the longest episodes come first.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class Workload:
         workers: int,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Leave out what is ``finished``; jobs are cut for a number of ``workers``."""
+        """Leave out ``finished`` episodes; the size of jobs depends on the number of ``workers``."""
         self._workers, self._clock = max(1, workers), clock
         self._sizes = {scenario.name: _size(scenario, experiment.seed) for scenario in experiment.scenarios}
         self._waiting: dict[tuple[str, str], tuple[PolicyChoice, Scenario, list[Task]]] = {}
@@ -74,22 +74,22 @@ class Workload:
         self._seconds: defaultdict[tuple[str, str], float] = defaultdict(float)
         self._bounds: dict[Task, int] = {}
         self._done = [(clock(), 0.0)]
-        """When records came, and the seconds of work that were done by then; half of what was being flown is."""
+        """(time, seconds of work done) whenever records came; of running jobs half counts as done."""
 
     def __len__(self) -> int:
-        """Return how many episodes have not been handed out."""
+        """Return how many episodes are in no job yet."""
         return sum(len(tasks) for _, _, tasks in self._waiting.values())
 
     def __iter__(self) -> Iterator[Job]:
-        """Yield the jobs; what comes next depends on the records that were added meanwhile."""
+        """Yield the jobs; which comes next depends on the records added so far."""
         while self._waiting:
             untried = [pair for pair in self._waiting if pair not in self._tried]
             pair = untried[0] if untried else max(self._waiting, key=self.episode_seconds)
             self._tried.add(pair)
-            yield self._cut(pair, 1 if untried else self._episodes(pair))
+            yield self._job(pair, 1 if untried else self._episodes(pair))
 
     def add(self, records: Sequence[FlownEpisode]) -> None:
-        """Take in what finished episodes have cost, and the bounds of their tasks; they must have been stored."""
+        """Add stored episodes: what they cost, and the lower bounds of their tasks."""
         for record in records:
             pair = record.policy, record.task.scenario
             seconds = float(record.seconds[-1]) + EPISODE + STEP * record.steps * record.team
@@ -102,8 +102,8 @@ class Workload:
     def seconds_left(self) -> float | None:
         """Estimate the seconds until all episodes are flown; None before enough is known.
 
-        That is when each policy was flown in each scenario, or a fifth of all episodes. The pace is that of the latest
-        half of the run, so that what was compiled at its start does not count.
+        That is when each policy was flown in each scenario, or a fifth of all episodes. The speed is that of the latest
+        half of the run, so that compiling at its start does not count.
         """
         now, done = self._clock(), self._done
         known = all(self._flown[pair] for pair in self._pairs) or 5 * sum(self._flown.values()) >= self._total
@@ -116,9 +116,9 @@ class Workload:
         return (self._waiting_seconds() + self._flying_seconds() / 2) * pace
 
     def episode_seconds(self, pair: tuple[str, str]) -> float:
-        """Estimate the seconds of an episode of a (policy, scenario), as measured.
+        """Estimate the seconds of an episode of a (policy, scenario) from those already flown.
 
-        Until it is, the policy's other scenarios tell, and where it has none, the other policies.
+        Before any was flown, from the policy's other scenarios, and without these from the other policies.
         """
         if self._flown[pair]:
             return self._seconds[pair] / self._flown[pair]
@@ -139,7 +139,7 @@ class Workload:
         share = max(LEAST, SHARE * self._waiting_seconds() / self._workers)
         return max(1, min(int(share / self.episode_seconds(pair)), self._sizes[pair[1]].most))
 
-    def _cut(self, pair: tuple[str, str], episodes: int) -> Job:
+    def _job(self, pair: tuple[str, str], episodes: int) -> Job:
         choice, scenario, tasks = self._waiting[pair]
         taken, tasks[:] = tasks[:episodes], tasks[episodes:]
         if not tasks:
@@ -149,7 +149,7 @@ class Workload:
 
 
 def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]], workers: int) -> Iterator[Job]:
-    """Yield the episodes that are not finished, in jobs of one policy and one scenario for a number of workers."""
+    """Yield the missing episodes in jobs of one policy and one scenario, sized for a number of workers."""
     return iter(Workload(experiment, finished, workers))
 
 

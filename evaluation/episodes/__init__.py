@@ -1,1 +1,1 @@
-"""One episode: flying, recording, simulating it again, metrics and lower bounds."""
+"""One episode: flying, recording, simulating again, metrics and lower bounds."""

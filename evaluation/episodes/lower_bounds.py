@@ -1,8 +1,8 @@
-"""Lower bounds: steps that no team can do without, however well it flies and whatever it knows.
+"""Lower bounds on the steps to a coverage, which hold for every team, whatever it knows.
 
-They follow from what the cells flown through can show at most. A cell that is flown through again shows nothing new,
-so every cell counts once for the whole team; and nobody is in a cell before as many steps have passed as the nearest
-UAV needs to get there.
+They follow from how much the cells that are flown through can show at most. A cell that is visited again shows nothing
+new, so every cell counts once for the whole team; and no UAV is in a cell before as many steps have passed as the
+nearest start is away.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from indoor_explorers.env.search.visibility import VisibilityTable, add_visible,
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.evaluation.episodes.mst_bound import spanning_tree_bound
 
-#: Cells times cells in lidar range up to which walls are looked at: a tenth of a second.
+#: Cells x cells in lidar range up to which walls are taken into account, which takes a tenth of a second.
 EFFORT = 20_000_000
 
 
@@ -30,15 +30,15 @@ def least_steps(world: World, episode: int, share: float) -> int:
 
     - by range: what is seen lies within lidar range of a cell flown through. The discs around the starts hold a known
       number of cells, and a step shifts a disc, which adds its leading edge at most: some g(y) for a step to cell y.
-    - by sight: the first scans show S cells. Who gets from x to y has seen V(x), so that V(y) - V(x) - S is all that
-      y adds, at most some g(y) over all neighbours x.
-    - by distance: in t steps nothing is seen but what can be seen from cells at most t steps from a start.
+    - by sight: the first scans show S cells. A UAV that moves from x to y has seen V(x), so that y adds
+      V(y) - V(x) - S, at most some g(y) over all neighbours x.
+    - by distance: in t steps only what can be seen from cells at most t steps from a start is seen.
     - by spanning tree: see :mod:`indoor_explorers.evaluation.episodes.mst_bound`.
 
     For the first two, the most that can be seen in t steps is found by taking, in each step, the N largest gains among
     the cells that can be reached by then and are not taken yet, N UAVs entering no more. No choice does better: if
     one leaves out the largest gain available in some step, taking it there instead loses nothing, now or later.
-    On very large maps walls are left out, and the first bound alone is left.
+    On very large maps walls are left out, and only the first bound is used.
     """
     state, sensor = world.state, world.scenario.lidar
     truth, counts, team = state.truth[episode], state.counts[episode], world.scenario.team
@@ -134,7 +134,7 @@ def _range_gains(counts: np.ndarray, cells: np.ndarray, team: int, half_widths: 
 
 @kernel()
 def _steps_by_gain(gains: np.ndarray, largest: int, steps: np.ndarray, missing: int, team: int) -> int:
-    """Return the fewest steps in which the largest gains add up to ``missing``."""
+    """Return the fewest steps in which the largest reachable gains add up to ``missing``."""
     waiting = np.zeros(largest + 1, np.int64)
     cell, passed = team, 0
     while missing > 0:
@@ -155,7 +155,7 @@ def _steps_by_gain(gains: np.ndarray, largest: int, steps: np.ndarray, missing: 
 
 @kernel()
 def _steps_by_distance(table: VisibilityTable, steps: np.ndarray, needed: int) -> int:
-    """Return the distance up to which cells must be looked from to see ``needed`` cells."""
+    """Return the least distance d so that ``needed`` cells can be seen from cells at most d steps from a start."""
     seen, possible = np.zeros_like(table.union), 0
     for cell in range(steps.shape[0]):
         possible += add_visible(table, cell, seen)

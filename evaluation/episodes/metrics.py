@@ -1,4 +1,4 @@
-"""What is measured in one episode; definitions are printed beside the figures.
+"""The metrics of an episode; their definitions are printed in the report.
 
 Coverage at step t is the share of the denominator that the team knows together. T_q is the first step
 with coverage >= q.
@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-#: Coverage levels whose first step is reported.
+#: Coverage thresholds whose first step is reported.
 LEVELS = {"t50": 0.50, "t90": 0.90, "t95": 0.95, "t98": 0.98, "t99": 0.99}
 
 
 @dataclass(frozen=True)
 class Measure:
-    """Say what a metric is."""
+    """Describes a metric."""
 
     title: str
     unit: str
@@ -29,8 +29,8 @@ MEASURES: dict[str, Measure] = {
     "auc": Measure(
         "AUC", "", "area under the coverage curve over the budget, constant after the end, as a share of 1", False
     ),
-    "auc_worst": Measure("AUC, worst UAV", "", "the same of the coverage that the UAV knowing least knows", False),
-    "auc_mean": Measure("AUC, mean UAV", "", "the same of the mean coverage that a UAV knows", False),
+    "auc_worst": Measure("AUC, worst UAV", "", "the same for the coverage of the UAV that knows least", False),
+    "auc_mean": Measure("AUC, mean UAV", "", "the same for the mean coverage of a UAV's own map", False),
     **{
         name: Measure(
             f"T{level:.0%}".rstrip("%"),
@@ -42,64 +42,65 @@ MEASURES: dict[str, Measure] = {
     "t99_to_bound": Measure(
         "T99 / bound",
         "",
-        "T99 / steps that no team can do without, whatever it knows: the largest of four bounds, by lidar range, sight,"
-        " distance, and places that must be looked at",
+        "T99 / a lower bound that holds for every team, whatever it knows: the largest of four bounds, by lidar range, "
+        "sight, distance, and a spanning tree of places that must be looked at",
     ),
     "t99_to_reference": Measure(
         "T99 / reference", "", "T99 / T99 of the policy that knows the map, on the same map, spawns and seed"
     ),
     "path_length": Measure("path length", "cells", "cells flown by all UAVs together"),
-    "path_max": Measure("longest path", "cells", "cells flown by the UAV that flew most"),
+    "path_max": Measure("longest path", "cells", "cells flown by the UAV that flew farthest"),
     "overlap": Measure("overlap", "", "(sum of cells each lidar saw - cells the team saw) / cells the team saw"),
-    "balance": Measure("balance", "", "standard deviation over the UAVs of the share each lidar saw itself"),
+    "balance": Measure("balance", "", "standard deviation over the UAVs of the share of cells each lidar saw"),
     "collisions": Measure("collisions", "", "moves into an obstacle or off the map"),
-    "blocked": Measure("blocked moves", "", "moves that a teammate was in the way of"),
+    "blocked": Measure("blocked moves", "", "moves that a teammate blocked"),
     "longest_idle": Measure(
         "longest idle",
         "steps",
-        "most steps in a row that a UAV stood still, moves blocked included, while its own map lacked free cells that "
+        "most steps in a row that a UAV stood still, blocked moves included, while its own map lacked free cells that "
         "it could reach",
     ),
     "longest_dither": Measure(
         "longest dither",
         "steps",
-        "most steps in a row with which a UAV took back the move before, A-B-A-B, while its own map lacked free cells "
-        "that it could reach",
+        "most steps in a row that each undid the one before (A-B-A-B), while the UAV's own map lacked free cells that "
+        "it could reach",
     ),
     "idle_share": Measure(
         "idle share",
         "",
-        "share of the UAVs' steps at which they stood still, of those at which their own map lacked free cells that "
-        "they could reach",
+        "share of steps at which a UAV stood still, of those at which its own map lacked free cells it could reach",
     ),
     "messages_bytes": Measure(
-        "messages", "bytes", "bytes sent by radio: 5 a cell that was new to its receiver, 8 a position, 8 a number"
+        "messages",
+        "bytes",
+        "bytes sent by radio: 5 for a cell new to its receiver, 8 for a position, 8 for a number",
     ),
     "age_of_information": Measure(
         "age of information",
         "steps",
-        "steps since a UAV last heard of a teammate, mean over pairs and steps; never heard counts from the start",
+        "steps since a UAV last heard from a teammate, mean over pairs and steps; counts from the start if never",
     ),
-    "latency_total_s": Measure("latency, all", "s", "time of all decisions of the team together, compiling left out"),
+    "latency_total_s": Measure("latency, all", "s", "time of all decisions of the team together, without compiling"),
     "latency_p50_us": Measure(
         "latency p50",
         "us",
-        "median time of a decision, compiling left out; of a batch of decisions, its time / its size",
+        "median time of a decision, without compiling; where many are made at once, their time / their number",
     ),
     "latency_p99_us": Measure("latency p99", "us", "99th percentile of the same"),
 }
 
 #: The measures of wasted steps in a row.
 WASTED = ("longest_idle", "longest_dither")
-#: Metrics that measure the machine and not the flight: they differ between runs.
+#: Metrics that depend on the machine: they differ between runs.
 OF_THE_MACHINE = ("latency_total_s", "latency_p50_us", "latency_p99_us")
 
 
 def excused(metric: str, team: int) -> int:
-    """Return the most steps in a row that one of :data:`WASTED` may have in an episode of ``team`` UAVs.
+    """Return how many steps in a row of one of :data:`WASTED` are normal in an episode of ``team`` UAVs.
 
-    In corridors one cell wide a UAV has to wait for those in front of it, at most some six steps for each; nobody has
-    to fly to and fro for more than six.
+    In corridors one cell wide a UAV may have to wait for those in front of it, about six steps for each. Flying to and
+    fro for more than six steps is never necessary.
     """
     return 6 * team if metric == "longest_idle" else 6
 

@@ -1,10 +1,10 @@
-"""The spanning-tree bound: from groups of cells one of which a team must look at, wherever they are.
+"""The spanning-tree bound on the steps of a team: it must look into each of several groups of cells.
 
-A team that may miss k counted cells must see one at least of any k + 1. So it must enter the region from which at
-least one cell of such a group can be seen: for every group there is. The ways that N UAVs fly, their starts taken
-together as one place, connect all those regions; so they are together no shorter than a minimum spanning tree of the
-steps between regions, and the longest of them is no shorter than an N-th of that. Inside a region the tree pays
-nothing, and it may use another cell of a region for each of its edges: both make it shorter only.
+A team that may miss k counted cells must see at least one of any k + 1. So for every group of k + 1 cells it must
+enter the region from which at least one of them can be seen. The paths of N UAVs, their starts taken as one place,
+connect all those regions; so their total length is at least that of a minimum spanning tree over the distances between
+regions, and the longest path is at least an N-th of that. Distances inside a region count as 0, and each edge may end
+in another cell of a region: both only make the tree shorter.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood_table
 from indoor_explorers.env.search.visibility import TILE, VisibilityTable, add_visible
 
-#: Groups that are tried at most, and words that are looked at for them.
+#: Limits of the effort: groups, and words of visibility that are read for them.
 GROUPS, WORDS = 32, 3_000_000
 #: Steps to a cell that cannot be reached.
 FAR = np.int32(2**30)
 
 
 def spanning_tree_bound(table: VisibilityTable, width: int, team: int, missable: int) -> int:
-    """Return a bound on the steps of a team that may miss so many of the counted cells of a map of that width.
+    """Return a bound on the steps of a team that may miss ``missable`` of the counted cells of a map of that width.
 
-    The first ``team`` cells of ``table`` are the starts. Groups are the cells around those seen last by a team that
-    keeps to the regions of the groups before; whatever they are, the bound holds.
+    The first ``team`` cells of ``table`` are the starts. Each group is around the cell that is
+    seen last from the regions of the groups before; the bound holds for any groups.
     """
     if missable >= len(table.cells):
         return 0
@@ -54,7 +54,7 @@ def _flood(table: VisibilityTable, region: np.ndarray, steps: np.ndarray, queue:
 
 @kernel(entry=False)
 def _seen_last(table: VisibilityTable, width: int, number: np.ndarray, order: np.ndarray) -> int:
-    """Return the number of the counted cell seen last when all cells look in turn, or of the cell that sees it."""
+    """Return the number of the counted cell that is seen last in the order, or of the cell that sees it."""
     seen, last = np.zeros_like(table.union), order[0]
     across = (width + TILE - 1) // TILE
     for cell in order:

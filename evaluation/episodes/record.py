@@ -13,7 +13,7 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.episodes.steps import Steps
 from indoor_explorers.evaluation.experiment.experiment import Task
 
-#: What coverage can be drawn against, and the unit of each.
+#: Quantities that coverage can be drawn against, with their units.
 AXES = {"steps": "steps", "distance": "cells", "seconds": "s", "bytes": "bytes"}
 
 
@@ -27,12 +27,12 @@ class Outcome(StrEnum):
     ENDED = "ended"
     """Every UAV crashed or was ended as stuck first."""
     FAILED = "failed"
-    """The policy broke: it raised, returned no action, took too long or too much memory, or ended its process."""
+    """The policy failed: it raised, returned no action, took too long or too much memory, or ended its process."""
 
 
 @dataclass(frozen=True, eq=False)
 class FlownEpisode(Steps):
-    """What is kept of one episode of S steps by N UAVs, but for its map, which all episodes of a task share."""
+    """One episode of S steps by N UAVs without its map, which all episodes of a task share."""
 
     policy: str
     task: Task
@@ -43,13 +43,13 @@ class FlownEpisode(Steps):
     """The coverage denominator in cells."""
     outcome: Outcome
     reason: str
-    """Why a failed episode failed, or what ended the UAVs; empty when all is well."""
+    """Why the policy failed, or what ended the UAVs; empty otherwise."""
     metrics: dict[str, float | None]
-    """By the names of :data:`indoor_explorers.evaluation.episodes.metrics.MEASURES`, and what the pilots tallied."""
+    """By the names of :data:`indoor_explorers.evaluation.episodes.metrics.MEASURES`, and pilot statistics."""
 
     @property
     def bound(self) -> int:
-        """Steps to 99 % that no team can do without on this task."""
+        """Lower bound on the steps to 99 % on this task."""
         ratio, late = self.metrics["t99_to_bound"], self.metrics["t99"]
         return round((self.budget if late is None else late) / ratio) if ratio else 0
 
@@ -71,18 +71,18 @@ class FlownEpisode(Steps):
 
     @cached_property
     def distance(self) -> NDArray[np.int64]:
-        """(S + 1,) cells that the team flew up to each step, all UAVs together."""
+        """(S + 1,) cells flown by all UAVs together up to each step."""
         moved = np.abs(np.diff(self.cells.astype(np.int64), axis=0)).sum(axis=(1, 2))
         return np.concatenate(([0], np.cumsum(moved)))
 
     def flew_like(self, other: FlownEpisode) -> bool:
-        """Return whether both are the same flight, step for step; the time that decisions took does not count."""
+        """Return whether both are the same step for step; decision times are ignored."""
         names = ("covered", "cells", "actions", "sent")
         same_end = (self.outcome, self.steps) == (other.outcome, other.steps)
         return same_end and all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
 
     def spent(self, axis: str) -> NDArray[np.float64]:
-        """Return (S + 1,) how much of one of :data:`AXES` was spent up to each step; never falls."""
+        """Return (S + 1,) the amount of one of :data:`AXES` spent up to each step; it never decreases."""
         if axis == "distance":
             return self.distance.astype(np.float64)
         spent = {"steps": np.arange(self.steps + 1), "seconds": self.seconds, "bytes": self.sent}
@@ -93,12 +93,12 @@ class FlownEpisode(Steps):
 class Record(FlownEpisode):
     """An episode with its map.
 
-    Map, seed and actions make the whole episode again, step by step, see
-    :mod:`indoor_explorers.evaluation.episodes.resimulate`; the other arrays are what figures are drawn from.
+    Map, seed and actions determine the whole episode, see :mod:`indoor_explorers.evaluation.episodes.resimulate`; the
+    other arrays are what figures are drawn from.
     """
 
     floorplan: Floorplan = field(repr=False)
 
     def without_map(self) -> FlownEpisode:
-        """Return the episode as it is sent to where its map is known."""
+        """Return the episode without its map, for a receiver that knows the map."""
         return FlownEpisode(**{each.name: getattr(self, each.name) for each in fields(FlownEpisode)})

@@ -1,4 +1,4 @@
-"""Fly a recorded episode again, step by step: the way from a curve back to what happened."""
+"""Simulate a recorded episode again, step by step, from its map, seed and actions."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ def recorded_scenario(settings: Mapping[str, Any]) -> Scenario:
 
 
 def resimulate(record: Record, scenario: Scenario) -> Iterator[World]:
-    """Yield the world of a record at its start and after each of its S steps, its episode in place 0.
+    """Yield a world with the recorded episode in place 0, at its start and after each of its S steps.
 
-    Positions, beliefs, radio contacts and coverage are those of the recorded flight, whatever flew it; what pilots
-    said to each other is not kept. Read each moment before asking for the next: it is the same world.
+    Positions, beliefs, radio contacts and coverage are those of the recorded episode; messages of pilots are not
+    stored. Every step yields the same world object: read it before asking for the next.
     """
     world = World(scenario)
     world.begin(0, record.task.seed, floorplan=record.floorplan)

@@ -1,4 +1,4 @@
-"""Fly episodes: one policy, a batch of tasks in lock-step on one world."""
+"""Flies episodes: one policy, batches of tasks in lock-step on one world."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from indoor_explorers.evaluation.experiment.experiment import Task
 
 #: Belief cells (episodes x agents x map) of one batch: bounds its memory to a few hundred megabytes.
 BATCH_CELLS = 20_000_000
-#: What ends an episode as failed when a policy raises it; Ctrl-C is nobody's fault.
+#: Exceptions of a policy that fail its episode; Ctrl-C does not.
 BREAKING = (Exception, SystemExit, DecisionTimeout)
 
 
-class _Undivided(Exception):
-    """A policy failed at a decision for several episodes at once."""
+class _BatchFailed(Exception):
+    """A policy failed while it decided for several episodes at once."""
 
 
 def fly(
@@ -40,9 +40,9 @@ def fly(
     """Fly the tasks of one scenario and yield their records.
 
     Tasks on maps of one shape fly in lock-step, so that a batched policy gets one forward pass for all of
-    them. A policy that raises costs only the episode it raised in. A ``buffer`` is told of decisions that are going
-    on and, of a task alone, of every step. ``bounds`` are what is known of the tasks' lower bounds; others are worked
-    out. What numba compiles or loads meanwhile is left out of all times.
+    them. A policy that raises fails only the episode it raised in. A ``buffer`` receives the time at which a decision
+    began and, for a single task, every step. ``bounds`` are the lower bounds that are known already; others are
+    computed. Times leave out what numba compiles or loads meanwhile.
     """
     drawn = {task: draw_floorplan(scenario, task.seed, task.map_index) for task in tasks}
 
@@ -56,7 +56,7 @@ def fly(
             some = alike[start : start + batch]
             try:
                 yield from _fly_batch(policy, name, scenario, some, buffer)
-            except _Undivided:  # episodes do not depend on their batch: alone, each shows whether it is to blame
+            except _BatchFailed:  # episodes do not depend on their batch: flown alone, only the one at fault fails
                 for one in some:
                     yield from _fly_batch(policy, name, scenario, [one], buffer)
 
@@ -82,7 +82,7 @@ def _fly_batch(
 
 
 class _Batch:
-    """Fly a batch of episodes that have begun."""
+    """A batch of episodes that have begun."""
 
     def __init__(
         self,
@@ -151,7 +151,7 @@ class _Batch:
                 yield from self._decide(group)
 
     def _decide(self, group: Sequence[Uav]) -> list[tuple[Uav, int]]:
-        """Ask some UAVs in one call; returns the actions of those whose decision is in order."""
+        """Ask some UAVs in one call; return the actions of those whose decision is valid."""
         pilots = [self._flights[episode].pilots[agent] for episode, agent in group]
         views = [self._world.view(*uav) for uav in group]
         try:
@@ -164,12 +164,12 @@ class _Batch:
                 return [(uav, a) for uav, a in zip(group, actions, strict=True) if self._is_accepted(uav, a, share)]
         except BREAKING as error:
             if len({episode for episode, _ in group}) > 1:
-                raise _Undivided from error
+                raise _BatchFailed from error
             self._fail(self._flights[group[0][0]], error)
             return []
 
     def _is_accepted(self, uav: Uav, action: object, seconds: float) -> bool:
-        """Check one decision and post its message; what is wrong with it fails its own episode."""
+        """Check one decision and post its message; an invalid one fails its own episode."""
         episode, agent = uav
         flight = self._flights[episode]
         flight.latencies.append(seconds)
@@ -184,7 +184,7 @@ class _Batch:
 
 
 def describe_error(error: BaseException) -> str:
-    """Return what an exception of a policy says, in one short line that can be written anywhere."""
+    """Return the type and message of a policy's exception as one short line of valid UTF-8."""
     try:
         text = str(error)
     except BREAKING as worse:

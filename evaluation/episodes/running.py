@@ -1,4 +1,4 @@
-"""One flight of a batch, and the record that is made of it."""
+"""A running episode of a batch, and the record made of it."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ class RunningEpisode:
     task: Task
     floorplan: Floorplan
     bound: int | None = None
-    """Steps that no team can do without on its way to 99 %; None before they are worked out."""
+    """Lower bound on the steps to 99 %; None before it is computed."""
     pilots: list[Pilot] = field(default_factory=list)
     latencies: list[float] = field(default_factory=list)
     """Seconds of each decision."""
     tallies: dict[str, float | None] = field(default_factory=dict)
-    """Means over the UAVs of what their pilots tallied, prefixed by ``pilot_``."""
+    """Pilot statistics: means over the UAVs, with names prefixed by ``pilot_``."""
     failure: str = ""
 
     def begin(self, world: World) -> None:
-        """Begin the episode in its place of the world."""
+        """Begin the episode in its place of the batch."""
         world.begin(self.place, self.task.seed, floorplan=self.floorplan)
         if self.bound is None:
             self.bound = least_steps(world, self.place, LEVELS["t99"])
@@ -82,7 +82,7 @@ class RunningEpisode:
             "balance": float((sensed / total).std()),
             "collisions": float(state.collisions[b].sum()),
             "blocked": float(state.blocked[b].sum()),
-            **behaviour_metrics(world, b, steps, log.aloft[b]),
+            **behaviour_metrics(world, b, steps, log.flown_steps[b]),
             "messages_bytes": float(steps.sent[-1]),
             "age_of_information": log.age(b),
             "latency_total_s": float(steps.seconds[-1]),
@@ -93,9 +93,9 @@ class RunningEpisode:
 
 
 def failed_record(flight: RunningEpisode, policy: str, scenario: Scenario, broken: Steps) -> Record:
-    """Return the record of an episode that broke off, from the steps before: they are flown again.
+    """Return the record of an episode that failed: the complete steps before are simulated again.
 
-    So everything in it is what it was after the last whole step, whatever became of the world it was flown in.
+    So everything in it is as it was after the last complete step, whatever happened to the world it was flown in.
     """
     world, again = World(scenario), replace(flight, place=0)
     again.begin(world)

@@ -1,7 +1,7 @@
-"""Memory that a worker shares with its driver: since when it decides, and the steps of its episode, if it dies.
+"""Memory shared by a worker and its driver: when the current decision began, and the steps of the episode.
 
-The first page is a clock of the decision that is going on. The rows behind it are the steps of an episode that is
-flown alone.
+The driver reads the steps when the worker has died. The first page holds the clock of the current decision; the rows
+after it are the steps of an episode that is flown alone.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ import numpy as np
 
 from indoor_explorers.evaluation.episodes.steps import Steps, step_type
 
-#: Numbers of the first page: when the decision going on was asked for, the one that takes too long (0 is none), and
-#: the limit in seconds that it broke.
+#: Places in the first page: when the current decision began, when the one that takes too long began (0 for none), and
+#: the limit in seconds that it exceeds.
 ASKED, OVERDUE, LIMIT = 0, 1, 2
 
 
 class DecisionTimeout(BaseException):
-    """Interrupt a decision that takes too long; no ``except Exception`` of a policy catches it."""
+    """Interrupts a decision that takes too long; no ``except Exception`` of a policy catches it."""
 
 
 class Clock:
-    """Say since when a policy has been asked for something; use as a context manager around whatever is the policy's.
+    """Notes when a call of a policy began; use as a context manager around every such call.
 
     Times are seconds of :func:`time.monotonic`, which is the same in every process of a machine.
     """
@@ -44,19 +44,19 @@ class Clock:
 
     @property
     def asked(self) -> float:
-        """When the decision that is going on began, 0 while there is none."""
+        """When the current decision began, 0 while there is none."""
         return self._times[ASKED]
 
     def mark_overdue(self, asked: float, limit: float) -> None:
-        """Say that the decision that began at ``asked`` takes longer than ``limit`` seconds."""
+        """Note that the decision that began at ``asked`` takes longer than ``limit`` seconds."""
         self._times[LIMIT] = limit
         self._times[OVERDUE] = asked
 
     def interrupt(self, *signal: object) -> None:
-        """Raise, once, if the decision that is going on takes too long; fits as a signal's handler.
+        """Raise, once, if the current decision is marked as overdue; can be used as a signal handler.
 
         Raises:
-            DecisionTimeout: it does.
+            DecisionTimeout: it is.
 
         """
         if self.asked and self._times[OVERDUE] == self.asked:
@@ -65,12 +65,12 @@ class Clock:
 
 
 def overdue_reason(limit: float) -> str:
-    """Return why an episode failed whose policy took longer than ``limit`` seconds."""
+    """Return the reason of an episode that failed because a decision exceeded ``limit`` seconds."""
     return f"decision took longer than {limit:g} s (--decision-timeout)"
 
 
 class SharedStepBuffer:
-    """Share a clock and the steps of one episode between two processes; pickled only while one of them starts."""
+    """Shares a clock and the steps of one episode between two processes; pickled only to start the second one."""
 
     def __init__(self, inherited: Any = None) -> None:
         self._file = _anonymous_file() if inherited is None else inherited.detach()
@@ -83,11 +83,11 @@ class SharedStepBuffer:
         return SharedStepBuffer, (DupFd(self._file),)
 
     def close(self) -> None:
-        """Let go of the file; the clock stands still from now on."""
+        """Close the file; the clock does not change any more."""
         os.close(self._file)
 
     def begin(self) -> None:
-        """Forget the steps of the episode before."""
+        """Clear the steps of the episode before."""
         os.ftruncate(self._file, mmap.PAGESIZE)
 
     def add(self, row: np.void) -> None:
@@ -95,7 +95,7 @@ class SharedStepBuffer:
         os.pwrite(self._file, row.tobytes(), os.fstat(self._file).st_size)
 
     def steps(self, team: int) -> Steps:
-        """Return the whole steps of an episode of ``team`` UAVs."""
+        """Return the complete steps of an episode of ``team`` UAVs."""
         kind = step_type(team)
         held = os.fstat(self._file).st_size - mmap.PAGESIZE
         return Steps.of(np.frombuffer(os.pread(self._file, held - held % kind.itemsize, mmap.PAGESIZE), kind))

@@ -1,7 +1,7 @@
-"""Who freezes and who dithers: steps that UAVs waste while there is something left to find.
+"""Metrics of wasted steps: UAVs that stand still or fly to and fro while there is something left to find.
 
-A UAV has something left to find while it flies and its own map lacks free cells that it can reach. What it does
-afterwards, waiting for teammates to finish, does not count.
+A UAV has something left to find while it flies and its own map lacks free cells that it can reach. Waiting afterwards
+for teammates to finish does not count.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.evaluation.episodes.steps import Steps
 
 
-def behaviour_metrics(world: World, episode: int, steps: Steps, aloft: NDArray[np.integer]) -> dict[str, float]:
+def behaviour_metrics(world: World, episode: int, steps: Steps, flown: NDArray[np.integer]) -> dict[str, float]:
     """Return ``longest_idle``, ``longest_dither`` and ``idle_share`` of an episode that has ended.
 
-    Each UAV flew ``aloft`` (N,) of its ``steps``.
+    ``flown`` (N,) is the number of ``steps`` that each UAV flew.
     """
-    searching = np.arange(steps.steps)[:, None] < searching_steps(world, episode, steps, aloft)
+    searching = np.arange(steps.steps)[:, None] < searching_steps(world, episode, steps, flown)
     still = stood_still(steps.cells) & searching
     return {
         "longest_idle": float(longest_run(still)),
@@ -29,12 +29,12 @@ def behaviour_metrics(world: World, episode: int, steps: Steps, aloft: NDArray[n
     }
 
 
-def searching_steps(world: World, episode: int, steps: Steps, aloft: NDArray[np.integer]) -> list[int]:
+def searching_steps(world: World, episode: int, steps: Steps, flown: NDArray[np.integer]) -> list[int]:
     """Return for each UAV how many steps it began with something left to find."""
     parts, _ = ndimage.label(world.state.truth[episode] == FREE)
     return [
-        min(flown, _step_complete(world, episode, agent, steps.covered[:, 1 + agent], parts))
-        for agent, flown in enumerate(aloft.tolist())
+        min(count, _step_complete(world, episode, agent, steps.covered[:, 1 + agent], parts))
+        for agent, count in enumerate(flown.tolist())
     ]
 
 
@@ -43,16 +43,16 @@ def _step_complete(
 ) -> int:
     """Return the step after which a UAV knew every free cell it could reach; the last of all for never.
 
-    ``parts`` (H, W) labels the connected parts of the map. The journal has the order in which cells became known, and
-    ``covered`` (S + 1,) how many of those that coverage counts were known after each step.
+    ``parts`` (H, W) labels the connected parts of the map. ``covered`` (S + 1,) is how many counted cells were known
+    after each step; the discovery log has the order in which cells became known.
     """
     state = world.state
-    journal = state.discovery_log[episode, agent, : state.known[episode, agent]]
+    log = state.discovery_log[episode, agent, : state.known[episode, agent]]
     row, col = state.cell[episode, agent]
-    own = np.flatnonzero(parts.flat[journal] == parts[row, col])
+    own = np.flatnonzero(parts.flat[log] == parts[row, col])
     if len(own) < int((parts == parts[row, col]).sum()):
         return len(covered) - 1
-    counted = int(state.counts[episode].flat[journal[: own[-1] + 1]].sum())
+    counted = int(state.counts[episode].flat[log[: own[-1] + 1]].sum())
     return int(np.searchsorted(covered, counted))
 
 
@@ -62,7 +62,7 @@ def stood_still(cells: NDArray[np.integer]) -> NDArray[np.bool_]:
 
 
 def to_and_fro(cells: NDArray[np.integer]) -> NDArray[np.bool_]:
-    """Return (S, N) which steps took back the move of the step before, given (S + 1, N, 2) ``cells``."""
+    """Return (S, N) which steps undid the move of the step before, given (S + 1, N, 2) ``cells``."""
     moves = np.diff(cells, axis=0)
     back = np.zeros(moves.shape[:2], np.bool_)
     back[1:] = (moves[1:] == -moves[:-1]).all(axis=2) & moves[1:].any(axis=2)

@@ -1,4 +1,4 @@
-"""What an episode was, step by step."""
+"""The stored facts of an episode, step by step."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 
 def step_type(team: int) -> np.dtype[Any]:
-    """Return the kind of rows that steps are logged in: what held after a step of N UAVs; row 0 is the start."""
+    """Return the type of a log row: the facts after a step of N UAVs; row 0 is the start."""
     return np.dtype(
         [
             ("covered", np.int32, (1 + team,)),
@@ -27,7 +27,7 @@ class Steps:
     """The S steps of an episode by N UAVs."""
 
     covered: NDArray[np.int32] = field(repr=False)
-    """(S + 1, 1 + N) cells covered after each step: by the team's union, then by each UAV's own map."""
+    """(S + 1, 1 + N) cells covered after each step: by the team together, then by each UAV's own map."""
     cells: NDArray[np.int16] = field(repr=False)
     """(S + 1, N, 2) row and column of each UAV after each step."""
     actions: NDArray[np.uint8] = field(repr=False)
@@ -39,7 +39,7 @@ class Steps:
 
     @classmethod
     def of(cls, rows: NDArray[np.void]) -> Steps:
-        """Copy the steps from S + 1 rows of :func:`step_type`; there are none where not even the start was logged."""
+        """Copy the steps from S + 1 rows of :func:`step_type`; no rows give no steps."""
         arrays = {name: rows[name].copy() for name in rows.dtype.names or ()}
         return cls(**arrays | {"actions": arrays["actions"][1:]})
 

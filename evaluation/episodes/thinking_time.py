@@ -1,6 +1,6 @@
-"""The clock that decisions are timed with: it stands still while numba compiles, or loads what it compiled before.
+"""The clock of decision times: it is stopped while numba compiles, or loads compiled code.
 
-Compiling happens once on a machine, loading once in a process; neither is part of what a policy's decisions cost.
+Compiling happens once on a machine and loading once in a process; neither belongs to the cost of a decision.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ _register: Any = event.register
 
 
 def thinking_time() -> float:
-    """Return the seconds of a clock that stands still while numba compiles or loads compiled code."""
+    """Return the seconds of a clock that is stopped while numba compiles or loads compiled code."""
     timer = _compiler_timer()
     return time.perf_counter() - (timer.duration if timer.done else 0.0)
 
 
 @cache
 def _compiler_timer() -> Any:
-    """Return what sums up the seconds for which numba's compiler was locked, in this process, from now on."""
+    """Return a timer of the seconds, from now on, that numba's compiler was busy in this process."""
     timer = _TimingListener()
     _register("numba:compiler_lock", timer)
     return timer

@@ -67,7 +67,7 @@ class Job(NamedTuple):
     scenario: Scenario
     tasks: tuple[Task, ...]
     bounds: Mapping[Task, int] = {}
-    """Lower bounds of those tasks whose bounds and maps the driver has already: neither is asked for again."""
+    """Lower bounds of the tasks whose bounds and maps the driver already has; workers send neither again."""
 
 
 class Experiment(BaseModel):

@@ -1,1 +1,1 @@
-"""Stored episodes: the database, tables made from it, combinations and ratios."""
+"""Stored episodes: the database, tables made from it, combined results, and ratios."""

@@ -1,4 +1,4 @@
-"""Several results as one, when they are about the same tasks; what differs is named."""
+"""Combines results about the same tasks; refuses others and names what differs."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from indoor_explorers.evaluation.results.store import identity
 
 #: Settings of a scenario that do not change the task.
 ASIDE = ("name", "fingerprint", "map.paths")
-#: The most fields that a message names, and the most characters of a value.
+#: Limits of a message: fields named, and characters of a value.
 NAMED, SHOWN = 8, 60
 
 
 def combined(parts: Sequence[Results]) -> Results:
-    """Put several results together.
+    """Return several results as one.
 
     Raises:
-        InputError: scenarios, maps, seeds, policies or episodes of one name differ; the message names what does.
+        InputError: scenarios, maps, seeds, policies or episodes of the same name differ; the message says in what.
 
     """
     for one, other in combinations(parts, 2):
@@ -63,7 +63,7 @@ def _refuse_unlike(one: Results, other: Results) -> None:
 
 
 def scenario_difference(one: Results, other: Results, name: str) -> str:
-    """Say what makes a scenario of one name two different tasks, with both values; empty where it is one task.
+    """Return how the tasks of a scenario differ between two results, with both values; empty if they do not.
 
     Beside the settings, the cells of the maps and the starts of the UAVs on common tasks are compared.
     """

@@ -1,4 +1,4 @@
-"""How many times another policy's steps each policy needs, by scenario and over all of them."""
+"""Steps of each policy divided by those of a baseline policy, by scenario and over all of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from indoor_explorers.evaluation.results.coverage_threshold import drawn
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Block, PairedRatio, paired_ratios
 
-#: What stands in a table for all scenarios together.
+#: Name of all scenarios together in tables.
 POOLED = "all scenarios"
 FIGURES = ("mean_of_ratios", "low", "high", "ratio_of_means", "ratio_of_means_low", "ratio_of_means_high")
 COLUMNS = ("scenario", "policy", "to", "metric", "scenarios", "tasks", *FIGURES)
@@ -27,7 +27,7 @@ COLUMNS = ("scenario", "policy", "to", "metric", "scenarios", "tasks", *FIGURES)
 
 @dataclass(frozen=True)
 class RatioRow:
-    """One policy's steps to a level as a ratio to another's, on the tasks that everybody flew."""
+    """One policy's steps to a threshold divided by another's, on the tasks that all policies flew."""
 
     scenario: str
     """Its name, or :data:`POOLED`."""
@@ -36,7 +36,7 @@ class RatioRow:
     metric: str
     """One of :attr:`Ratios.metrics`."""
     scenarios: int
-    """How many were pooled."""
+    """Number of scenarios."""
     tasks: int
     ratio: PairedRatio
 
@@ -48,24 +48,24 @@ class RatioRow:
 
 @dataclass(frozen=True, eq=False)
 class Ratios:
-    """All ratios of results to some of their policies."""
+    """All ratios of results to some baseline policies."""
 
     results: Results
     to: Sequence[str]
 
     @classmethod
     def of(cls, results: Results, asked: Sequence[str] | None = None) -> Ratios:
-        """Compare with the policies asked for, or with the usual ones; see :func:`chosen_baselines`."""
+        """Use the baselines asked for, or the default ones; see :func:`chosen_baselines`."""
         return cls(results, chosen_baselines(list(results.policies), results.privileged_policies, asked))
 
     @property
     def metrics(self) -> tuple[str, ...]:
-        """The levels whose steps are compared: T90, and those that a scenario is judged by."""
+        """The times that are compared: T90, and those to the thresholds of the scenarios."""
         return drawn(self.results.levels)
 
     @cached_property
     def rows(self) -> list[RatioRow]:
-        """By baseline, level and scenario, all scenarios together last; policies in the experiment's order."""
+        """By baseline, time and scenario, all scenarios together last; policies in the experiment's order."""
         return [row for to in self.to for metric in self.metrics for row in self._rows(to, metric)]
 
     def _rows(self, to: str, metric: str) -> list[RatioRow]:
@@ -74,7 +74,7 @@ class Ratios:
         return rows + (self._family(flown, POOLED, to, metric) if len(flown) > 1 else [])
 
     def _counts(self, scenario: str, to: str, metric: str) -> bool:
-        """Return whether there is anything to compare: tasks in common, and a goal that asks for the level."""
+        """Return whether there is something to compare: common tasks, and a goal not below the threshold."""
         asked = self.results.applies_to(scenario, metric)
         return asked and (scenario, to) in self.results.groups and bool(self._tasks[scenario])
 
@@ -107,7 +107,7 @@ class Ratios:
         return Block(above, below, self.results.maps(scenario, to)[self._places(scenario, to)])
 
     def _steps(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
-        """Return (E,) steps on the common tasks; a level that was there at the start counts as one step."""
+        """Return (E,) steps on the common tasks; a threshold reached at the start counts as one step."""
         values = self.results.values(scenario, policy, metric)[self._places(scenario, policy)]
         return np.maximum(values, 1.0)
 

@@ -1,4 +1,4 @@
-"""Results as tables: what the command returns, what summary.csv holds, and what the report is drawn from."""
+"""Loaded results and their tables: summary.csv, one row for each episode, and estimates of the means."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean, boo
 
 SUMMARY_COLUMNS = ("policy", "scenario", "team", "metric", "episodes", "mean", "iqm", "low", "high", "success")
 
-#: Facts of a run that say which machine it was flown on.
+#: Facts of a run about its machine.
 MACHINE = ("system", "processor", "cores")
 
 
@@ -79,9 +79,9 @@ class Results:
 
     @property
     def warnings(self) -> list[str]:
-        """What differs between the runs and could make figures differ, a line each: commits, versions, machines."""
+        """A line for each fact that differs between the runs and can change results: commits, versions, machines."""
         lines = []
-        for key in dict.fromkeys(key for run in self.runs for key in run if _can_matter(key)):
+        for key in dict.fromkeys(key for run in self.runs for key in run if _can_change_results(key)):
             values = dict.fromkeys(str(run.get(key, "not recorded")) for run in self.runs)
             if len(values) > 1:
                 effect = "; latencies do not compare" if key in MACHINE else ""
@@ -89,16 +89,16 @@ class Results:
         return lines
 
     def level(self, scenario: str) -> CoverageThreshold:
-        """Return the coverage level that a scenario is judged by."""
+        """Return the coverage threshold of a scenario."""
         return threshold_of(self._goal(scenario))
 
     @property
     def levels(self) -> list[CoverageThreshold]:
-        """The level of each scenario, in table order."""
+        """The coverage threshold of each scenario, in table order."""
         return [self.level(scenario) for scenario in self.scenarios]
 
     def applies_to(self, scenario: str, metric: str) -> bool:
-        """Return whether a scenario's goal asks for a metric, as it does not for T99 at a goal of 90 %."""
+        """Return whether a metric can be measured at a scenario's goal; T99 cannot at a goal of 90 %."""
         return applies_to(self._goal(scenario), metric)
 
     def _goal(self, scenario: str) -> float:
@@ -121,9 +121,9 @@ class Results:
         return np.array([_value(record, metric) for record in self.groups[scenario, policy]], np.float64)
 
     def to_reference(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
-        """Return (E,) values of T_q / those of the policy that knows the map; NaN without, or where nobody was asked.
+        """Return (E,) values of T_q / T_q of the reference; NaN where there is none or the goal is below q.
 
-        The policy is the first that knows the map and flew the task.
+        The reference is the first policy that knows the map and flew the task.
         """
         records = self.groups[scenario, policy]
         known = self.references.get(scenario, {}) if self.applies_to(scenario, metric) else {}
@@ -136,7 +136,7 @@ class Results:
 
     @cached_property
     def references(self) -> dict[str, dict[Task, Record]]:
-        """Each task by scenario as the first policy that knows the map flew it; empty where none does."""
+        """By scenario, the record of each task by the first policy that knows the map; empty without one."""
         found: dict[str, dict[Task, Record]] = {}
         for policy in reversed(self.privileged_policies):
             for scenario in self.scenarios:
@@ -176,7 +176,7 @@ class Results:
         return {}
 
     def _estimated(self, scenario: str, policy: str) -> dict[str, Estimate]:
-        """Estimate the metrics that every episode has from one set of resamples, the others one by one."""
+        """Estimate the metrics that all episodes have from one set of resamples, the others one by one."""
         extra = sorted({name for record in self.groups[scenario, policy] for name in record.metrics} - set(MEASURES))
         values = {metric: self.values(scenario, policy, metric) for metric in (*MEASURES, *extra)}
         maps = self.maps(scenario, policy)
@@ -216,7 +216,7 @@ class Results:
         }
 
 
-def _can_matter(key: str) -> bool:
+def _can_change_results(key: str) -> bool:
     return key in (*MACHINE, "commit", "python") or key.endswith(" version")
 
 

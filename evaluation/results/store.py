@@ -61,10 +61,10 @@ def _unpacked(blob: bytes, kind: type, *shape: int) -> NDArray[Any]:
 
 @contextmanager
 def _transaction(db: sqlite3.Connection, path: Path) -> Iterator[None]:
-    """Write everything within or nothing.
+    """Write everything in the block or nothing.
 
     Raises:
-        RunError: there is no room, or the file cannot be written for another reason of the system's.
+        RunError: the disk is full, or the file cannot be written for another reason.
 
     """
     try:
@@ -87,12 +87,12 @@ DERIVED_FACTS = ("uses_generator", "batched")
 
 
 def identity(about: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the facts that tell a policy from others."""
+    """Return the facts by which a policy is recognised."""
     return {key: value for key, value in about.items() if key not in DERIVED_FACTS}
 
 
 class Store:
-    """Keep the results of one experiment in a file; use as a context manager."""
+    """The results of one experiment in a file; use as a context manager."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -137,14 +137,13 @@ class Store:
     # -- the experiment -------------------------------------------------------------------------------
 
     def begin_run(self, experiment: Experiment, policies: dict[str, dict[str, Any]], facts: dict[str, Any]) -> int:
-        """Enter the experiment and a new run of it; returns the run's number.
+        """Store the experiment and a new run of it; return the run's number.
 
-        An experiment may grow by policies and episodes. Anything else that differs from what the store
-        holds would mix unlike results.
+        An experiment may gain policies and episodes. Any other difference from what the store holds is refused.
 
         Raises:
             InputError: the store holds another experiment; the message names what differs.
-            RunError: there is no room on the disk.
+            RunError: the disk is full.
 
         """
         self._refuse_another(experiment, policies)
@@ -195,19 +194,19 @@ class Store:
     # -- episodes -------------------------------------------------------------------------------------
 
     def finished(self, *, failed: bool = True) -> set[tuple[str, Task]]:
-        """Return the keys of all stored episodes, the ``failed`` ones among them or not."""
+        """Return the keys of all stored episodes, with or without the ``failed`` ones."""
         which = "" if failed else f"WHERE outcome <> '{Outcome.FAILED}'"
         rows = self._db.execute(f"SELECT policy, scenario, map_index, seed FROM episode {which}")
         return {(policy, Task(scenario, index, seed)) for policy, scenario, index, seed in rows}
 
     def add(self, record: FlownEpisode, run: int, *, replace_failed: bool = False) -> None:
-        """Append one episode in a transaction of its own; one that is there already is left as it is.
+        """Add one episode in a transaction of its own; an episode that is already stored is left as it is.
 
-        The first one of a task that is added must be a :class:`Record`, which has the map. With ``replace_failed`` it
-        takes the place of a failed one.
+        The first episode of a task must be a :class:`Record`, which has the map. With ``replace_failed`` it replaces
+        a failed one.
 
         Raises:
-            RunError: there is no room on the disk; what was added before is kept.
+            RunError: the disk is full; episodes added before are kept.
 
         """
         with _transaction(self._db, self.path):
@@ -238,7 +237,7 @@ class Store:
         return [json.loads(facts) for (facts,) in self._db.execute(flown)]
 
     def experiment(self) -> str:
-        """Return what all runs together flew as an experiment in TOML, empty when there was none."""
+        """Return one experiment in TOML for all runs, empty without a run."""
         return merged_experiments([text for (text,) in self._db.execute("SELECT experiment FROM run ORDER BY id")])
 
     def records(self) -> Iterable[Record]:

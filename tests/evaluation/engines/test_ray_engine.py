@@ -143,8 +143,8 @@ def test_a_worker_finds_what_the_driver_finds(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "path", list(sys.path))
     monkeypatch.chdir(os.getcwd())  # noqa: PTH109  # restores the folder
     there = engine.Origin.here()._replace(folder=str(tmp_path), paths=("somewhere",))
-    engine.settle(there)
-    assert os.getcwd() == str(tmp_path)  # noqa: PTH109  # what settle has set
+    engine.prepare(there)
+    assert os.getcwd() == str(tmp_path)  # noqa: PTH109  # what prepare has set
     assert sys.path[-1] == "somewhere"
 
 

@@ -178,12 +178,12 @@ def test_a_task_of_which_the_driver_has_an_episode_brings_no_map_and_the_known_b
 def test_the_steps_of_a_flight_are_forgotten_with_the_next_job():
     worker = WorkerHandle(Limits(None, LIMITS.memory))
     try:
-        assert worker.hear() is None
+        assert worker.receive() is None
         worker.send(job("Wander", [2]))
-        (record,) = iter(worker.hear, None)
+        (record,) = iter(worker.receive, None)
         assert len(worker.steps(2).actions) == record.steps
         worker.send(job("Wander", [2, 3]))
-        assert len(list(iter(worker.hear, None))) == 2
+        assert len(list(iter(worker.receive, None))) == 2
         assert len(worker.steps(2).actions) == 0
     finally:
         worker.close()

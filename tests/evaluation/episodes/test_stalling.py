@@ -30,7 +30,7 @@ def flown(rows, spawns, *plans, **settings):
     for actions in zip(*plans, strict=True):
         world.step(np.array([actions]))
         log.add(np.array([actions]), np.zeros(1))
-    return world, 0, log.steps(0), log.aloft[0]
+    return world, 0, log.steps(0), log.flown_steps[0]
 
 
 def measured(*arguments, **settings):
