@@ -6,12 +6,11 @@ policies. What each number claims is in ``evaluation/STATISTICS.md``.
 """
 
 from indoor_explorers.evaluation.statistics.bands import curve_band
-from indoor_explorers.evaluation.statistics.censoring import ecdf_of_times, restricted_mean
+from indoor_explorers.evaluation.statistics.censoring import ecdf_of_times
 from indoor_explorers.evaluation.statistics.contrasts import Contrast, contrasts
 from indoor_explorers.evaluation.statistics.effects import effect_size, smallest_detectable_difference
 from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST, RESAMPLES, Estimate
 from indoor_explorers.evaluation.statistics.means import (
-    bootstrap_iqm,
     bootstrap_mean,
     bootstrap_means,
     interquartile_mean,
@@ -33,7 +32,6 @@ __all__ = [
     "Estimate",
     "PairedRatio",
     "WinTieLoss",
-    "bootstrap_iqm",
     "bootstrap_mean",
     "bootstrap_means",
     "contrasts",
@@ -52,7 +50,6 @@ __all__ = [
     "probability_of_improvement",
     "ratio_of_means",
     "resampled_weights",
-    "restricted_mean",
     "sign_flip_test",
     "smallest_detectable_difference",
     "win_tie_loss",

@@ -38,19 +38,6 @@ def ecdf_of_times(times: Times, budget: float) -> tuple[NDArray[np.float64], NDA
     return steps, np.searchsorted(reached, steps, side="right") / len(times)
 
 
-def restricted_mean(times: Times, budget: float) -> float:
-    """Return the mean of min(T, budget) over (E,) times: the restricted mean, with "never" as the budget.
-
-    It is a lower bound of the mean time, equal to the area above the curve of :func:`ecdf_of_times` (Royston &
-    Parmar 2013, doi:10.1186/1471-2288-13-152).
-
-    Raises:
-        InputError: there is no episode, or a time is not between 0 and the budget.
-
-    """
-    return float(np.nan_to_num(_checked(times, budget), nan=budget).mean())
-
-
 def _checked(times: Times, budget: float) -> NDArray[np.float64]:
     found = np.asarray(times, np.float64)
     if found.ndim != 1 or not len(found):

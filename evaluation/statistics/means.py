@@ -8,8 +8,6 @@ resamples for all policies. The interval lies between two quantiles of the resam
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -49,29 +47,12 @@ def bootstrap_means(
     if not len(columns):
         return [Estimate(float("nan"), None, None)] * columns.shape[1]
     means = columns.mean(axis=0)
-    apart = columns - means  # values that are all alike then have an interval without width
-    return _estimates(means, lambda weights: means + weights @ apart, len(columns), resamples, maps)
-
-
-def bootstrap_iqm(values: ArrayLike, *, resamples: int = RESAMPLES, maps: ArrayLike | None = None) -> Estimate:
-    """Return the interquartile mean of (E,) values with its interval; see :func:`bootstrap_mean`.
-
-    A resample is trimmed by weight: as large a share at each end as :func:`interquartile_mean` leaves out.
-    """
-    sample = episode_values(values)
-    if not len(sample):
-        return Estimate(float("nan"), None, None)
-    point = interquartile_mean(sample)
-    order = np.argsort(sample, kind="stable")
-    apart = (sample - point)[order, None]
-    trimmed = int(TRIMMED * len(sample)) / len(sample)
-
-    def statistic(weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        reach = np.cumsum(weights[:, order], axis=1).clip(trimmed, 1 - trimmed)
-        kept = np.diff(reach, axis=1, prepend=trimmed) / (1 - 2 * trimmed)
-        return np.asarray(point + kept @ apart)
-
-    return _estimates(np.array([point]), statistic, len(sample), resamples, maps)[0]
+    if len(columns) < FEWEST:
+        return [Estimate(mean, None, None) for mean in means.tolist()]
+    apart = columns - means  # equal values then give an interval without width
+    drawn = np.concatenate([means + weights @ apart for weights in resampled_weights(len(columns), resamples, maps)])
+    lows, highs = np.quantile(drawn, SmallSample.of(len(columns), maps).tails, axis=0)
+    return [Estimate(*three) for three in zip(means.tolist(), lows.tolist(), highs.tolist(), strict=True)]
 
 
 def interquartile_mean(values: ArrayLike) -> float:
@@ -94,18 +75,3 @@ def paired_difference(
     """
     ours, theirs = paired_values(values, baseline)
     return bootstrap_mean(ours - theirs, resamples=resamples, maps=maps)
-
-
-def _estimates(
-    points: NDArray[np.float64],
-    statistic: Callable[[NDArray[np.float64]], NDArray[np.float64]],
-    count: int,
-    resamples: int,
-    maps: ArrayLike | None,
-) -> list[Estimate]:
-    """Return the (K,) ``points`` with intervals of ``statistic``, which maps weights (r, E) to (r, K)."""
-    if count < FEWEST:
-        return [Estimate(point, None, None) for point in points.tolist()]
-    drawn = np.concatenate([statistic(weights) for weights in resampled_weights(count, resamples, maps)])
-    lows, highs = np.quantile(drawn, SmallSample.of(count, maps).tails, axis=0)
-    return [Estimate(*three) for three in zip(points.tolist(), lows.tolist(), highs.tolist(), strict=True)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -25,25 +24,9 @@ def packed(numbers: ArrayLike) -> bytes:
     return out.tobytes()
 
 
-def unpacked(data: bytes) -> Iterator[int]:
-    """Yield the numbers that :func:`packed` wrote."""
-    number = shift = 0
-    for byte in data:
-        number |= (byte & 0x7F) << shift
-        shift += 7
-        if not byte & 0x80:
-            yield number
-            number = shift = 0
-
-
 def folded(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
     """Map 0, -1, 1, -2, 2, ... to 0, 1, 2, 3, 4, ..."""
     return np.where(numbers >= 0, 2 * numbers, -2 * numbers - 1)
-
-
-def unfolded(number: int) -> int:
-    """Undo :func:`folded` for one number."""
-    return -(number + 1) // 2 if number % 2 else number // 2
 
 
 class Keyed(NamedTuple):

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.statistics import ecdf_of_times, restricted_mean
+from indoor_explorers.evaluation.statistics import ecdf_of_times
 
 
 def test_shares_by_hand():
@@ -35,27 +35,10 @@ def test_shares_are_the_kaplan_meier_estimate():
     assert share == pytest.approx(stats.ecdf(censored).cdf.evaluate(steps))
 
 
-def test_the_restricted_mean_counts_never_as_the_budget():
-    assert restricted_mean([5, None, 3, 5, None], 10) == 6.6
-    assert restricted_mean([np.nan], 10) == 10
-
-
-def test_the_restricted_mean_is_the_area_above_the_curve():
-    times = [5, None, 3, 5, None, 0, 10]
-    steps, share = ecdf_of_times(times, 10)
-    assert restricted_mean(times, 10) == pytest.approx(((1 - share[:-1]) * np.diff(steps)).sum())
-
-
-def test_dropping_failures_would_favour_the_policy_that_fails():
-    patient, hasty = [50, 60, 90, 95], [50, 60, None, None]
-    assert restricted_mean(hasty, 100) > restricted_mean(patient, 100)
-    assert np.mean(hasty[:2]) < np.mean(patient)
-
-
 @pytest.mark.parametrize("times", [[11], [-1], [np.inf]])
 def test_times_out_of_the_budget_are_refused(times):
     with pytest.raises(InputError, match="budget of 10 steps"):
-        restricted_mean(times, 10)
+        ecdf_of_times(times, 10)
 
 
 def test_no_episodes_are_refused():

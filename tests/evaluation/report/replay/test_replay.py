@@ -20,7 +20,7 @@ from indoor_explorers.evaluation.report.replay.packed_episode import (
     resimulated,
 )
 from indoor_explorers.evaluation.report.replay.selection import chosen, notable_tasks, replay_data
-from indoor_explorers.evaluation.report.style.packing import folded, packed, runs, unfolded, unpacked
+from indoor_explorers.evaluation.report.style.packing import folded, packed, runs
 from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.plugins import Raises, Wander
@@ -48,6 +48,21 @@ def results():
 @pytest.fixture(scope="module")
 def comparison(results):
     return Comparison(results, LOSSY.name)
+
+
+def unpacked(data):
+    """Yield the numbers that the page reads from packed bytes."""
+    number = shift = 0
+    for byte in data:
+        number |= (byte & 0x7F) << shift
+        shift += 7
+        if not byte & 0x80:
+            yield number
+            number = shift = 0
+
+
+def unfolded(number):
+    return -(number + 1) // 2 if number % 2 else number // 2
 
 
 class Reader:
