@@ -1,9 +1,8 @@
-"""Classical planners, frontier-based, sampling-based and swarm, and what an author of another one needs.
+"""Classical planners, frontier-based, sampling-based and swarm, and the building blocks for a new one.
 
 Subclass :class:`GoalPilot` and write ``choose``, which returns the frontier cell to fly to next: the pilot keeps the
-goal, flies to it and resolves deadlocks. :func:`frontier_clusters` and :func:`nearest_cells` list what there is to
-choose from, :class:`WeightedGains` and :func:`unclaimed_gains` tell what a scan there would show, and :class:`Paths`
-finds paths.
+goal, flies to it and resolves deadlocks. :func:`frontier_clusters` and :func:`nearest_cells` give the candidates,
+:class:`WeightedGains` and :func:`unclaimed_gains` the view gain of a scan there, and :class:`Paths` finds paths.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""Checks of planners' parameters when they are made, so that a mistake does not surface in mid-flight."""
+"""Checks of planners' parameters when a policy is made, so that no episode fails because of them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ def at_least(parameters: object, least: float, *names: str) -> None:
     """Require finite fields of a parameter object to be ``least`` or more.
 
     Raises:
-        InputError: one of them is not.
+        InputError: one of them is less, or not finite.
 
     """
     for name in names:

@@ -1,4 +1,4 @@
-"""The random walk: the floor that every planner must beat."""
+"""The random walk: the baseline that every planner must beat."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class RandomWalk(Policy):
     """Move to a free neighbouring cell drawn uniformly; stay only when walled in."""
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return RandomWalkPilot(briefing.rng)
 
 

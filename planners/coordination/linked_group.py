@@ -1,7 +1,7 @@
-"""What a linked group knows together: its members' goals, and where they last heard absent teammates.
+"""The common knowledge of a linked group: its members' goals, and the last received cells of absent teammates.
 
-Members' own memories differ, so a joint decision may only use what all of them have told, and a UAV counts its own last
-message like everyone else's. A message is the goal (row, column), the plan it is part of (step, first agent) and up to
+The members' memories differ, so a joint decision may only use what all of them have sent; a UAV uses its own last
+message in the same way. A message is the goal (row, column), the plan that it is part of (step, first agent) and up to
 four teammates out of contact: for each its number, the step when it was last heard, and its flat cell then.
 """
 
@@ -14,7 +14,7 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
 from indoor_explorers.planners.coordination.teammates import MEMORY, linked, remembered, should_be_linked
 
-#: Sent instead of a goal by a UAV that has none, and the plan of a UAV that takes part in none.
+#: Goal of a UAV without a goal in a message, and plan of a UAV without a plan.
 NOWHERE = (-1.0, -1.0)
 #: Numbers before the teammates out of contact.
 _HEAD = 4
@@ -27,9 +27,9 @@ class LinkedMember(NamedTuple):
     cell: Cell
     goal: Cell | None
     plan: tuple[float, ...]
-    """The step of its last joint plan and the first agent of the group that made it."""
+    """Step of its last joint plan, and lowest number in the group that made it."""
     absent: tuple[Mate, ...]
-    """Teammates out of contact that it reported; their age counts from when they were last heard."""
+    """Teammates out of contact that it reported, with the age of their last message."""
 
 
 def plan_message(view: View, briefing: Briefing, goal: Cell | None, plan: tuple[float, ...]) -> Message:
@@ -57,14 +57,14 @@ def _member(agent: int, cell: Cell, message: Message, view: View, width: int) ->
 
 
 def linked_members(view: View, briefing: Briefing, message: Message) -> list[LinkedMember]:
-    """Return the linked group by number, this UAV and its own last ``message`` included."""
+    """Return the members of the linked group by number, including this UAV with its own last ``message``."""
     known = [(mate.agent, mate.cell, mate.message) for mate in linked(view)]
     own = (briefing.agent, view.cell, message)
     return sorted(_member(*facts, view, briefing.shape[1]) for facts in [own, *known])
 
 
 def absentees(members: Sequence[LinkedMember], briefing: Briefing) -> list[Mate]:
-    """Return the teammates out of contact with the group, as last heard by any member; not those forgotten or ended."""
+    """Return the teammates out of contact with the group, as last heard by any member, without forgotten ones."""
     radio, present = briefing.scenario.radio, {member.agent for member in members}
     latest: dict[int, Mate] = {}
     for mate in (mate for member in members for mate in member.absent):

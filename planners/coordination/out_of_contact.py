@@ -1,7 +1,7 @@
-"""What a UAV leaves to teammates out of contact: places near silent ones, the sectors of those never heard.
+"""Factors on gains that leave cells to teammates out of contact: near silent ones, and in the sectors of unheard ones.
 
-Any planner can multiply its gains by these factors. None is 0: a teammate out of contact may have ended, and what was
-left to it is explored when nothing else remains.
+Any planner can multiply its gains by these factors. No factor is 0: a teammate out of contact may have ended, and the
+cells left to it are explored when no others remain.
 """
 
 from __future__ import annotations
@@ -16,22 +16,23 @@ from indoor_explorers.env.policies.view import Briefing, Mate, View
 from indoor_explorers.planners.coordination.sectors import Sectors
 from indoor_explorers.planners.coordination.teammates import remembered, whereabouts
 
-#: The least that one silent teammate leaves of a place.
+#: Smallest factor of one silent teammate.
 LEAST = 1e-3
-#: Gives the steps (K,) from a cell to each of K places on the current map.
+#: Computes the steps (K,) from a cell to each of K places on the current map.
 StepsFrom = Callable[[Cell], Distances]
 
 
 class OutOfContact:
-    """What one UAV leaves to the teammates that it is out of contact with, for one episode.
+    """Compute the factors of one UAV for the teammates that it is out of contact with, during one episode.
 
-    A silent teammate is taken to work around where it was, or where it said that it goes; one that was never heard, to
-    keep to its sector of the map. A forgotten one keeps nothing.
+    A silent teammate is assumed to work around its last received cell or goal, and one that was never heard in its
+    sector of the map. Forgotten teammates have no influence.
 
     Args:
-        briefing: of the UAV.
-        silence: lidar ranges by which a silent teammate must be nearer to a place to leave e^-1 of it.
-        sector: how strongly UAVs that never heard of each other keep to their sectors; e^(-2 sector) is left opposite.
+        briefing: Briefing of the UAV.
+        silence: Lidar ranges by which a silent teammate must be closer to a place for a factor of e^-1.
+        sector: Preference for the own sector while teammates were never heard; the factor on the opposite side is
+            e^(-2 sector).
 
     """
 
@@ -44,10 +45,10 @@ class OutOfContact:
     def factors(
         self, view: View, points: NDArray[np.float64], own_steps: Distances, steps_from: StepsFrom
     ) -> NDArray[np.float64]:
-        """Return how much of each of K places teammates out of contact leave to this UAV, (K,) in (0, 1].
+        """Return the factors of K places, (K,) in (0, 1], for all teammates out of contact.
 
-        ``points`` (K, 2) are the places' rows and columns, ``own_steps`` (K,) how far they are from this UAV. Call it
-        first where the UAV starts.
+        ``points`` (K, 2) are the places' rows and columns, ``own_steps`` (K,) their path lengths from this UAV. The
+        first call must be made in the UAV's start cell.
         """
         left = self.left_by_unheard(view, points)
         for mate in remembered(view, self._briefing):
@@ -56,7 +57,7 @@ class OutOfContact:
         return left
 
     def left_by_unheard(self, view: View, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return how much of K places those never heard leave to this UAV, by their sectors alone, (K,) in (0, 1]."""
+        """Return the factors of K places, (K,) in (0, 1], for teammates never heard, from the sectors alone."""
         if self._sectors is None:
             self._sectors = Sectors.of(self._briefing, view.cell)
         unheard = self._briefing.team - 1 - len(view.mates)

@@ -1,4 +1,4 @@
-"""Which teammates a decision takes into account, from what was last heard of them."""
+"""Which teammates a decision considers, by their last received messages."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.view import Briefing, Mate, Message, View
 from indoor_explorers.env.scenarios.scenario import Radio
 
-#: A teammate silent for longer is forgotten (Bautin 2012 keeps last-known positions for ever), in steps.
+#: Steps of silence after which a teammate is forgotten (Bautin 2012 keeps last-known positions for ever).
 MEMORY = 60
-#: A goal told by a teammate that has been silent for longer is ignored, in steps.
+#: Steps of silence after which the goal in a teammate's last message is ignored.
 CLAIM_STEPS = 30
 
 
 def certain_distance(radio: Radio, cell: Cell, mate: Mate) -> float:
-    """Return how far away a teammate can be at most, by the radio's own measure.
+    """Return the largest possible distance of a teammate, in the metric of the radio model.
 
-    A teammate silent for some steps is within as many steps of where it was.
+    After n steps of silence it is at most n steps from its last received cell.
     """
     rows, cols = abs(cell[0] - mate.cell[0]), abs(cell[1] - mate.cell[1])
     away = max(rows, cols) if radio.model == "square" else hypot(rows, cols)
@@ -28,9 +28,9 @@ def certain_distance(radio: Radio, cell: Cell, mate: Mate) -> float:
 
 
 def should_be_linked(radio: Radio, cell: Cell, mate: Mate) -> bool:
-    """Tell whether a teammate, if it still flew, would have to be in contact.
+    """Tell whether a teammate that still flies would certainly be in contact.
 
-    Where walls can be in the way or contacts can be lost, silence proves nothing.
+    Always False for radio models with walls or random loss, under which a flying teammate can be silent.
     """
     if radio.loss > 0 or radio.model not in {"square", "disc", "unlimited"}:
         return False
@@ -39,9 +39,9 @@ def should_be_linked(radio: Radio, cell: Cell, mate: Mate) -> bool:
 
 
 def remembered(view: View, briefing: Briefing) -> list[Mate]:
-    """Return the teammates to take into account: linked, or silent for a while but possibly still there.
+    """Return the teammates to consider: linked ones, and silent ones that may still fly.
 
-    One that is silent although it would have to be in range has ended (IR2's rule).
+    A teammate that is silent although it would be in range has ended (IR2's rule).
     """
     radio = briefing.scenario.radio
     return [
@@ -52,15 +52,15 @@ def remembered(view: View, briefing: Briefing) -> list[Mate]:
 
 
 def message_of(goal: Cell | None) -> Message:
-    """Return what teammates should be told about a goal: its row and column."""
+    """Return the message about a goal: its row and column."""
     return (float(goal[0]), float(goal[1])) if goal else None
 
 
 def told_goal(mate: Mate) -> Cell | None:
-    """Return the goal that a teammate told recently enough to count; None when there is none.
+    """Return the goal in a teammate's message; None if it has none or the message is too old.
 
-    A message's first two numbers are the goal, negative ones for none. Claims expire, so that a lost UAV does not keep
-    its cells.
+    A message's first two numbers are the goal, negative for none. Goals expire, so that a lost UAV does not keep
+    claiming its cells.
     """
     message = mate.message
     if message is None or len(message) < 2 or min(message[:2]) < 0 or mate.age > CLAIM_STEPS:
@@ -69,7 +69,7 @@ def told_goal(mate: Mate) -> Cell | None:
 
 
 def claims(view: View, briefing: Briefing) -> NDArray[np.float64]:
-    """Return the goals that remembered teammates have told lately, (M, 2) rows and columns."""
+    """Return the recent goals of the remembered teammates, (M, 2) rows and columns."""
     told = [goal for mate in remembered(view, briefing) if (goal := told_goal(mate)) is not None]
     return np.array(told, np.float64).reshape(-1, 2)
 
@@ -80,5 +80,5 @@ def linked(view: View) -> list[Mate]:
 
 
 def whereabouts(mate: Mate) -> Cell:
-    """Return the cell around which a teammate is taken to work: its goal while it counts, else where it was."""
+    """Return the cell around which a teammate probably works: its recent goal, else its last received cell."""
     return told_goal(mate) or mate.cell

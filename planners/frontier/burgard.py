@@ -1,4 +1,4 @@
-"""Sequential assignment: a taken frontier lowers the utility of those in sight of it (Burgard et al. 2005)."""
+"""Sequential assignment: a taken frontier lowers the utility of frontiers in its view (Burgard et al. 2005)."""
 
 from __future__ import annotations
 
@@ -19,46 +19,46 @@ from indoor_explorers.planners.parameters import at_least
 
 @dataclass(frozen=True, kw_only=True)
 class FrontierBurgard(Policy):
-    """Give the UAV with the best pair of UAV and frontier cluster its cluster, devalue what is in sight of it, go on.
+    """Assign the best pair of UAV and frontier cluster, lower the utility of clusters in its view, and repeat.
 
     W. Burgard, M. Moors, C. Stachniss, F. E. Schneider, "Coordinated multi-robot exploration", IEEE T-RO 21(3),
-    2005, doi:10.1109/TRO.2004.839232, section III. A pair is worth the cluster's utility less the path's length. All
-    utilities are equal at first; a cluster's falls with its nearness to a taken cluster, if no known wall is between
-    the two.
+    2005, doi:10.1109/TRO.2004.839232, section III. The score of a pair is the cluster's utility minus the path length.
+    All utilities are equal at first; that of a cluster falls with its closeness to a taken cluster, if no known wall
+    is between the two.
     """
 
     hold: float = 1.0
     """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
     weight: float = 4.0
-    """Utility of a cluster, in lidar ranges of path: what it loses when its own place is taken (beta in the paper)."""
+    """Utility of a cluster in lidar ranges of path; a cluster in a taken one's place loses all of it (paper: beta)."""
     reach: float = 1.0
-    """How far a taken cluster lowers the utility of others, in lidar ranges."""
+    """Distance up to which a taken cluster lowers the utility of others, in lidar ranges."""
 
     def __post_init__(self) -> None:
         at_least(self, 0.0, "hold", "weight", "reach")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return SequentialPilot(briefing, self.hold, self.weight, self.reach)
 
 
 class SequentialPilot(GroupPilot):
-    """Take the clusters in turn with the others: the best pair of UAV and cluster first."""
+    """Take clusters in turn with the other UAVs: the best pair of UAV and cluster first."""
 
     def __init__(self, briefing: Briefing, hold: float, weight: float, reach: float) -> None:
         super().__init__(briefing)
         self.hold, self.weight, self.reach = (value * briefing.lidar_range for value in (hold, weight, reach))
 
     def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return how good (N, K) pairs of UAV and cluster are, from the clusters' gains (K,) and costs in steps."""
+        """Return the scores (N, K) of pairs of UAV and cluster, from the clusters' gains (K,) and costs in steps."""
         return -costs
 
     def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:
-        """Return what each cluster is worth before anybody has taken one, (K,)."""
+        """Return the utility of each cluster before any is taken, (K,)."""
         return np.zeros(len(choices.numbers))
 
     def assigned(self, view: View, choices: Choices) -> int:
-        """Return the cluster that is left for this UAV when its turn comes."""
+        """Return the cluster that this UAV gets in its turn."""
         costs, gains, places = choices.costs(self.hold), self.gains(view, choices), choices.places()
         waiting = np.ones(len(costs), np.bool_)
         while True:
@@ -81,7 +81,7 @@ def _in_sight(belief: np.ndarray, origin: int, cells: np.ndarray, lidar: LidarMo
 
 
 def nearness(belief: Belief, origin: int, cells: NDArray[np.int32], reach: float) -> NDArray[np.float64]:
-    """Return how near (K,) flat cells are to ``origin``: 1 there, 0 from ``reach`` cells on or behind a wall, (K,)."""
+    """Return the closeness of (K,) flat cells to ``origin``, (K,): 1 there, 0 at ``reach`` cells or behind a wall."""
     rows, cols = np.divmod(cells, belief.shape[1])
     row, col = divmod(origin, belief.shape[1])
     near = np.maximum(0.0, 1.0 - np.hypot(rows - row, cols - col) / max(reach, 1e-9))

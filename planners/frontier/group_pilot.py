@@ -1,8 +1,8 @@
 """Group decisions: each UAV of a group computes the same assignment of UAVs to clusters.
 
-Linked UAVs hold the same map and know each other's cells and goals. Each of them assigns goals to all, itself included,
-and flies to its own; as all assign alike, no assignment needs to be sent. A teammate that is silent takes part from
-where it was last heard, until it is forgotten (:mod:`indoor_explorers.planners.coordination.teammates`).
+Linked UAVs have the same map and know each other's cells and goals. Each of them computes the goals of all, itself
+included, and flies to its own; the results are the same, so no assignment is sent. A silent teammate takes part with
+its last received cell until it is forgotten (:mod:`indoor_explorers.planners.coordination.teammates`).
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from indoor_explorers.planners.coordination.teammates import message_of, remembe
 from indoor_explorers.planners.information.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
-#: The most clusters considered: those nearest to any UAV of the group.
+#: Largest number of clusters considered: those nearest to any UAV of the group.
 CLUSTERS = 64
-#: A goal that is no frontier cell any more passes on to a frontier cell this near, in lidar ranges.
+#: Distance, in lidar ranges, within which a frontier cell replaces a goal that is no frontier cell any more.
 INHERITANCE = 0.5
 
 
@@ -38,7 +38,7 @@ class Choices(NamedTuple):
     """N UAVs of a group, in the order of their numbers, and K clusters, the nearest to any of them."""
 
     me: int
-    """Which of the UAVs decides."""
+    """Index of the UAV that decides."""
     clusters: Clusters
     numbers: NDArray[np.int64]
     """(K,) the clusters' numbers among all."""
@@ -47,10 +47,10 @@ class Choices(NamedTuple):
     steps: Distances
     """(N, K) the steps to it; ``UNREACHABLE`` where no known path leads."""
     held: NDArray[np.bool_]
-    """(N, K) whether it is what the UAV is flying to."""
+    """(N, K) whether the UAV is flying to it."""
 
     def costs(self, hold: float) -> NDArray[np.float64]:
-        """Return the steps, those to what is held ``hold`` fewer, (N, K)."""
+        """Return the steps (N, K), reduced by ``hold`` for the cluster that a UAV is flying to."""
         return self.steps - hold * self.held
 
     def places(self) -> NDArray[np.int32]:
@@ -59,7 +59,7 @@ class Choices(NamedTuple):
 
 
 class GroupPilot(GoalPilot):
-    """Choose anew, together with the group, whenever the map has grown."""
+    """Choose again, together with the group, whenever the map has grown."""
 
     def __init__(self, briefing: Briefing) -> None:
         super().__init__(briefing)
@@ -67,10 +67,10 @@ class GroupPilot(GoalPilot):
 
     @abstractmethod
     def assigned(self, view: View, choices: Choices) -> int:
-        """Return which of the K clusters, at least one of them within this UAV's reach, this UAV is to fly to."""
+        """Return the index of the cluster that this UAV flies to; it can reach at least one of the K clusters."""
 
     def on_map_growth(self, view: View) -> None:
-        """Ask for a choice, as clusters may have gone."""
+        """Request a new choice, since clusters may have changed."""
         self._due = True
 
     def wants_replan(self, view: View) -> bool:
@@ -78,7 +78,7 @@ class GroupPilot(GoalPilot):
         return self._due
 
     def choose(self, view: View) -> Cell | None:
-        """Return the nearest cell of the cluster assigned to this UAV, of its nearest cluster if out of reach."""
+        """Return the nearest cell of the cluster assigned to this UAV, or of its nearest cluster if unreachable."""
         self._due, self.message = False, None
         choices = self.choices(view, self.members(view))
         own = choices.steps[choices.me]
@@ -97,7 +97,7 @@ class GroupPilot(GoalPilot):
         return sorted([own, *map(member_of, remembered(view, self.briefing))], key=lambda member: member.agent)
 
     def choices(self, view: View, members: list[GroupMember]) -> Choices:
-        """Return what the group can choose from."""
+        """Return the UAVs and clusters of this decision."""
         clusters = frontier_clusters(view.belief, self.briefing.lidar_range)
         near = [nearest_cells(self.steps_from(view, member.cell), clusters) for member in members]
         cells, steps = np.stack([cells for cells, _ in near]), np.stack([steps for _, steps in near])
@@ -110,7 +110,7 @@ class GroupPilot(GoalPilot):
         return Choices(me, clusters, numbers, cells[:, numbers], steps[:, numbers], held[:, numbers])
 
     def _held(self, clusters: Clusters, goal: Cell | None) -> NDArray[np.bool_]:
-        """Return which cluster a goal belongs to, or has passed on to, (clusters,) bool."""
+        """Return the cluster of a goal, or of the frontier cell that replaces it, (clusters,) bool."""
         held = np.zeros(clusters.size, np.bool_)
         if goal is not None and clusters.size:
             rows, cols = np.divmod(clusters.cells, self.paths.width)
@@ -122,5 +122,5 @@ class GroupPilot(GoalPilot):
 
 
 def member_of(mate: Mate) -> GroupMember:
-    """Return a teammate as a member; its goal counts only for a while."""
+    """Return a teammate as a member, with its goal if that is recent."""
     return GroupMember(mate.agent, mate.cell, told_goal(mate))

@@ -1,4 +1,4 @@
-"""Hungarian assignment: UAVs and frontier clusters are matched at the least total distance (Wurm et al. 2008)."""
+"""Hungarian assignment: UAVs and frontier clusters are matched with the least total distance (Wurm et al. 2008)."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from indoor_explorers.planners.routing.assignment import matched
 
 @dataclass(frozen=True, kw_only=True)
 class FrontierHungarian(Policy):
-    """Fly where the assignment of UAVs to frontier clusters with the least total path length says.
+    """Fly to the cluster of the assignment of UAVs to frontier clusters with the least total path length.
 
     K. M. Wurm, C. Stachniss, W. Burgard, "Coordinated multi-robot exploration using a segmentation of the
-    environment", IROS 2008, doi:10.1109/IROS.2008.4650734; what is assigned here are clusters instead of its
-    segments. With more UAVs than clusters every cluster takes as many UAVs as it must.
+    environment", IROS 2008, doi:10.1109/IROS.2008.4650734, with clusters in place of its segments. With more UAVs than
+    clusters, the UAVs are divided evenly among the clusters.
     """
 
     hold: float = 1.0
@@ -29,12 +29,12 @@ class FrontierHungarian(Policy):
         at_least(self, 0.0, "hold", "extra")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return HungarianPilot(briefing, self)
 
 
 class HungarianPilot(GroupPilot):
-    """Match all UAVs to clusters and take the own one."""
+    """Match all UAVs to clusters and take this UAV's own."""
 
     def __init__(self, briefing: Briefing, policy: FrontierHungarian) -> None:
         super().__init__(briefing)

@@ -1,4 +1,4 @@
-"""Frontier clusters visited in the order that serves them soonest, weighted by what each could reveal."""
+"""Frontier clusters in an order of low mean waiting time, weighted by their view gains."""
 
 from __future__ import annotations
 
@@ -21,42 +21,42 @@ from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.routing.min_latency import costs_of_first
 
-#: Distance between the cells of a cluster that are considered, in lidar ranges.
+#: Spacing of the cells of a cluster that are considered, in lidar ranges.
 STRIDE = 0.3
-#: An order is kept for this many lidar ranges of flight, unless its first place is spent before.
+#: An order is kept for this many lidar ranges of flight, unless its first place has no gain left before.
 KEEP = 0.1
-#: Cells within this many lidar ranges of the last goal count as that goal.
+#: Distance in lidar ranges within which a cell counts as the last goal.
 SAME = 0.2
-#: A cluster is left to others when its factor is this share of the best one or less.
+#: A cluster is left to teammates if its factor is at most this share of the best one.
 LEFT_TO_OTHERS = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrontierLatency(Policy):
-    """Go first to the cluster with which the best order of all clusters begins.
+    """Fly to the first cluster of the best order of all clusters.
 
-    In every cluster the cell with the largest discounted gain ``g exp(-discount d / R)`` is the place to go to, d its
-    distance and R the lidar range (the gain of H. H. Gonzalez-Banos and J.-C. Latombe, IJRR 2002,
-    doi:10.1177/0278364902021010834, in cells, with those near by and nearly surrounded counting more). The order of
-    these places is the cheapest of a travelling repairman: when the last is reached, plus ``latency`` times the mean
-    waiting time weighted by gains. It is found anew when the map has changed; another cluster must save ``hold``.
-    Paths are the straightest of the shortest.
+    The place of a cluster is its cell with the largest discounted gain ``g exp(-discount d / R)``, d its distance and R
+    the lidar range (H. H. Gonzalez-Banos and J.-C. Latombe, IJRR 2002, doi:10.1177/0278364902021010834, with g in
+    cells, near and isolated ones weighted more). The order of these places minimises a travelling repairman's cost:
+    the time at which the last one is reached, plus ``latency`` times the mean waiting time weighted by gains. It is
+    computed again when the map has changed; an order that begins elsewhere must save ``hold``. Paths are the
+    straightest of the shortest ones.
     """
 
     depth: float = 0.5
-    """Distance at which an unknown cell counts 1 / e of a near one, in lidar ranges."""
+    """Distance at which an unknown cell has 1 / e of the weight of a near one, in lidar ranges."""
     isolation: float = 8.0
-    """How much more an unknown cell surrounded by known ones counts than one in the open."""
+    """Additional weight of an unknown cell that is surrounded by known ones."""
     discount: float = 2.4
-    """Loss of gain per lidar range of distance, when the cell of a cluster is chosen."""
+    """Discount rate of gains per lidar range of distance, in the choice of a cluster's cell."""
     latency: float = 16.0
-    """Weight of the mean waiting time beside the length of the order."""
+    """Weight of the mean waiting time relative to the length of the order."""
     worth: float = 0.5
-    """Exponent of gains as weights of waiting times; 0 counts all clusters alike."""
+    """Exponent of gains as weights of waiting times; 0 weights all clusters equally."""
     hold: float = 0.2
-    """What an order that begins elsewhere has to save, in lidar ranges."""
+    """Cost that an order with another first cluster has to save, in lidar ranges."""
     clusters: int = 12
-    """The most clusters to order: those with the largest discounted gains."""
+    """Largest number of clusters in an order: those with the largest discounted gains."""
 
     def __post_init__(self) -> None:
         at_least(self, 0.0, "isolation", "discount", "latency", "worth", "hold")
@@ -64,7 +64,7 @@ class FrontierLatency(Policy):
         at_least(self, 1, "clusters")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return LatencyPilot(briefing, self)
 
 
@@ -74,15 +74,15 @@ class Places(NamedTuple):
     cells: NDArray[np.int32]
     """(K,) flat cells."""
     steps: Distances
-    """(K,) distances of the UAV."""
+    """(K,) distances from the UAV."""
     gains: NDArray[np.float64]
-    """(K,) what a scan there is worth, the share of teammates in it taken off."""
+    """(K,) weighted view gains, times the factors for teammates."""
     kept: NDArray[np.bool_]
-    """(K,) bool, which of them are at the last goal."""
+    """(K,) bool, whether they are at the last goal."""
 
 
 class LatencyPilot(GoalPilot):
-    """Order the clusters whenever the map has changed and fly to the first."""
+    """Order the clusters whenever the map has changed, and fly to the first."""
 
     straight = True
 
@@ -95,15 +95,15 @@ class LatencyPilot(GoalPilot):
         self._next_order = 0
 
     def on_map_growth(self, view: View) -> None:
-        """Order the clusters again, as the map has grown."""
+        """Request a new order of the clusters."""
         self._is_due = True
 
     def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last order and that was some steps ago."""
+        """Tell whether the map has grown since the last order, and that order is old enough."""
         return self._is_due and view.step >= self._next_order
 
     def choose(self, view: View) -> Cell | None:
-        """Return the place with which the cheapest order begins."""
+        """Return the first place of the order of lowest cost."""
         self._is_due, self._next_order = False, view.step + round(KEEP * self._range)
         places = self._places(view)
         if len(places.cells) == 0:
@@ -112,16 +112,16 @@ class LatencyPilot(GoalPilot):
         return divmod(int(places.cells[np.argmin(costs)]), self.paths.width)
 
     def factors(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
-        """Return what teammates leave of the gains of (K,) flat cells, (K,) in [0, 1].
+        """Return the factors on the gains of (K,) flat cells for teammates, (K,) in [0, 1].
 
-        Every teammate that is nearer halves a gain (after the ranks of Bautin et al. 2012).
+        Every teammate that is closer halves a gain (after the ranks of Bautin et al. 2012).
         """
         mates = remembered(view, self.briefing)
         others = [self.steps_from(view, mate.cell).ravel()[cells] for mate in mates]
         return np.asarray(0.5 ** ranks(steps, others, [mate.agent < self.briefing.agent for mate in mates]))
 
     def _places(self, view: View) -> Places:
-        """Return the best places of the best clusters that can be reached."""
+        """Return the best places of the best reachable clusters."""
         clusters = frontier_clusters(view.belief, self._range)
         field = self.steps_from(view, view.cell)
         nearest, _ = nearest_cells(field, clusters)
@@ -140,7 +140,7 @@ class LatencyPilot(GoalPilot):
         return Places(cells[best], steps[best], gains[best], kept[best])
 
     def _costs(self, view: View, places: Places) -> NDArray[np.float64]:
-        """Return what the best order that begins with each place costs, in lidar ranges, (K,)."""
+        """Return, for each place, the cost of the best order that begins there, in lidar ranges, (K,)."""
         if len(places.cells) == 1:
             return np.zeros(1)
         worth = np.maximum(places.gains, 1e-9) ** self._policy.worth
@@ -189,6 +189,6 @@ def cluster_viewpoints(
 
 
 def first_of_each(owner: NDArray[np.int64], scores: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return where the best score of each owner is, the first of equals; owners in rising order."""
+    """Return the index of each owner's best score, the first among equals; owners in ascending order."""
     order = np.lexsort((-scores, owner))
     return np.asarray(order[np.r_[True, np.diff(owner[order]) > 0]] if len(order) else order)

@@ -1,4 +1,4 @@
-"""MinPos: each UAV goes where it ranks first among the UAVs (Bautin, Simonin & Charpillet 2012)."""
+"""MinPos: each UAV takes the frontier cluster for which its rank by distance is best (Bautin et al. 2012)."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
 @dataclass(frozen=True, kw_only=True)
 class FrontierMinPos(Policy):
-    """Fly to the frontier cluster that the fewest UAVs are nearer to, the nearest of those.
+    """Fly to the frontier cluster that the fewest teammates are closer to; among equals to the nearest.
 
-    Needs no messages: the merged map and the teammates' last-known positions are all it reads.
+    It needs no messages, only the merged map and the teammates' last received cells.
 
     A. Bautin, O. Simonin, F. Charpillet, "MinPos: a novel frontier allocation algorithm for multi-robot
     exploration", ICIRA 2012, doi:10.1007/978-3-642-33515-0_49.
     """
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return MinPosPilot(briefing)
 
 
 class MinPosPilot(GoalPilot):
-    """Rank the UAVs for every cluster and take the cluster where this one ranks best."""
+    """Rank the UAVs for every cluster, and take the cluster with this UAV's best rank."""
 
     def choose(self, view: View) -> Cell | None:
         """Return the nearest cell of the cluster with the lowest (rank, distance)."""
@@ -51,7 +51,7 @@ class MinPosPilot(GoalPilot):
 
 
 def ranks(own: NDArray[np.int32], others: Sequence[NDArray[np.int32]], first: Sequence[bool]) -> NDArray[np.int64]:
-    """Return for each of K clusters how many UAVs come before this one.
+    """Return, for each of K clusters, how many UAVs rank before this one, (K,).
 
     ``own`` and each of ``others`` are (K,) distances in steps; ``first`` tells which of the others go
     first at equal distance. Unreachable clusters rank last.

@@ -12,19 +12,19 @@ from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
 @dataclass(frozen=True, kw_only=True)
 class FrontierNearest(Policy):
-    """Fly to the frontier cell with the shortest known path, drawn among equals; ignore the teammates.
+    """Fly to the frontier cell with the shortest known path, drawn at random among equals; ignore the teammates.
 
     B. Yamauchi, "A frontier-based approach for autonomous exploration", CIRA 1997,
     doi:10.1109/CIRA.1997.613851.
     """
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return NearestPilot(briefing)
 
 
 class NearestPilot(GoalPilot):
-    """Keep the nearest frontier cell as goal until it is one no longer."""
+    """Keep the nearest frontier cell as goal until it is no frontier cell any more."""
 
     def choose(self, view: View) -> Cell | None:
         """Return the nearest frontier cell."""

@@ -1,4 +1,4 @@
-"""Tour: plan a short way through all frontier clusters at hand and fly to the first of them."""
+"""Tour: plan a short tour through the nearest frontier clusters and fly to the first of them."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ class FrontierTour(Policy):
     """Fly to the first cluster of a short open tour through the nearest frontier clusters.
 
     B. Zhou, Y. Zhang, X. Chen, S. Shen, "FUEL", IEEE RA-L 6(2), 2021, doi:10.1109/LRA.2021.3051563, section V-B, on
-    breadth-first distances. A team first shares the clusters out in an auction in which the longest tour grows least,
-    as B. Zhou, H. Xu, S. Shen, "RACER", IEEE T-RO 39(3), 2023, doi:10.1109/TRO.2023.3236945, balances its partition.
+    breadth-first distances. A team first divides the clusters by an auction that keeps the longest tour short, as
+    B. Zhou, H. Xu, S. Shen, "RACER", IEEE T-RO 39(3), 2023, doi:10.1109/TRO.2023.3236945, balances its partition.
 
-    What makes such tours oscillate is that two are nearly as long and that every scan changes which of them is the
-    shorter. So the way to a cluster counts up to where it begins, not to its middle, which moves while it is
-    explored; and the first of the tour is held on to, by its place, when its clusters change shape.
+    Such tours oscillate if two of them have almost the same length and every scan changes which one is shorter.
+    Therefore the distance to a cluster is that to its nearest cell, not to its centre, which moves while it is
+    explored; and the first cluster of the tour is kept, by its position, when clusters change shape.
     """
 
     hold: float = 0.3
     """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
     clusters: int = 30
-    """The most clusters on the tours of a group: the nearest to any UAV of it."""
+    """Largest number of clusters on the tours of a group: the nearest to any of its UAVs."""
 
     def __post_init__(self) -> None:
         at_least(self, 0.0, "hold")
         at_least(self, 1, "clusters")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return TourPilot(briefing, self)
 
 
 class TourPilot(GroupPilot):
-    """Share out the clusters among the group and begin the tour through the own ones."""
+    """Divide the clusters among the group, and begin the tour through this UAV's own."""
 
     def __init__(self, briefing: Briefing, policy: FrontierTour) -> None:
         super().__init__(briefing)
@@ -54,7 +54,7 @@ class TourPilot(GroupPilot):
 
     def assigned(self, view: View, choices: Choices) -> int:
         """Return the first cluster of this UAV's tour."""
-        at_hand = np.arange(min(self._policy.clusters, len(choices.numbers)))  # they come nearest first
+        at_hand = np.arange(min(self._policy.clusters, len(choices.numbers)))  # they are sorted by distance
         uavs, count = len(choices.steps), len(at_hand)
         costs = np.zeros((uavs + count, uavs + count))
         costs[:uavs, uavs:] = choices.costs(self._policy.hold * self.briefing.lidar_range)[:, at_hand]
@@ -68,9 +68,9 @@ class TourPilot(GroupPilot):
 
 
 class DistanceCache:
-    """Steps between places, kept from one tour to the next.
+    """Steps between places, reused from one tour to the next.
 
-    A kept distance may be longer than the shortest path on a map that has grown since, never shorter.
+    A cached distance can be longer than the shortest path on a map that has grown since, never shorter.
     """
 
     def __init__(self, paths: Paths) -> None:

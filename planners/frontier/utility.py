@@ -1,4 +1,4 @@
-"""Utility: the gain expected at a frontier against the path to it, in three forms known from the literature."""
+"""Utility: the expected gain of a frontier cluster against the path to it, in three forms from the literature."""
 
 from __future__ import annotations
 
@@ -17,31 +17,31 @@ from indoor_explorers.planners.frontier.group_pilot import Choices
 from indoor_explorers.planners.information.view_gain import unclaimed_gains
 from indoor_explorers.planners.parameters import at_least
 
-#: How gain and cost make one score.
+#: How gain and cost are combined to a score.
 Form = Literal["size", "difference", "discounted"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrontierUtility(Policy):
-    """Fly to the frontier cluster with the best score of gain s or g against path length d; R is the lidar range.
+    """Fly to the frontier cluster with the best score of gain against path length d; R is the lidar range.
 
-    ``size`` is s - c d, s the cluster's cells: explore_lite's rule (J. Hoerner, "Map-merging for multi-robot system",
-    Charles University 2016). ``difference`` is g - c R d and ``discounted`` g exp(-c d / R), g the unknown cells in
-    view: H. H. Gonzalez-Banos, J.-C. Latombe, "Navigation strategies for exploring indoor environments", IJRR 21,
-    2002, doi:10.1177/0278364902021010834. Teams take the clusters in turn as in
+    ``size`` is s - c d, s the cluster's number of cells: explore_lite's rule (J. Hoerner, "Map-merging for multi-robot
+    system", Charles University 2016). ``difference`` is g - c R d and ``discounted`` g exp(-c d / R), g the number of
+    unknown cells in view: H. H. Gonzalez-Banos, J.-C. Latombe, "Navigation strategies for exploring indoor
+    environments", IJRR 21, 2002, doi:10.1177/0278364902021010834. Teams take the clusters in turn as in
     :mod:`indoor_explorers.planners.frontier.burgard`.
     """
 
     form: Form = "size"
-    """Which of the three scores: ``size``, ``difference`` or ``discounted``."""
+    """Form of the score: ``size``, ``difference`` or ``discounted``."""
     cost: float = 3.0
-    """Weight c of the path, as its form reads it; 3 suits all of them."""
+    """Weight c of the path length in the form; 3 suits all three."""
     hold: float = 0.5
     """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
     weight: float = 4.0
     """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
     reach: float = 1.0
-    """How far a taken cluster makes others seem farther, in lidar ranges."""
+    """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
 
     def __post_init__(self) -> None:
         at_least(self, 0.0, "cost", "hold", "weight", "reach")
@@ -49,7 +49,7 @@ class FrontierUtility(Policy):
             raise InputError(f"expected form to be one of {', '.join(get_args(Form))}, got {self.form!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return UtilityPilot(briefing, self)
 
 
@@ -61,14 +61,14 @@ class UtilityPilot(SequentialPilot):
         self._policy = policy
 
     def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:
-        """Return each cluster's size, or the unknown cells in view from where it is nearest to any UAV, (K,)."""
+        """Return each cluster's size, or the unknown cells in view of its cell nearest to any UAV, (K,)."""
         if self._policy.form == "size":
             return np.diff(choices.clusters.ends)[choices.numbers].astype(np.float64)
         places, no_claims = choices.places(), np.empty((0, 2))
         return unclaimed_gains(view.belief, places, no_claims, self.briefing.lidar_range).astype(np.float64)
 
     def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return how good (N, K) pairs of UAV and cluster are."""
+        """Return the scores (N, K) of pairs of UAV and cluster."""
         weight, reach = self._policy.cost, self.briefing.lidar_range
         if self._policy.form == "discounted":
             return gains * np.exp(-weight / reach * np.minimum(costs, UNREACHABLE))

@@ -1,1 +1,1 @@
-"""Receding-horizon exploration: whole tours planned ahead, flown step by step, planned anew as the map grows."""
+"""Receding-horizon exploration: plan a tour, fly its first steps, and plan again when the map has grown."""

@@ -1,16 +1,16 @@
-"""Beam search for the shortest tour that shows enough of what is unseen.
+"""Beam search for the shortest tour that leaves at most a given weight of cells unseen.
 
 A state is (cell, set of unseen cells). All states after d steps are ranked, the best are kept, and their
-neighbours are the candidates of step d + 1; a state that was reached before, at whatever step, is dropped.
-A state ranks by what is left to see,
+neighbours are the candidates of step d + 1; a state that was reached before, at any step, is dropped.
+The rank of a state, lower is better, is
 
     sum over unseen u of w(u) (1 + isolation (1 - n(u) / 8)) + pull (steps to the next gain) + completion (steps to all)
 
-with w the weight of a cell and n(u) the unseen cells among the eight around it; less is better. The isolation
-term makes scattered leftovers expensive, so that pockets are finished while they are near. Both step counts come
-from :mod:`indoor_explorers.env.search.optimistic_views`; the second is a lower bound on what the state still needs.
+with w the weight of a cell and n(u) the number of unseen cells among the eight around it. The isolation term makes
+scattered leftovers expensive, so that pockets are finished while they are near. Both step counts come
+from :mod:`indoor_explorers.env.search.optimistic_views`; the second is a lower bound on the remaining steps.
 
-The DDDQN's observation has a beam of its own for rooms of up to 16x16 cells, on boards of four words
+The DDDQN's observation has a beam search of its own for rooms of up to 16x16 cells, on boards of four words
 (``learners/dddqn/observation/beam.py``): without weights, and many times faster.
 """
 
@@ -28,35 +28,35 @@ _ONE = np.uint64(1)
 
 
 class BeamConfig(NamedTuple):
-    """How states are ranked, how many are kept, and for how many steps."""
+    """Parameters of the search."""
 
     isolation: float
-    """Extra weight of an unseen cell with nothing unseen around it."""
+    """Additional weight of an unseen cell without unseen neighbours."""
     pull: float
     """Weight of a step to the next gain, in cells."""
     completion_weight: float
     """Weight of a step to the unseen cell that takes longest, in cells."""
     width: int
-    """States kept at each step."""
+    """Beam width: states kept at each step."""
     depth: int
-    """Steps looked ahead."""
+    """Search depth in steps."""
 
 
 class SearchGraph(NamedTuple):
-    """What the search moves on: C cells, their neighbours, views and weights; sets have W words."""
+    """The graph of the search: C cells, their neighbours, views and weights; sets have W words."""
 
     views: np.ndarray
-    """(C, W) what is visible from a cell."""
+    """(C, W) cells visible from a cell."""
     neighbours: np.ndarray
     """(C, 4) neighbours, -1 for none."""
     views_within: np.ndarray
-    """(D, C, W) what can have been seen d steps from a cell."""
+    """(D, C, W) cells that can be seen within d steps from a cell."""
     around: np.ndarray
     """(C, 8) cells around a cell, -1 off the map."""
     keys: np.ndarray
     """(2 C,) hash words of unseen cells, then of the UAV's cell."""
     weights: np.ndarray
-    """(C,) what seeing a cell is worth."""
+    """(C,) weight of seeing a cell."""
 
 
 class States(NamedTuple):
@@ -68,14 +68,14 @@ class States(NamedTuple):
     key: np.ndarray
     """Hash of the unseen set."""
     worth: np.ndarray
-    """What is left to see, isolation included."""
+    """Sum of the weights of the unseen cells, with isolation."""
     left: np.ndarray
-    """What is left to see, weights alone."""
+    """Sum of the weights of the unseen cells."""
     delay: np.ndarray
-    """Sum of ``left`` over the steps so far: of two tours of one length the one that sees more early is better."""
+    """Sum of ``left`` over the steps so far: of two tours of equal length the one that sees more early is better."""
     rank: np.ndarray
     node: np.ndarray
-    """Where the state, or a candidate's parent, is in the tree of all states kept."""
+    """Index of the state, or of a candidate's parent, in the tree of all kept states."""
 
 
 class StateTree(NamedTuple):
@@ -110,7 +110,7 @@ def _copy(source: States, s: int, target: States, t: int) -> None:
 
 @inner()
 def _mark_seen(states: States, s: int, seen: int, graph: SearchGraph, isolation: float) -> None:
-    """Take one cell, already out of the unseen set of state ``s``, off its account."""
+    """Subtract one cell, already removed from the unseen set of state ``s``, from its sums."""
     share, near = isolation / 8, 0
     unseen = states.unseen[s]
     for k in range(8):
@@ -125,7 +125,7 @@ def _mark_seen(states: States, s: int, seen: int, graph: SearchGraph, isolation:
 
 @inner()
 def _move_to(states: States, s: int, cell: int, graph: SearchGraph, isolation: float) -> None:
-    """Move state ``s`` to a cell and strike what is seen there."""
+    """Move state ``s`` to a cell and remove the cells that are seen there."""
     states.cell[s] = cell
     for w in range(states.unseen.shape[1]):
         new = states.unseen[s, w] & graph.views[cell, w]
@@ -139,7 +139,7 @@ def _move_to(states: States, s: int, cell: int, graph: SearchGraph, isolation: f
 
 @inner()
 def _rank(states: States, s: int, graph: SearchGraph, config: BeamConfig) -> None:
-    """Work out the rank of state ``s``; smaller is better."""
+    """Compute the rank of state ``s``; lower is better."""
     cell, unseen, farthest = states.cell[s], states.unseen[s], graph.views_within.shape[0]
     first = 0
     while first < farthest and not intersect(unseen, graph.views_within[first, cell]):
@@ -152,7 +152,7 @@ def _rank(states: States, s: int, graph: SearchGraph, config: BeamConfig) -> Non
 
 @kernel()
 def _root(start: int, unseen: np.ndarray, graph: SearchGraph, isolation: float, states: States) -> None:
-    """Make state 0 from the UAV's cell and the unseen set."""
+    """Write the initial state 0 from the UAV's cell and the unseen set."""
     share = isolation / 8
     states.cell[0], states.key[0], states.node[0] = start, np.uint64(0), 0
     states.worth[0], states.left[0], states.delay[0], states.rank[0] = 0.0, 0.0, 0.0, 0.0
@@ -171,7 +171,7 @@ def _root(start: int, unseen: np.ndarray, graph: SearchGraph, isolation: float, 
 def _expand(
     states: States, count: int, graph: SearchGraph, config: BeamConfig, rest: float, table: np.ndarray, children: States
 ) -> tuple[int, int]:
-    """Write the new neighbours of all states into ``children``; return how many and the best finished one, or -1."""
+    """Write the new successors of all states to ``children``; return their number and the best finished one, or -1."""
     found, done = 0, -1
     for s in range(count):
         for k in range(4):
@@ -213,7 +213,7 @@ def _select(rank: np.ndarray, order: np.ndarray, keep: int) -> None:
 
 @kernel(entry=False)
 def _keep(children: States, found: int, config: BeamConfig, states: States, tree: StateTree, nodes: int) -> int:
-    """Move the best children to ``states`` and into the tree; return how many they are."""
+    """Move the best children to ``states`` and into the tree; return their number."""
     order = np.arange(found)
     kept = min(found, config.width)
     if kept < found:
@@ -240,10 +240,10 @@ def _traced(tree: StateTree, node: int, last: int) -> np.ndarray:
 def shortest_tour(
     start: int, unseen: np.ndarray, graph: SearchGraph, rest: float, config: BeamConfig
 ) -> tuple[np.ndarray, bool]:
-    """Return the cells of the shortest tour found, the start left out, and whether it shows enough.
+    """Return the cells of the shortest tour found, without the start, and whether it is finished.
 
-    It does when the weights of what stays unseen sum to ``rest`` at most. Otherwise the tour leads to the best of the
-    states that are ``config.depth`` steps away.
+    A finished tour leaves cells of a total weight of at most ``rest`` unseen. Otherwise the tour leads to the best
+    state that is ``config.depth`` steps away.
     """
     words = graph.views.shape[1]
     states, children = _new_states(config.width, words), _new_states(4 * config.width, words)

@@ -1,4 +1,4 @@
-"""Receding horizon: plan the whole tour that is left, fly its first step, plan again when the map has grown."""
+"""Receding horizon: plan the whole remaining tour, fly its first step, plan again when the map has grown."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ from indoor_explorers.planners.navigation.navigator import action_between
 from indoor_explorers.planners.navigation.paths import Paths, count_known
 from indoor_explorers.planners.parameters import at_least
 
-#: Isolation matters less when the goal leaves cells out: it halves with each such share of the coverage.
+#: If the goal leaves cells out, isolation matters less: its weight halves with each such share of the coverage.
 GOAL_SCALE = 0.05
-#: A tour is given up until the map grows when it has shown nothing for its length plus this many steps.
+#: A tour without a gain for its length plus this many steps is given up until the map grows.
 PATIENCE = 8
 
 
 @dataclass(frozen=True, kw_only=True)
 class Horizon(Policy):
-    """Plan a tour of all unseen cells by beam search and keep it while it stands; on large maps, fly to frontiers.
+    """Plan a tour of all unseen cells by beam search and keep it while it is valid; on large maps, fly to frontiers.
 
-    In rooms of up to ``room`` cells the search is over (cell, unseen set), taking unknown cells to be free to fly
-    through and transparent. It aims at the scenario's goal coverage. Cells count by their chance to be free:
-    with ``prior`` "source" and a generator of random rooms, the chance is worked out from the generator's
-    statistics (``briefing.generator``: number, sizes and margins of obstacles; never the map); otherwise, and with
-    "belief", it is learned during the flight from the UAV's own map. Beyond ``room`` cells, or where
-    no tour is found, ``beyond`` looks a few frontiers ahead instead.
+    In rooms of up to ``room`` cells the search is over (cell, unseen set) and assumes that unknown cells are free and
+    transparent. It aims at the scenario's goal coverage. Cells are weighted by their probability to be free: with
+    ``prior`` "source" and a generator of random rooms, the probability is computed from the generator's statistics
+    (``briefing.generator``: number, sizes and margins of obstacles; never the map); otherwise, and with "belief", it is
+    learned during the flight from the UAV's own map. On larger maps, or if no tour is found, ``beyond`` plans a few
+    frontiers ahead instead.
 
     Receding-horizon exploration: A. Bircher et al., ICRA 2016, doi:10.1109/ICRA.2016.7487281; the search over whole
     tours is this project's.
@@ -49,34 +49,34 @@ class Horizon(Policy):
     uses_generator: ClassVar[bool] = True
 
     width: int = 100
-    """States that the beam keeps at each step."""
+    """Beam width: states kept at each step."""
     depth: int = 80
-    """Steps that the beam looks ahead."""
+    """Search depth in steps."""
     isolation: float = 8.0
-    """Extra weight of an unseen cell with nothing unseen around it, in cells, when everything is to be seen."""
+    """Additional weight of an unseen cell without unseen neighbours, in cells, if the goal is full coverage."""
     caution: float = 2.6
-    """Factor of ``isolation`` where there may be obstacles: they upset plans, and pockets left behind cost more."""
+    """Factor on ``isolation`` if there may be obstacles: plans fail more often, and pockets left behind cost more."""
     pull: float = 0.02
-    """What a step to the next gain costs, in cells."""
+    """Cost of a step to the next gain, in cells."""
     stretch: float = 0.0
-    """What a step to the unseen cell that takes longest costs, in cells."""
+    """Cost of a step to the unseen cell that takes longest, in cells."""
     spare: float = 0.0095
-    """Share of the cells that is left for the very last, so that nearly all are seen sooner."""
+    """Share of the cells that is deferred to the end, so that all others are seen sooner."""
     prior: Literal["source", "belief", "none"] = "source"
-    """Where the chance of obstacles comes from; "none" takes all unknown cells to be free."""
+    """Source of the probability of obstacles; "none" assumes that all unknown cells are free."""
     chains: int = 64
-    """Rooms that are sampled at a time for ``prior`` "source"."""
+    """Number of rooms that are sampled in parallel with ``prior`` "source"."""
     sweeps: int = 3
-    """How often each sampled room is drawn anew at each step that shows something new."""
+    """Gibbs sweeps over each sampled room at each step with new knowledge."""
     rollouts: int = 0
-    """Sampled rooms in which tours with other first steps are tried before one is taken, with ``prior`` "source" and
-    one UAV; 24 make a decision take about four times as long, 0 is none."""
+    """Number of sampled rooms in which tours with other first steps are compared before one is chosen, with ``prior``
+    "source" and one UAV; with 24 a decision takes about four times as long; 0 disables rollouts."""
     deference: float = 0.1
-    """Weight of a cell for each teammate that is nearer to it."""
+    """Factor on the weight of a cell for each teammate that is closer to it."""
     room: int = 600
-    """Cells of the largest map that is planned cell by cell."""
+    """Largest number of cells of a map that is planned cell by cell."""
     beyond: FrontierJoint = field(default_factory=FrontierJoint)
-    """What flies larger maps, and where there is no tour."""
+    """Planner for larger maps, and for steps without a tour."""
 
     def __post_init__(self) -> None:
         at_least(self, 1, "width", "depth", "chains", "sweeps")
@@ -96,14 +96,14 @@ class Horizon(Policy):
             raise InputError(f"Horizon: expected prior to be source, belief or none, got {self.prior!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         beyond = self.beyond.pilot(briefing)
         if briefing.shape[0] * briefing.shape[1] > self.room:
             return beyond
         return HorizonPilot(briefing, self, beyond)
 
     def tours(self, briefing: Briefing) -> TourPlanner:
-        """Return the planner of one UAV's tours."""
+        """Return the tour planner of one UAV."""
         goal = briefing.scenario.goal
         prior = self._prior(briefing)
         caution = 1.0 if isinstance(prior, OpenPrior) else self.caution
@@ -125,7 +125,7 @@ class Horizon(Policy):
 
 
 class HorizonPilot(Pilot):
-    """Fly tours; where there is none or it leads nowhere, hand over to another pilot."""
+    """Fly tours; without a tour, or if it gains nothing, hand over to another pilot."""
 
     def __init__(self, briefing: Briefing, policy: Horizon, beyond: Pilot) -> None:
         self.briefing = briefing
@@ -138,9 +138,9 @@ class HorizonPilot(Pilot):
         self._handed_over = 0
 
     def act(self, view: View) -> int:
-        """Follow the tour, planning again whenever the map has grown or the tour has ended.
+        """Follow the tour, and plan again whenever the map has grown or the tour has ended.
 
-        When a teammate stays in the way, the other pilot takes over until the map grows: it can make way.
+        If a teammate stays in the way, the other pilot, which can make way, takes over until the map grows.
         """
         cell = view.cell[0] * self._paths.width + view.cell[1]
         following = self._next(view, cell)
@@ -156,11 +156,11 @@ class HorizonPilot(Pilot):
         return action
 
     def tally(self) -> dict[str, float]:
-        """Return how many decisions were handed over."""
+        """Return the number of decisions that were handed over."""
         return {"decisions_without_tour": float(self._handed_over)}
 
     def _next(self, view: View, cell: int) -> int | None:
-        """Return the tour's next flat cell; None when there is none, or the tour has shown nothing for too long."""
+        """Return the tour's next flat cell; None if there is no tour, or the tour has had no gain for too long."""
         known = count_known(view.belief)
         following = self._tours.following(cell)
         if known != self._known or following is None:
@@ -171,7 +171,7 @@ class HorizonPilot(Pilot):
         return following if view.step <= self._deadline else None
 
     def _share(self, view: View, cell: int) -> NDArray[np.float64] | None:
-        """Return how much of each cell is this UAV's to see, (C,): less for each teammate that can see it sooner."""
+        """Return the factors on the cells' weights, (C,): lower for each teammate that can see a cell sooner."""
         mates = remembered(view, self.briefing)
         if not mates:
             return None

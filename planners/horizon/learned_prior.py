@@ -1,4 +1,4 @@
-"""The chance of an unknown cell to be free, learned from what unknown cells turned out to be before."""
+"""The probability that an unknown cell is free, learned during the flight from revealed cells."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from indoor_explorers.env.grid.arrays import Belief, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.search.bitsets import AROUND
 
-#: How many observations the first guess counts as.
+#: Number of observations that the initial estimate is equivalent to.
 CONFIDENCE = 20.0
-#: The first guess: the chance to be free with 0, 1, ... 8 known obstacles around (a cell of thin walls or of blocks).
+#: The initial estimate: probability to be free with 0, 1, ... 8 known obstacles around, for thin walls or blocks.
 FIRST_GUESS = (1.0, 0.6, 0.5, 0.35, 0.3, 0.25, 0.2, 0.15, 0.0)
 
 
 class Prior(Protocol):
-    """Tell how likely cells are free."""
+    """Estimate the probability that cells are free."""
 
     def free_chances(self, belief: Belief) -> NDArray[np.float64]:
-        """Return the chance of each cell of a (H, W) belief to be free, (H*W,)."""
+        """Return the probability that each cell of a (H, W) belief is free, (H*W,)."""
 
 
 def obstacles_around(obstacles: Mask) -> NDArray[np.int64]:
@@ -33,10 +33,10 @@ def obstacles_around(obstacles: Mask) -> NDArray[np.int64]:
 
 
 class LearnedPrior:
-    """Reckon with what has been revealed so far: how often cells with k known obstacles around them were free.
+    """Estimate from the revealed cells how often cells with k known obstacles around them are free.
 
-    Every cell that a scan reveals is counted by the obstacles that were known around it before that scan, on top of a
-    first guess. It works for any source of maps. A cell with nothing known around it is taken to be free.
+    Every cell that a scan reveals is counted by the obstacles that were known around it before that scan, in addition
+    to an initial estimate. This works for maps of any source. A cell without known cells around it counts as free.
     """
 
     def __init__(self) -> None:
@@ -45,7 +45,7 @@ class LearnedPrior:
         self._before: tuple[Mask, NDArray[np.int64]] | None = None
 
     def free_chances(self, belief: Belief) -> NDArray[np.float64]:
-        """Return the chance of each cell of a (H, W) belief to be free, (H*W,), and learn from what is new in it."""
+        """Learn from newly known cells of a (H, W) belief; return the probability of each cell to be free, (H*W,)."""
         if self._before is not None:
             unknown, around = self._before
             revealed = unknown & (belief != UNKNOWN)
@@ -59,7 +59,7 @@ class LearnedPrior:
 
 
 class OpenPrior:
-    """Take every cell to be free."""
+    """Assume that every cell is free."""
 
     def free_chances(self, belief: Belief) -> NDArray[np.float64]:
         """Return ones, (H*W,)."""

@@ -1,4 +1,4 @@
-"""Which of a few tours is best, judged by flying them in sampled rooms."""
+"""Choose the best of a few tours by flying them in sampled rooms."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.horizon.rollouts import RolloutSetup, steps_to_shares
 from indoor_explorers.planners.horizon.room_prior import RoomPrior
 
-#: The shares of the cells whose steps count, cut off at the goal.
+#: Coverages whose steps are in the cost, up to the goal.
 SHARES = (0.9, 0.99)
-#: What a step to each of them costs.
+#: Cost of a step to each of these coverages.
 COSTS = (3.0, 1.0)
-#: Another tour must be better by at least this much, on average over the rooms.
+#: Mean improvement over the rooms that another tour must have,
 MARGIN = 0.5
-#: And by this many standard errors.
+#: and the number of standard errors that it must exceed.
 SURE = 2.0
-#: With fewer rooms the first tour is kept.
+#: Fewest rooms for a choice; with fewer the first tour is kept.
 FEWEST = 4
-#: Rooms after which tours without a chance drop out (racing: O. Maron and A. W. Moore, NeurIPS 1993).
+#: Rooms after which clearly worse tours are dropped (racing: O. Maron and A. W. Moore, NeurIPS 1993).
 RACE_ROOMS = 8
 
 
@@ -42,10 +42,10 @@ class RolloutSelection:
         chances: NDArray[np.float64],
         tours: list[list[int]],
     ) -> int:
-        """Return the number of the tour that is best for sure, of those from a flat cell; 0 when none is.
+        """Return the index of the tour from a flat cell that is significantly better than the first; 0 if none is.
 
-        Tours that may not be better after ``RACE_ROOMS`` rooms are not flown in the others. ``chances`` (C,) are those
-        of unknown cells to be free, 0 where nothing is to be seen.
+        Tours that are clearly worse after ``RACE_ROOMS`` rooms are not flown in the others. ``chances`` (C,) are the
+        probabilities of unknown cells to be free, 0 for cells that need not be seen.
         """
         rooms = self._prior.rooms(belief)[: self._count]
         if len(rooms) < FEWEST:
@@ -62,7 +62,7 @@ class RolloutSelection:
         return int(left[np.argmin(bound)])
 
     def _excess(self, cell: int, setup: RolloutSetup, tours: list[list[int]], rooms: Belief) -> NDArray[np.float64]:
-        """Return how much more each tour costs than the first in each room, (T, S)."""
+        """Return the cost of each tour minus that of the first in each room, (T, S)."""
         costs = steps_to_shares(cell, setup, tours, rooms, self._shares, self._lens) @ np.array(COSTS)
         return np.asarray(costs - costs[0])
 

@@ -1,10 +1,10 @@
-"""Rollouts: fly tours in sampled rooms to the end, to see which one obstacles upset least.
+"""Rollouts: fly tours in sampled rooms to the end, to find the one that obstacles delay least.
 
-A tour takes every unknown cell to be free. In each room that agrees with the belief, it is flown as long as it can
-be, for some steps at most, and then a quick policy takes over: the next step towards the cell with the greatest
-g e^(-decay d), where g is the weight in view, raised by the known cells around each unseen one, and d the steps to
-it. All tours are flown in the same rooms, so that their differences are little blurred by chance (rollouts: G. Tesauro
-and G. Galperin, NeurIPS 1996; D. P. Bertsekas and D. A. Castanon 1999, doi:10.1023/A:1009634810396).
+A tour assumes that every unknown cell is free. In each sampled room, which agrees with the belief, it is flown while it
+is free, for some steps at most; then a fast policy takes over: the next step towards the cell with the largest
+g e^(-decay d), where g is the weight in view, increased by the known cells around each unseen one, and d the steps to
+it. All tours are flown in the same rooms, which reduces the variance of their differences (rollouts: G. Tesauro and
+G. Galperin, NeurIPS 1996; D. P. Bertsekas and D. A. Castanon 1999, doi:10.1023/A:1009634810396).
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from indoor_explorers.env.search.bfs import distances_from
 from indoor_explorers.env.search.bitsets import bit_count
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, new_scan, visible_cells
 
-#: Steps of a tour that are flown at most before the quick policy takes over.
+#: Most steps of a tour that are flown before the fast policy takes over.
 FOLLOWED = 12
-#: Extra weight of an unseen cell for each known one in the 5x5 around it, for the quick policy.
+#: Additional weight of an unseen cell for each known one in the 5x5 around it, in the fast policy.
 ISOLATION = 1 / 3
-#: Rate at which the quick policy discounts steps.
+#: Discount rate per step in the fast policy.
 DECAY = 0.5
 #: Steps after which a flight is given up.
 LONGEST = 120
@@ -33,14 +33,14 @@ _ONE = np.uint64(1)
 
 
 class RolloutSetup(NamedTuple):
-    """What is known before a rollout, C cells in W words."""
+    """The knowledge before a rollout, C cells in W words."""
 
     belief: NDArray[np.uint8]
     """(H, W)."""
     chances: NDArray[np.float64]
-    """(C,) chance of an unknown cell to be free and within reach, 0 for others."""
+    """(C,) probability that an unknown cell is free and reachable, 0 for others."""
     views: NDArray[np.uint64]
-    """(C, W) what is visible from a cell."""
+    """(C, W) cells visible from a cell."""
     neighbours: NDArray[np.int32]
     """(C, 4) neighbours, -1 for none."""
     surroundings: NDArray[np.int32]
@@ -52,12 +52,12 @@ class Rollout(NamedTuple):
 
     belief: np.ndarray
     weights: np.ndarray
-    """What seeing a cell is worth, 0 once it is known."""
+    """Weight of seeing a cell, 0 once it is known."""
     visited: np.ndarray
     steps: np.ndarray
-    """From the UAV, -1 where it is not known to reach."""
+    """Steps from the UAV, -1 without a known path."""
     first: np.ndarray
-    """First cell on the way."""
+    """First cell of the path."""
     queue: np.ndarray
 
 
@@ -75,7 +75,7 @@ def _new_rollout(cells: int) -> Rollout:
 
 @kernel(entry=False)
 def _weights(setup: RolloutSetup) -> np.ndarray:
-    """Return what seeing each cell is worth to the quick policy, (C,)."""
+    """Return the weight of seeing each cell in the fast policy, (C,)."""
     belief = setup.belief.ravel()
     weights = np.zeros(belief.shape[0])
     for cell in np.flatnonzero(belief == UNKNOWN):
@@ -88,7 +88,7 @@ def _weights(setup: RolloutSetup) -> np.ndarray:
 
 @kernel(entry=False)
 def _reveal(rollout: Rollout, setup: RolloutSetup, cell: int, room: np.ndarray, lidar: LidarModel, scan: Scan) -> int:
-    """Scan a (H, W) room from a flat cell; return how many free cells are new."""
+    """Scan a (H, W) room from a flat cell; return the number of new free cells."""
     height, width = room.shape
     truth, found = room.reshape(height * width), 0
     rollout.visited[cell] = True
@@ -118,9 +118,10 @@ def _gain(weights: np.ndarray, view: np.ndarray) -> float:
 
 @kernel(entry=False)
 def _quick_step(rollout: Rollout, setup: RolloutSetup, start: int, most: float) -> int:
-    """Return the next cell of the quick policy, -1 when nothing is left to see; ``most`` bounds what a view gains.
+    """Return the next cell of the fast policy, -1 if nothing is left to see.
 
-    The search carries first cells along and ends as soon as no farther cell can be better.
+    The search stores the first cell of each path and ends as soon as no farther cell can be better; ``most`` is an
+    upper bound of a view's gain.
     """
     rollout.steps[:] = -1
     rollout.steps[start], rollout.queue[0] = 0, start
@@ -154,7 +155,7 @@ def _fly(
     wanted: np.ndarray,
     lidar: LidarModel,
 ) -> np.ndarray:
-    """Return after how many steps each number of new free cells in ``wanted`` (N,), rising, was seen, (N,)."""
+    """Return the steps after which each number of new free cells in ``wanted`` (N,), ascending, was seen, (N,)."""
     scan, most = new_scan(lidar), (lidar.disc + 1) * (1 + 24 * ISOLATION)
     steps = np.full(wanted.shape[0], LONGEST, np.int64)
     cell, found, follows = start, 0, True
@@ -201,14 +202,14 @@ def steps_to_shares(
     shares: NDArray[np.float64],
     lidar: LidarModel,
 ) -> NDArray[np.int64]:
-    """Return after how many steps flights show given shares of rooms, (T, S, N).
+    """Return the steps after which flights reach given coverages of rooms, (T, S, N).
 
     Args:
         start: The UAV's flat cell.
-        setup: What it knows.
-        tours: T lists of flat cells, the start left out.
+        setup: Its knowledge.
+        tours: T lists of flat cells, without the start.
         rooms: (S, C) rooms without unknown cells that agree with the belief.
-        shares: (N,) shares of a room's reachable cells, rising. What is never shown takes ``LONGEST`` steps.
+        shares: (N,) shares of a room's reachable cells, ascending. One that is not reached takes ``LONGEST`` steps.
         lidar: The lidar.
     """
     padded = np.full((len(tours), FOLLOWED), -1, np.int32)

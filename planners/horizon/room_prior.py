@@ -1,9 +1,9 @@
-"""The chance of obstacles in a room whose generator is known: Gibbs sampling over where its rectangles may stand.
+"""The probability of obstacles in a room whose generator is known: Gibbs sampling of the places of its rectangles.
 
-Each of some chains holds a place for every rectangle. In turn each rectangle is taken out and put back at a
-place drawn with its probability given the others and the belief: a place that covers a cell known to be free is
-almost impossible, and so is leaving an obstacle uncovered (S. Geman and D. Geman 1984, doi:10.1109/TPAMI.1984.4767596).
-Chains are kept from step to step, as one scan changes little.
+Each Markov chain holds a place for every rectangle. In turn, each rectangle is removed and put back at a place drawn
+with its probability given the others and the belief: a place that covers a cell known to be free is almost impossible,
+and so is leaving a known obstacle uncovered (S. Geman and D. Geman 1984, doi:10.1109/TPAMI.1984.4767596). Chains are
+continued from step to step, as one scan changes little.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from indoor_explorers.env.grid.compiled import inner, kernel
 from indoor_explorers.env.grid.randomness import draw
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 
-#: How much less likely a room gets with each cell that contradicts the belief.
+#: Factor on a room's probability for each cell that contradicts the belief.
 CONTRADICTION = 1e-3
 
 
@@ -42,7 +42,7 @@ def _drawn(weights: np.ndarray, bits: np.uint64) -> int:
 
 @kernel(entry=False)
 def _fits(belief: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the weight of each place (P,) as far as the free cells that it covers go."""
+    """Return the weight of each place (P,) by the known free cells that it covers."""
     fits = np.ones(places.shape[0])
     for p in range(places.shape[0]):
         for cell in places[p]:
@@ -55,7 +55,7 @@ def _fits(belief: np.ndarray, places: np.ndarray) -> np.ndarray:
 def _sweep(
     belief: np.ndarray, places: np.ndarray, covering: np.ndarray, chains: np.ndarray, covers: np.ndarray, key: np.uint64
 ) -> None:
-    """Draw every rectangle's place in all chains (K, M) anew; ``covers`` (K, C) counts the rectangles on a cell."""
+    """Draw a new place for every rectangle in all chains (K, M); ``covers`` (K, C) counts the rectangles on a cell."""
     fits = _fits(belief, places)
     obstacles = np.flatnonzero(belief == OCCUPIED)
     counter = np.uint64(0)
@@ -85,7 +85,7 @@ def _agreeing(belief: np.ndarray, covers: np.ndarray) -> np.ndarray:
 
 @kernel()
 def _free_share(belief: np.ndarray, covers: np.ndarray) -> np.ndarray:
-    """Return the share of chains in which each cell is free, (C,), of those that agree with the belief if any do."""
+    """Return the share of chains in which each cell is free, (C,), among those that agree with the belief if any do."""
     chains, share = _agreeing(belief, covers), np.zeros(belief.shape[0])
     if chains.shape[0] == 0:
         chains = np.arange(covers.shape[0])
@@ -114,7 +114,7 @@ def _places(source: ThesisMaps) -> list[list[int]]:
 
 
 def _padded(lists: list[list[int]]) -> NDArray[np.int32]:
-    """Return lists of numbers as the rows of an array, filled up with -1."""
+    """Return lists of numbers as the rows of an array, padded with -1."""
     rows = np.full((len(lists), max(map(len, lists), default=0)), -1, np.int32)
     for row, numbers in zip(rows, lists, strict=True):
         row[: len(numbers)] = numbers
@@ -122,7 +122,7 @@ def _padded(lists: list[list[int]]) -> NDArray[np.int32]:
 
 
 class RoomPrior:
-    """Reckon with the generator's statistics: how many rectangles, of which size and where, never with its map."""
+    """Use the generator's statistics: number, sizes and places of rectangles; never its map."""
 
     #: Places that rectangles can have at most; beyond, sampling takes too long.
     MOST_PLACES = 2000
@@ -143,14 +143,14 @@ class RoomPrior:
 
     @classmethod
     def suits(cls, source: object) -> bool:
-        """Tell whether maps come from a generator that this prior knows, and small enough."""
+        """Tell whether the maps come from a generator that this prior supports, and are small enough."""
         if not isinstance(source, ThesisMaps) or source.rows > 0:
             return False
         sides = (source.obstacle_size[1] - source.obstacle_size[0] + 1) ** 2
         return source.height * source.width * sides <= cls.MOST_PLACES
 
     def free_chances(self, belief: Belief) -> NDArray[np.float64]:
-        """Return the chance of each cell of a (H, W) belief to be free, (H*W,)."""
+        """Return the probability that each cell of a (H, W) belief is free, (H*W,)."""
         cells = belief.ravel()
         for _ in range(self._sweeps):
             self._updates += 1
@@ -159,6 +159,6 @@ class RoomPrior:
         return np.asarray(_free_share(cells, self._covers))
 
     def rooms(self, belief: Belief) -> Belief:
-        """Return the rooms sampled last that agree with a (H, W) belief, (K, H*W) with no cell unknown."""
+        """Return the latest samples that agree with a (H, W) belief, (K, H*W) without unknown cells."""
         covers = self._covers[_agreeing(belief.ravel(), self._covers)]
         return np.where(covers > 0, np.uint8(OCCUPIED), np.uint8(FREE))

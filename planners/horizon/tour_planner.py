@@ -1,4 +1,4 @@
-"""The tour of one UAV through a small map: planned over cells, kept while it stands, planned anew as the map grows."""
+"""The tour of one UAV through a small map: planned cell by cell, kept while it is valid, replanned as the map grows."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from indoor_explorers.planners.horizon.beam import BeamConfig, SearchGraph, shor
 from indoor_explorers.planners.horizon.learned_prior import Prior
 from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
 
-#: Free cells that may be missing when everything is wanted, as an expected number.
+#: Expected number of free cells that may be missing if the goal is full coverage.
 CERTAINTY = 0.2
-#: Width of the beam that looks for alternatives, as a share of the usual.
+#: Beam width in the search for alternatives, as a share of the usual width.
 ALTERNATIVE_WIDTH = 0.4
-#: Alternatives that are longer than the tour by more steps than this are not tried in rollouts.
+#: Largest number of additional steps of an alternative that is tried in rollouts.
 SLACK = 6
 
 
 class TourProblem(NamedTuple):
-    """What one tour is to do."""
+    """The search problem of one tour."""
 
     cell: int
-    """Where it starts, flat."""
+    """Flat start cell."""
     unseen: Bits
-    """(W,) what is to be seen; cells of no weight, surely obstacles, would only draw it to where nothing is."""
+    """(W,) cells to be seen, without cells of weight 0, which are obstacles."""
     weights: NDArray[np.float64]
-    """(C,) what seeing a cell is worth."""
+    """(C,) weight of seeing a cell."""
     rest: float
-    """What weight may stay unseen."""
+    """Total weight that may stay unseen."""
 
 
 class TourPlanner:
-    """Plan tours that show the share ``goal`` of the free cells, first without the share ``deferred_share`` of them."""
+    """Plan tours that view the share ``goal`` of the free cells; the share ``deferred_share`` of them comes last."""
 
     def __init__(
         self,
@@ -58,22 +58,22 @@ class TourPlanner:
 
     @property
     def length(self) -> int:
-        """Steps that the tour still has."""
+        """Remaining steps of the tour."""
         return len(self._tour)
 
     def following(self, cell: int) -> int | None:
-        """Return the next cell of the tour of a UAV in a flat cell; None when there is none."""
+        """Return the next cell of the tour for a UAV in a flat cell; None if there is none."""
         if self._tour and self._tour[0] == cell:
             self._tour = self._tour[1:]
         stands = self._tour and self._tour[0] in self.optimistic.neighbours[cell]
         return self._tour[0] if stands else None
 
     def plan(self, belief: Belief, cell: int, share: NDArray[np.float64] | None = None) -> None:
-        """Plan a tour from a flat cell, and keep the old one while it shows enough and is no worse.
+        """Plan a tour from a flat cell; keep the old one while it is finished and not worse.
 
-        ``share`` (C,) is how much of each cell is this UAV's to see, 1 unless a teammate is to see it. A tour that
-        shows too little is kept while it can be flown and shows anything. With a selection, and no teammate to
-        share with, a tour with another first step takes its place where that is better in sampled rooms.
+        ``share`` (C,) are factors on the cells' weights, below 1 for cells that teammates may see. An unfinished tour
+        is kept while it can be flown and has a gain. With rollouts, and without teammates, a tour with another first
+        step replaces it if that is better in sampled rooms.
         """
         self.optimistic.update(belief)
         self.following(cell)
@@ -99,7 +99,7 @@ class TourPlanner:
                 self._tour, self._finishes = tours[best]
 
     def _alternatives(self, problem: TourProblem) -> list[tuple[list[int], bool]]:
-        """Return a tour for each other first step, and whether it finishes; none that is much longer."""
+        """Return a tour for each other first step, and whether it is finished; without much longer ones."""
         tours = []
         width = max(1, round(ALTERNATIVE_WIDTH * self._config.width))
         for cell in self.optimistic.neighbours[problem.cell].tolist():
@@ -114,7 +114,7 @@ class TourPlanner:
         return tours
 
     def _search(self, problem: TourProblem, config: BeamConfig) -> tuple[list[int], bool]:
-        """Return a tour and whether it finishes; up to its last gain if it does not."""
+        """Return a tour and whether it is finished; an unfinished one is cut after its last gain."""
         if not problem.unseen.any():
             return [], False
         views, neighbours, within = self.optimistic.views, self.optimistic.neighbours, self.optimistic.views_within
@@ -126,10 +126,10 @@ class TourPlanner:
     def _wanted(
         self, belief: Belief, chances: NDArray[np.float64], unseen: Bits, share: NDArray[np.float64] | None
     ) -> tuple[NDArray[np.float64], float]:
-        """Return the weights of cells (C,) and what weight of them may stay unseen.
+        """Return the weights of cells (C,) and the total weight that may stay unseen.
 
-        What may be spared is spared until only that is left; then the teammates' part is wanted too, and in the end
-        every cell, however likely an obstacle.
+        The deferred share is left out until only that remains; then the teammates' cells are included, and in the end
+        every cell, even if it is probably an obstacle.
         """
         total = np.count_nonzero(belief == FREE) + chances.sum()
         rest = (1.0 - self._goal) * total + CERTAINTY
@@ -140,9 +140,9 @@ class TourPlanner:
         return unpacked(unseen, belief.size).astype(np.float64), 0.5
 
     def _cost(self, problem: TourProblem, tour: list[int]) -> tuple[int, float] | None:
-        """Return the steps until a tour shows enough and its delay; None if it never does or is blocked.
+        """Return the steps after which a tour is finished, and its delay; None if it is unfinished or blocked.
 
-        The delay is the weight of what is still unseen, summed over these steps.
+        The delay is the weight of the unseen cells, summed over these steps.
         """
         cell, unseen, delay = problem.cell, problem.unseen, 0.0
         for steps, following in enumerate(tour, 1):
@@ -156,7 +156,7 @@ class TourPlanner:
         return None
 
     def _is_open(self, problem: TourProblem) -> bool:
-        """Tell whether the old tour can be flown as far as is known."""
+        """Tell whether no known obstacle blocks the old tour."""
         steps = zip([problem.cell, *self._tour], self._tour, strict=False)
         return all(after in self.optimistic.neighbours[before] for before, after in steps)
 

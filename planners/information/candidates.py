@@ -1,4 +1,4 @@
-"""Candidates: cells that a group of UAVs could fly to next, what each would show, and the distances between them."""
+"""Candidates: cells that a group of UAVs could fly to next, their view gains, and the distances between them."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ Table = NDArray[np.float64]
 
 
 class UnknownWeight(NamedTuple):
-    """How much an unknown cell counts: (1 + isolation k / 24) e^(-depth / fade)."""
+    """Parameters of the weight of an unknown cell: (1 + isolation k / 24) e^(-depth / fade)."""
 
     isolation: float
-    """Weight of k, how many cells of its 5x5 are known or off the map."""
+    """Weight of k, the number of cells in its 5x5 neighbourhood that are known or off the map."""
     fade: float
-    """In cells; the depth is the cell's distance from known free space through the unknown."""
+    """Length in cells; the depth is the cell's distance from known free space through unknown cells."""
 
 
 @leaf()
 def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
-    """Fill ``out`` (H, W) int32 with each unknown cell's steps from known free space through the unknown.
+    """Fill ``out`` (H, W) int32 with each unknown cell's steps from known free space through unknown cells.
 
-    Others hold ``UNREACHABLE``. ``queue`` is scratch, (H*W,) int32.
+    Other cells get ``UNREACHABLE``. ``queue`` is scratch, (H*W,) int32.
     """
     height, width = belief.shape
     out[:] = UNREACHABLE
@@ -50,7 +50,7 @@ def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
 
 @leaf()
 def cell_weight(belief: np.ndarray, depth: np.ndarray, cell: int, weight: UnknownWeight) -> float:
-    """Return how much a flat unknown cell counts."""
+    """Return the weight of a flat unknown cell."""
     row, col = divmod(cell, belief.shape[1])
     isolated = 1.0 + weight.isolation * known_around(belief, row, col) / AROUND
     return float(isolated * np.exp(-depth[row, col] / weight.fade))
@@ -60,7 +60,7 @@ def cell_weight(belief: np.ndarray, depth: np.ndarray, cell: int, weight: Unknow
 def _visible_unknown(
     belief: np.ndarray, cells: np.ndarray, depth: np.ndarray, weight: UnknownWeight, lidar: LidarModel, scan: Scan
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the unknown cells in view of each candidate, (K, disc + 1), how many, (K,), and each cell's weight."""
+    """Return the unknown cells in view of each candidate, (K, disc + 1), their number, (K,), and all cells' weights."""
     width = belief.shape[1]
     lists, sizes = np.empty((cells.shape[0], lidar.disc + 1), np.int32), np.zeros(cells.shape[0], np.int64)
     value = np.zeros(belief.size)
@@ -79,9 +79,9 @@ def _visible_unknown(
 def candidate_views(
     belief: np.ndarray, cells: np.ndarray, weight: UnknownWeight, lidar: LidarModel
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return how much is in view of each of (K,) flat cells, (K,), and what share another one also sees, (K, K).
+    """Return the view gains of (K,) flat cells, (K,), and the share of each view that each other cell has, (K, K).
 
-    The unknown cells are counted by their weights; they are transparent.
+    A view gain is the sum of the weights of the unknown cells in view; unknown cells are transparent.
     """
     depth, mark = np.empty(belief.shape, np.int32), np.empty(belief.size, np.int32)
     depths(belief, mark, depth)
@@ -100,7 +100,7 @@ def candidate_views(
     gains = np.empty(count)
     for k in range(count):
         gains[k] = shared[k, k]
-        for j in range(count):  # sums in another order may differ a little
+        for j in range(count):  # sums in another order may round to more than 1
             shared[k, j] = min(shared[k, j] / max(gains[k], 1e-300), 1.0)
     return gains, shared
 
@@ -109,7 +109,8 @@ def candidate_views(
 def distances_between(belief: np.ndarray, cells: np.ndarray, steps: np.ndarray, limit: int) -> np.ndarray:
     """Return the steps between (K,) flat cells, (K, K).
 
-    Beyond ``limit`` the steps are bounded by going through a UAV's position, from the (N, K) distances ``steps``.
+    Distances above ``limit`` are replaced by an upper bound: the path through a UAV's position, from the (N, K)
+    distances ``steps``.
     """
     count = cells.shape[0]
     queue, out = np.empty(belief.size, np.int32), np.full(belief.size, UNREACHABLE, np.int32)
@@ -135,7 +136,7 @@ def _gains(belief: np.ndarray, cells: np.ndarray, lidar: LidarModel) -> np.ndarr
 
 
 def frontier_candidates(belief: Belief, fields: Distances, lidar_range: float, most: int) -> Cells:
-    """Return the flat cell nearest to the group of each frontier cluster, of the ``most`` clusters nearest to it.
+    """Return, for each of the ``most`` frontier clusters nearest to the group, its flat cell nearest to the group.
 
     ``fields`` is (N, H, W), each UAV's steps.
     """
@@ -147,10 +148,10 @@ def frontier_candidates(belief: Belief, fields: Distances, lidar_range: float, m
 def local_candidates(
     belief: Belief, fields: Distances, lidar_range: float, reach: int, rate: float, most: int
 ) -> Cells:
-    """Return flat known cells at most ``reach`` steps from a UAV with something unknown in view.
+    """Return flat known cells at most ``reach`` steps from a UAV that have unknown cells in view.
 
-    Of each UAV's, those ``most`` with the largest sqrt(view gain) e^(-rate steps); it need not fly up to a frontier
-    that it can look at from nearby.
+    For each UAV the ``most`` cells with the largest sqrt(view gain) e^(-rate steps): a UAV need not fly to a frontier
+    that it can view from nearby.
     """
     flat = fields.reshape(len(fields), -1)
     cells = np.flatnonzero(((flat > 0) & (flat <= reach)).any(axis=0)).astype(np.int32)

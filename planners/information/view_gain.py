@@ -1,4 +1,4 @@
-"""What a scan at a cell could reveal: view gains on a belief map, unknown cells taken as transparent."""
+"""View gains: the unknown cells that a scan could reveal, on a belief map whose unknown cells count as transparent."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def _unclaimed(
 def unclaimed_gains(
     belief: Belief, cells: NDArray[np.int32], claims: NDArray[np.float64], lidar_range: float
 ) -> NDArray[np.int64]:
-    """Return how many unknown cells are visible from each of (K,) flat cells and from no claim, (K,).
+    """Return the number of unknown cells that are visible from each of (K,) flat cells and not claimed, (K,).
 
-    ``claims`` is (M, 2) rows and columns; what is within the lidar range of a claim is left to the UAV that made it.
+    ``claims`` is (M, 2) rows and columns of other UAVs' goals; cells within the lidar range of one are claimed.
     """
     return np.asarray(_unclaimed(belief, cells, claims, lidar_range, lidar_model(float(lidar_range))))
 
@@ -66,20 +66,20 @@ def _visible_sets(belief: np.ndarray, cells: np.ndarray, lidar: LidarModel) -> t
 
 
 def visible_sets(belief: Belief, cells: NDArray[np.int32], lidar_range: float) -> NDArray[np.uint64]:
-    """Return the sets of unknown cells visible from each of (K,) flat cells as bits, (K, words) uint64.
+    """Return the sets of unknown cells visible from each of (K,) flat cells as bit sets, (K, words) uint64.
 
-    Unknown cells are numbered in the order they are met; a set of bits ored together is a joint view.
+    Unknown cells are numbered in the order in which they are found; the bitwise or of sets is a joint view.
     """
     return np.asarray(_visible_sets(belief, cells, lidar_model(float(lidar_range)))[0])
 
 
-#: Half the side of the square around an unknown cell in which known cells make it isolated.
+#: Half width of the square around an unknown cell in which known cells make it isolated.
 NEIGHBOURHOOD = 2
-#: The other cells of that square.
+#: Number of other cells in that square.
 AROUND = (2 * NEIGHBOURHOOD + 1) ** 2 - 1
-#: Side of the squares in which changes are boxed, in cells: teammates change the map in several places at once.
+#: Side in cells of the tiles that changes are boxed in; with teammates the map changes in several places at once.
 TILE = 16
-#: A gain that has to be computed.
+#: Mark of a gain that has to be computed.
 STALE = -1.0
 
 
@@ -125,7 +125,7 @@ def _bring_up_to_date(old: np.ndarray, new: np.ndarray) -> tuple[int, int, int, 
 
 @kernel()
 def _forget_changed(old: np.ndarray, new: np.ndarray, reach: int, gains: np.ndarray) -> None:
-    """Bring ``old`` up to date and make gains stale within ``reach`` of the box around each tile's changes."""
+    """Copy ``new`` to ``old``, and mark the gains within ``reach`` of the box around each tile's changes as stale."""
     for row in range(0, new.shape[0], TILE):
         for col in range(0, new.shape[1], TILE):
             tile = slice(row, row + TILE), slice(col, col + TILE)
@@ -152,17 +152,17 @@ def _kept_gains(
 
 
 class WeightedGains:
-    """Weighted view gains, near and isolated cells counting more; gains that have not changed are kept.
+    """Weighted view gains, in which near and isolated cells have more weight; unchanged gains are cached.
 
-    An unknown cell visible at distance r counts ``exp(-r / (depth R)) (1 + isolation k)``, R the lidar range and k
-    the share of the 24 cells around it that are known or off the map: what lies deep is likely to be hidden behind a
-    wall yet unseen, and what is nearly surrounded would cost a way back later.
+    An unknown cell visible at distance r has the weight ``exp(-r / (depth R)) (1 + isolation k)``, R the lidar range
+    and k the share of the 24 cells around it that are known or off the map: a far cell is more likely to be hidden
+    behind a wall that is not known yet, and an isolated cell would cost a detour later.
 
     Args:
         shape: (H, W) of the map.
-        lidar_range: in cells.
-        depth: distance at which a cell counts 1 / e, in lidar ranges; infinite to count all alike.
-        isolation: how much more a surrounded cell counts.
+        lidar_range: Lidar range in cells.
+        depth: Distance at which the weight is 1 / e, in lidar ranges; infinite for equal weights.
+        isolation: Additional weight of a surrounded cell.
 
     """
 

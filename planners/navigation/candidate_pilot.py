@@ -1,4 +1,4 @@
-"""A pilot that flies to candidates: cells with something unknown in view, on the frontier or not."""
+"""A pilot that flies to candidates: cells with unknown cells in view, on the frontier or not."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
-#: Candidates this near to a goal count as that goal, in cells or in lidar ranges, whichever is more.
+#: Distance within which a candidate counts as the current goal: in cells or in lidar ranges, whichever is more.
 SAME_CELLS, SAME_RANGES = 1.5, 0.2
 
 
 class CandidatePilot(GoalPilot):
     """Fly to candidates that a subclass chooses, each at most once.
 
-    ``visited`` holds the candidates that this UAV has reached: it has seen what can be seen from there.
+    ``visited`` holds the candidates that this UAV has reached; there is nothing more to see from them.
     """
 
     def __init__(self, briefing: Briefing) -> None:
@@ -25,7 +25,7 @@ class CandidatePilot(GoalPilot):
         self.visited: set[Cell] = set()
 
     def is_spent(self, view: View, goal: Cell) -> bool:
-        """Tell whether nothing unknown is in view of a goal, or this UAV has been there and seen what it could."""
+        """Tell whether a goal has no unknown cells in view, or this UAV has been there."""
         if not super().is_spent(view, goal):
             return False
         if view.cell == goal:
@@ -33,7 +33,7 @@ class CandidatePilot(GoalPilot):
         return goal in self.visited or view_gain(view.belief, goal, float(self.briefing.lidar_range)) == 0
 
     def hysteresis_bonus(self, goal: Cell | None, cells: NDArray[np.int32], hold: float) -> NDArray[np.float64]:
-        """Return the factor on what (K,) flat cells are worth to a UAV: ``1 + hold`` near its goal, else 1, (K,)."""
+        """Return the factors on the utilities of (K,) flat cells: ``1 + hold`` near the UAV's goal, else 1, (K,)."""
         if goal is None:
             return np.ones(len(cells))
         rows, cols = np.divmod(cells, self.paths.width)

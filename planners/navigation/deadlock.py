@@ -1,12 +1,12 @@
 """Deadlock resolution: what a UAV does when a teammate is in its way.
 
-Teammates are not in the map, and without radio a UAV does not know of them at all: the only sign is a move that did not
-happen. In a convoy that happens, too, so the first failed move is ignored. From the second on the UAV draws at random:
-it repeats the move, or it makes way. It makes way by a detour if that is not much longer, else by a retreat to a
-passing place, where it waits about as long as the path there was; from a crossing it takes any way out. A UAV with no
-passing place in reach usually retries its move; the others can yield. The longest reach of a retreat doubles each time
-that one soon follows another, so of two UAVs head-on in a corridor one leaves it in the end, however long the corridor
-is. The reach itself is drawn, so that small jams are resolved nearby. Each UAV draws from its own generator.
+Teammates are not in the map, and without radio a UAV does not know of them: the only sign is a move that failed. This
+also happens in a convoy, so the first failed move is ignored. From the second one on the UAV decides at random to
+repeat the move or to make way: by a detour if that is not much longer, else by a retreat to a passing place, where it
+waits about as many steps as the path there had; from a crossing it retreats in any direction. A UAV with no passing
+place in reach usually retries its move; the others can yield. The longest reach of a retreat doubles each time that
+one soon follows another, so of two UAVs head-on in a corridor one leaves it in the end, however long the corridor is.
+The reach itself is random, so that small jams are resolved nearby. Each UAV draws from its own generator.
 
 :mod:`indoor_explorers.learners.guard` resolves deadlocks of learned policies, which have neither goals nor paths.
 """
@@ -21,15 +21,15 @@ from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.navigation.passing_places import passing_places, path_to_passing_place
 from indoor_explorers.planners.navigation.paths import Paths
 
-#: Moves in a row that must fail before a UAV may make way.
+#: Consecutive failed moves before a UAV may make way.
 PATIENCE = 2
-#: Detours and retreats avoid a cell where a teammate stood for this many steps.
+#: Steps for which detours and retreats avoid a cell where a teammate was in the way.
 BLOCKED_STEPS = 8
-#: A retreat is forgotten, and the next one short again, after this many times its reach in steps.
+#: After this many times the reach of a retreat in steps, the next retreat starts with a short reach again.
 MEMORY = 4
-#: At the end of a retreat a UAV waits less than this many times its length, and less than this many steps.
+#: At the end of a retreat a UAV waits less than this factor times its length, and less than this number of steps.
 WAIT_FACTOR, LONGEST_WAIT = 2, 6
-#: Chance that a UAV without a passing place retreats anyway, and the most steps it then waits.
+#: Probability that a UAV without a passing place retreats anyway, and the most steps that it then waits.
 BACK_OFF, SHORT_WAIT = 0.1, 4
 
 
@@ -39,7 +39,7 @@ def target_of(cell: Cell, action: int) -> Cell:
 
 
 class DeadlockResolver:
-    """Notice the failed moves of one UAV, and make way."""
+    """Detect failed moves of one UAV, and make way."""
 
     def __init__(self, paths: Paths, rng: np.random.Generator) -> None:
         self._paths = paths
@@ -58,11 +58,11 @@ class DeadlockResolver:
         return len(self._retreat) > 1 or self._wait > 0
 
     def expect(self, cell: Cell, action: int) -> None:
-        """Remember the move that is commanded now."""
+        """Store the move that is commanded in this step."""
         self._expected = None if action == Action.STAY else target_of(cell, action)
 
     def should_make_way(self, view: View) -> bool:
-        """Tell whether moves keep failing and the draw says to make way."""
+        """Tell whether moves have failed often enough and the random decision is to make way."""
         if self._expected is None or view.cell == self._expected:
             self._failures = 0
             return False
@@ -71,14 +71,14 @@ class DeadlockResolver:
         return self._failures >= PATIENCE and bool(self._rng.random() < 0.5)
 
     def barred(self, view: View) -> list[Cell]:
-        """Return the cells where teammates stood in the way lately."""
+        """Return the cells where teammates were in the way recently."""
         self._blocked = {
             cell: step for cell, step in self._blocked.items() if step > view.step - BLOCKED_STEPS and cell != view.cell
         }
         return list(self._blocked)
 
     def retreat(self, view: View) -> None:
-        """Start to retreat, possibly farther than the last time if that was not long ago."""
+        """Start a retreat, with a longer reach if the last one was recent."""
         if view.step >= self._forget_at:
             self._reach = 1
         self._reach = min(2 * self._reach, view.belief.size)

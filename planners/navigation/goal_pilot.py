@@ -7,12 +7,12 @@ Each step goes through the same states, whatever the planner::
        +- no goal:           map grew?                         -> choose
        +- is_spent(goal):    nothing left to see there         -> choose
        +- overdue:           not reached in time; ban the goal -> choose
-       +- wants_replan:      and the UAV does not swing        -> choose
+       +- wants_replan:      and the UAV does not oscillate    -> choose
        +- else:              keep the goal; new path if the map grew or the UAV left its path
        |
-    next_action: blocked twice by a teammate? go round, turn away, or retreat; else the next cell of the path
+    next_action: blocked twice by a teammate? detour, other frontier, or retreat; else the next cell of the path
 
-``choose`` that finds nothing is asked once more without bans. :class:`~.navigator.Navigator` does the flying.
+If ``choose`` finds nothing, it is called once more without bans. :class:`~.navigator.Navigator` follows the paths.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ from indoor_explorers.planners.navigation.navigator import Navigator
 class GoalPilot(Pilot):
     """Fly to goals that a subclass chooses.
 
-    A goal is kept until it is no longer a frontier cell. A UAV always sees its four neighbours, so a goal that is
-    reached is no frontier cell any more; and as long as a frontier cell can be reached there is a goal. So every
-    reachable cell becomes known. A UAV that has flown to and fro twice, as when two keep changing their minds about
-    each other, keeps its goal.
+    A goal is kept until it is no longer a frontier cell. A UAV always sees its four neighbours, so a reached goal is
+    not a frontier cell any more; and as long as a frontier cell is reachable there is a goal. So every reachable cell
+    becomes known. A UAV that oscillates between two cells, as when two UAVs keep reacting to each other's goals, keeps
+    its goal.
     """
 
     straight: ClassVar[bool] = False
@@ -48,35 +48,35 @@ class GoalPilot(Pilot):
         self.navigator = Navigator(briefing, straight=self.straight)
         self.paths = self.navigator.paths
         self.plans = 0
-        """How often a goal was chosen."""
+        """Number of goals chosen so far."""
 
     @abstractmethod
     def choose(self, view: View) -> Cell | None:
-        """Return the frontier cell to fly to next, none :meth:`near_banned` ones; None when none is reachable."""
+        """Return the frontier cell to fly to next, except :meth:`near_banned` ones; None if none is reachable."""
 
     def on_map_growth(self, view: View) -> None:  # a hook that most planners leave empty
-        """Take note that the map has grown; called before anything is chosen."""
+        """Handle new knowledge of the map; called before any choice of a goal."""
 
     def is_spent(self, view: View, goal: Cell) -> bool:
-        """Tell whether there is no reason to fly to a goal any more: as a rule, when it is no frontier cell."""
+        """Tell whether a goal is no longer useful: by default, if it is no frontier cell."""
         return not on_frontier(view.belief, goal[0] * self.paths.width + goal[1])
 
     def wants_replan(self, view: View) -> bool:
-        """Tell whether to choose again although the goal is still good; asked at every step."""
+        """Tell whether to choose again although the goal is still useful; called at every step."""
         return False
 
     @property
     def goal(self) -> Cell | None:
-        """The present goal."""
+        """The current goal."""
         return self.navigator.goal
 
     @property
     def map_grew(self) -> bool:
-        """Whether this step's map holds more than the last one's."""
+        """Whether cells have become known since the last step."""
         return self.navigator.map_grew
 
     def act(self, view: View) -> int:
-        """Follow the path to the goal, choosing another goal when it is due."""
+        """Follow the path to the goal, and choose another goal if due."""
         self.navigator.observe(view)
         return self.proceed(view)
 
@@ -92,7 +92,7 @@ class GoalPilot(Pilot):
         return navigator.next_action(view)
 
     def choose_goal(self, view: View) -> None:
-        """Choose a goal and set out for it; a banned one when there is no other."""
+        """Choose a goal and a path to it; a banned goal if there is no other."""
         self.plans += 1
         goal = self.choose(view)
         if goal is None and self.navigator.lift_bans():
@@ -100,19 +100,19 @@ class GoalPilot(Pilot):
         self.navigator.set_goal(view, goal)
 
     def tally(self) -> dict[str, float]:
-        """Return how often goals were given up because teammates kept them from being reached, and how often chosen."""
+        """Return the number of goals given up because teammates were in the way, and of goals chosen."""
         return {"goals_given_up": float(self.navigator.given_up), "plans": float(self.plans)}
 
     def steps_from(self, view: View, cell: Cell) -> Distances:
-        """Return the (H, W) steps from a cell through known free cells; from the UAV's own, found once a step."""
+        """Return the (H, W) steps from a cell through known free cells; those from the UAV's cell are cached."""
         return self.navigator.steps_from(view, cell)
 
     def near_banned(self, view: View, cells: NDArray[np.int32]) -> Mask:
-        """Return which of (K,) flat cells are too near to a goal that is banned for now, (K,) bool."""
+        """Return which of (K,) flat cells are too close to a banned goal, (K,) bool."""
         return self.navigator.near_banned(view, cells)
 
     def nearest_frontier(self, view: View) -> Cell | None:
-        """Return the frontier cell with the shortest known path, drawn among equals; None when none is reachable."""
+        """Return the frontier cell with the shortest known path, drawn at random among equals; None if unreachable."""
         return self.navigator.nearest_frontier(view)
 
     def _choice_is_due(self, view: View) -> bool:

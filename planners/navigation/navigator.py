@@ -1,4 +1,4 @@
-"""How a UAV gets to its goal: it follows a shortest known path, gives way, and gives up goals that it cannot reach."""
+"""Navigation to a goal: follow a shortest known path, give way, and give up goals that cannot be reached."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from indoor_explorers.planners.navigation.deadlock import DeadlockResolver
 from indoor_explorers.planners.navigation.paths import Paths, count_known, near_any, without
 from indoor_explorers.planners.navigation.straight_paths import straight_path
 
-#: Steps for which a goal that could not be reached is left alone.
+#: Steps for which a goal that could not be reached is banned.
 BAN_STEPS = 50
-#: A way round a teammate may be this many times as long as the path it replaces, plus this many cells.
+#: Longest detour around a teammate: this factor times the length of the path that it replaces, plus this many cells.
 DETOUR_FACTOR, DETOUR_CELLS = 1.5, 4
 
 _ACTIONS = {(int(row), int(col)): action for action, (row, col) in enumerate(MOVES)}
@@ -26,14 +26,14 @@ def action_between(cell: Cell, following: Cell) -> int:
 
 
 class Navigator:
-    """Keep the goal of one UAV, the path to it, the goals that are banned for now, and deadlock resolution.
+    """Keep the goal of one UAV, the path to it and the banned goals, and resolve deadlocks.
 
-    A goal that is not reached within ``max(8, 2 d)`` steps, d its distance at first, because teammates are in the way,
-    is banned for ``BAN_STEPS`` steps. Call :meth:`observe` once a step, before anything else.
+    A goal that is not reached within ``max(8, 2 d)`` steps, d its initial distance, because teammates are in the way,
+    is banned for ``BAN_STEPS`` steps. Call :meth:`observe` once per step, before any other method.
 
     Args:
-        briefing: of the UAV.
-        straight: whether to fly the straightest shortest path
+        briefing: Briefing of the UAV.
+        straight: Whether to fly the straightest shortest path
             (:mod:`~indoor_explorers.planners.navigation.straight_paths`).
 
     """
@@ -43,13 +43,13 @@ class Navigator:
         self.deadlock = DeadlockResolver(self.paths, briefing.rng)
         self.goal: Cell | None = None
         self.map_grew = False
-        """Whether this step's map holds more than the last one's."""
+        """Whether cells have become known since the last step."""
         self.known = -1
-        """How many cells are known: as knowledge only grows, an equal number means an unchanged map."""
+        """Number of known cells; knowledge only grows, so an equal number means an unchanged map."""
         self.recent: list[Cell] = []
-        """The cells of the last four steps, the present one last."""
+        """The cells of the last four steps, the current one last."""
         self.given_up = 0
-        """How many goals were given up because they were not reached in time."""
+        """Number of goals given up because they were not reached in time."""
         self._rng, self._lidar_range, self._straight = briefing.rng, briefing.lidar_range, straight
         self._path: list[Cell] = []
         self._at = 0
@@ -60,21 +60,21 @@ class Navigator:
 
     @property
     def swings(self) -> bool:
-        """Whether the UAV has just flown to and fro twice between two cells."""
+        """Whether the UAV has just oscillated between two cells twice."""
         return self.recent[:2] == self.recent[2:] and len(set(self.recent)) == 2
 
     @property
     def stands(self) -> bool:
-        """Whether the UAV has not got out of its cell in the last two steps."""
+        """Whether the UAV has not left its cell in the last two steps."""
         return len(self.recent) > 2 and len(set(self.recent[-3:])) == 1
 
     @property
     def may_replan(self) -> bool:
-        """Whether a goal may be changed while it is good: not after swings, until the next goal is set."""
+        """Whether a useful goal may be replaced: not after an oscillation, until the next goal is set."""
         return not self._settled
 
     def observe(self, view: View) -> None:
-        """Take note of what has changed since the last step."""
+        """Update the state from this step's view."""
         known = count_known(view.belief)
         self.map_grew, self.known = known != self.known, known
         self.recent = [*self.recent[-3:], view.cell]
@@ -82,7 +82,7 @@ class Navigator:
         self._own_field = None
 
     def steps_from(self, view: View, cell: Cell) -> Distances:
-        """Return the (H, W) steps from a cell through known free cells; from the UAV's own, found once a step."""
+        """Return the (H, W) steps from a cell through known free cells; those from the UAV's cell are cached."""
         if cell != view.cell:
             return self.paths.field(view.belief, cell)
         if self._own_field is None or self._own_field[:2] != (view.step, cell):
@@ -90,7 +90,7 @@ class Navigator:
         return self._own_field[2]
 
     def set_goal(self, view: View, goal: Cell | None) -> None:
-        """Fly to a goal from now on; None to stay."""
+        """Set the goal; None to stay."""
         kept = goal is not None and goal == self.goal
         self.goal, self._settled = goal, False
         self.find_path(view)
@@ -98,7 +98,7 @@ class Navigator:
             self._deadline = view.step + max(8, 2 * (len(self._path) - 1))
 
     def is_overdue(self, view: View) -> bool:
-        """Tell whether the goal should have been reached by now; it is banned then."""
+        """Tell whether the time for reaching the goal is over; the goal is then banned."""
         if self.goal is None or view.step <= self._deadline:
             return False
         self.given_up += 1
@@ -106,34 +106,34 @@ class Navigator:
         return True
 
     def banned(self, view: View) -> list[Cell]:
-        """Return the goals that are left alone for now."""
+        """Return the currently banned goals."""
         self._bans = {cell: until for cell, until in self._bans.items() if until > view.step}
         return list(self._bans)
 
     def lift_bans(self) -> bool:
-        """Forget all bans; return whether there were any."""
+        """Remove all bans; return whether there were any."""
         banned, self._bans = bool(self._bans), {}
         return banned
 
     def near_banned(self, view: View, cells: NDArray[np.int32]) -> Mask:
-        """Return which of (K,) flat cells are too near to a banned goal, (K,) bool."""
+        """Return which of (K,) flat cells are too close to a banned goal, (K,) bool."""
         return near_any(cells, self.paths.flat(self.banned(view)), self.paths.width)
 
     def nearest_frontier(self, view: View) -> Cell | None:
-        """Return the frontier cell with the shortest known path, drawn among equals; None when none is reachable."""
+        """Return the frontier cell with the shortest known path, drawn at random among equals; None if unreachable."""
         path = self.paths.to_frontier(view.belief, view.cell, self._rng, self.banned(view))
         return path[-1] if path else None
 
     def find_path(self, view: View) -> None:
-        """Find the path to the goal anew."""
+        """Plan a new path to the goal."""
         self.follow(self._shortest(view, self.goal) if self.goal else [])
 
     def follow(self, path: list[Cell]) -> None:
-        """Follow a path that begins at the UAV's cell."""
+        """Set the path, which begins at the UAV's cell."""
         self._path, self._at = path, 0
 
     def is_off_path(self, view: View) -> bool:
-        """Tell whether the UAV is not on its path, having advanced along it."""
+        """Advance along the path to the UAV's cell; tell whether the UAV is not on it."""
         path, at = self._path, self._at
         if at + 1 < len(path) and path[at + 1] == view.cell:
             self._at += 1
@@ -145,14 +145,14 @@ class Navigator:
         return self._path[self._at + 1] if self._at + 1 < len(self._path) else view.cell
 
     def next_action(self, view: View) -> int:
-        """Return the next move along the path, or of a retreat from a teammate in the way."""
+        """Return the next move along the path, or along a retreat from a teammate in the way."""
         if self.deadlock.should_make_way(view):
             self._make_way(view)
         following = self.deadlock.next_cell(view) if self.deadlock.retreating else self.next_cell(view)
         return self.command(view, following)
 
     def command(self, view: View, following: Cell) -> int:
-        """Return the action that leads to an adjacent cell, and expect to be there in the next step."""
+        """Return the action that leads to an adjacent cell, and store the move to detect its failure."""
         action = action_between(view.cell, following)
         self.deadlock.expect(view.cell, action)
         return action
@@ -163,7 +163,7 @@ class Navigator:
         return self.paths.to(view.belief, view.cell, goal) or []
 
     def _make_way(self, view: View) -> None:
-        """Go round the teammate in the way, or to another frontier on this side of it, or step aside."""
+        """Make way: take a detour around the teammate, or another frontier on this side of it, or retreat."""
         if self.goal and not self.deadlock.retreating and (self._goes_round(view) or self._turns_away(view)):
             return
         self.deadlock.retreat(view)
@@ -177,7 +177,7 @@ class Navigator:
         return True
 
     def _turns_away(self, view: View) -> bool:
-        """Ban the goal and take a frontier on this side of the teammate, at most a lidar range farther away."""
+        """Ban the goal and choose a frontier on this side of the teammate, at most a lidar range farther away."""
         passable = without(view.belief, self.deadlock.barred(view))
         farthest = len(self._path) - self._at + self._lidar_range
         others = [*self.banned(view), *([self.goal] if self.goal else [])]

@@ -10,7 +10,7 @@ from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.planners.navigation.paths import Paths, without
 
-#: A passing place is drawn from this many of the nearest, as the very nearest may be the mouth of the corridor itself.
+#: Number of nearest passing places that one is drawn from; the very nearest may be the mouth of the corridor itself.
 CHOICE = 12
 
 
@@ -24,9 +24,9 @@ def passing_places(belief: Belief) -> Mask:
 def path_to_passing_place(
     paths: Paths, belief: Belief, cell: Cell, reach: int, rng: np.random.Generator, barred: Iterable[Cell] = ()
 ) -> list[Cell] | None:
-    """Return a path to one of the passing places nearest to ``cell``, at most ``reach`` steps away; None for none.
+    """Return a path to one of the nearest passing places at most ``reach`` steps from ``cell``; None if there is none.
 
-    The path keeps off the cells of ``barred``.
+    The path avoids the cells of ``barred``.
     """
     barred = list(barred)
     steps = paths.field(without(belief, barred), cell)

@@ -1,8 +1,8 @@
-"""Shortest paths over what is known: breadth-first searches that stop early and keep their buffers.
+"""Shortest paths through known free cells: breadth-first searches that stop early and reuse their buffers.
 
 Cells are flat indices (row * width + column) inside compiled code and (row, column) outside. ``barred``
 lists flat cells that a search must not enter, such as the cell of a teammate in the way; ``avoid`` lists
-flat cells near which no frontier is wanted.
+flat cells near which frontier cells are ignored.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from indoor_explorers.env.search.shortest_paths import (
     search_within,
 )
 
-#: Frontier cells this near to an avoided cell are avoided, too, in cells (Chebyshev).
+#: Chebyshev distance in cells within which frontier cells near an avoided cell are ignored, too.
 AVOID_RADIUS = 2
 
 
@@ -60,7 +60,7 @@ def search_frontier(
     buffers: SearchBuffers,
     number: int,
 ) -> int:
-    """Return the frontier cell nearest to ``start``, -1 for none; among equals the one that ``ties`` picks.
+    """Return the frontier cell nearest to ``start``, -1 for none; ``ties`` decides among equals.
 
     ``ties`` is 64 random bits.
     """
@@ -85,7 +85,7 @@ def search_frontier(
 
 @kernel()
 def count_known(belief: np.ndarray) -> int:
-    """Count the known cells: as knowledge only grows, an equal count means an unchanged map."""
+    """Count the known cells; knowledge only grows, so an equal count means an unchanged map."""
     known = 0
     for value in belief.reshape(belief.size):
         known += value != UNKNOWN
@@ -93,7 +93,7 @@ def count_known(belief: np.ndarray) -> int:
 
 
 def without(belief: Belief, barred: Iterable[Cell]) -> Belief:
-    """Return a copy of a (H, W) belief in which some cells are occupied, so that nothing leads through them."""
+    """Return a copy of a (H, W) belief in which some cells are occupied, so that no path leads through them."""
     passable = belief.copy()
     for row, col in barred:
         passable[row, col] = OCCUPIED
@@ -101,7 +101,7 @@ def without(belief: Belief, barred: Iterable[Cell]) -> Belief:
 
 
 class Paths:
-    """Answer one pilot's path questions on maps of one shape, with buffers that are kept."""
+    """Find paths for one pilot on maps of one shape, with reused buffers."""
 
     def __init__(self, shape: tuple[int, int]) -> None:
         size = shape[0] * shape[1]
@@ -118,7 +118,7 @@ class Paths:
         return self._number
 
     def to(self, belief: Belief, cell: Cell, goal: Cell, barred: Iterable[Cell] = ()) -> list[Cell] | None:
-        """Return a shortest known path from ``cell`` to ``goal``, both included; None when there is none."""
+        """Return a shortest known path from ``cell`` to ``goal``, both included; None if there is none."""
         start, end = cell[0] * self.width + cell[1], goal[0] * self.width + goal[1]
         if not search_to(belief, start, end, self.flat(barred), self._buffers, self._next()):
             return None
@@ -127,7 +127,7 @@ class Paths:
     def to_frontier(
         self, belief: Belief, cell: Cell, rng: np.random.Generator, avoid: Iterable[Cell] = ()
     ) -> list[Cell] | None:
-        """Return a shortest path to the nearest frontier cell, drawn among equals; None when none is reachable."""
+        """Return a shortest path to the nearest frontier cell, drawn at random among equals; None if unreachable."""
         ties = rng.integers(2**64, dtype=np.uint64)
         start = cell[0] * self.width + cell[1]
         end = search_frontier(belief, start, self.flat(avoid), ties, self._buffers, self._next())
@@ -136,9 +136,9 @@ class Paths:
     def to_anywhere(
         self, belief: Belief, cell: Cell, reach: int, rng: np.random.Generator, barred: Iterable[Cell] = ()
     ) -> list[Cell] | None:
-        """Return a path to a random other cell at most ``reach`` steps away; None when walled in.
+        """Return a path to a random other cell at most ``reach`` steps away; None if no move is possible.
 
-        The farther half of what can be reached is drawn from.
+        The cell is drawn from the farther half of these cells.
         """
         start = cell[0] * self.width + cell[1]
         found = search_within(belief, start, reach, self.flat(barred), self._buffers, self._next())
@@ -153,9 +153,9 @@ class Paths:
         return out
 
     def matrix(self, belief: Belief, cells: Cells, known: Distances | None = None) -> Distances:
-        """Return the (K, K) int32 steps between (K,) flat cells; ``UNREACHABLE`` where no known path leads.
+        """Return the (K, K) int32 steps between (K,) flat cells; ``UNREACHABLE`` without a known path.
 
-        What is not negative in ``known`` (K, K) is taken over, and ``UNREACHABLE`` there is searched again.
+        Entries of ``known`` (K, K) that are not negative are reused, except ``UNREACHABLE`` ones.
         """
         first, self._number = self._number + 1, self._number + len(cells)
         steps = np.full((len(cells), len(cells)), -1, np.int32) if known is None else np.array(known, np.int32)

@@ -1,7 +1,7 @@
-"""Straight paths: of all shortest paths on the grid, one through the middle and not along the walls.
+"""Straight paths: among all shortest paths on the grid, one through the middle and not along the walls.
 
-On a grid most goals have many shortest paths. One that keeps the rest of the way as diagonal as it can see round
-corners earlier than one that follows a wall, and costs no step more.
+On a grid most goals have many shortest paths of the same length. A UAV on a path whose remainder is as diagonal as
+possible sees around corners earlier than on one that follows a wall.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def _straight(belief: np.ndarray, start: int, goal: int) -> np.ndarray:
 
 
 def straight_path(belief: Belief, cell: Cell, goal: Cell) -> list[Cell]:
-    """Return a shortest known path from ``cell`` to ``goal``, both included; an empty list when there is none."""
+    """Return a shortest known path from ``cell`` to ``goal``, both included; an empty list if there is none."""
     width = belief.shape[1]
     path = _straight(belief, cell[0] * width + cell[1], goal[0] * width + goal[1])
     return [divmod(place, width) for place in path.tolist()]

@@ -1,8 +1,8 @@
-"""Simulated annealing of a team's routes, each change judged by the time that sensing along the way really takes.
+"""Simulated annealing of a team's routes; the cost of each change is computed by flying the routes with sensing.
 
 S. Kirkpatrick, C. D. Gelatt, M. P. Vecchi, "Optimization by simulated annealing", Science 220, 1983,
 doi:10.1126/science.220.4598.671. The changes are those of vehicle routing: remove, insert, shift and exchange stops,
-reverse (2-opt) and move (Or-opt) a piece, exchange the rests of two routes.
+reverse (2-opt) and move (Or-opt) a piece, exchange the tails of two routes.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ from indoor_explorers.planners.reference.routes import (
     take,
 )
 
-#: Cost of each cell that is missing at the end, in steps: large enough that no final route misses any.
+#: Cost of each cell that is missing at the end, in steps; so large that no final route misses any.
 PENALTY = 10.0
-#: First temperature as a share of the first routes' steps, and the last one in steps.
+#: Initial temperature as a share of the initial routes' steps, and final temperature in steps.
 HOT, COLD = 0.005, 0.25
-#: Viewpoints sampled for each stop of the first routes.
+#: Viewpoints sampled for each stop of the initial routes.
 SAMPLES = 100
-#: Failed samples per viewpoint after which the first routes end.
+#: Failed samples per viewpoint after which the initial routes are complete.
 MOST_SAMPLES = 64
 #: Most stops in a piece that is moved.
 PIECE = 8
-#: How often each change is tried, as upper ends of ranges in 100; beyond the last one routes exchange their rests.
+#: Frequency of each change in percent, as cumulative upper bounds; beyond the last one two routes exchange their tails.
 INSERT, SHIFT, RELOCATE, MOVE_PIECE, REMOVE, REVERSE, EXCHANGE = 7, 42, 57, 65, 80, 90, 97
 
 
@@ -49,12 +49,12 @@ def draw_below(rng_state: np.ndarray, sides: int) -> int:
     """Draw an integer from 0 to ``sides`` - 1; ``rng_state`` (2,) uint64 holds a key and a counter."""
     rng_state[1] += np.uint64(1)
     drawn = draw(rng_state[0], rng_state[1]) % np.uint64(sides)
-    return int(np.int64(drawn))  # signed, because numba makes floats of mixed integers
+    return int(np.int64(drawn))  # signed, since numba converts mixed integers to floats
 
 
 @leaf(entry=False)
 def _pick(routes: Routes, rng_state: np.ndarray) -> tuple[int, int]:
-    """Draw one of all stops: its route and place; there must be one."""
+    """Draw one of all stops, of which there must be one; return its route and position."""
     p = draw_below(rng_state, count_stops(routes))
     n = 0
     while p >= routes.sizes[n]:
@@ -72,7 +72,7 @@ def _insert(table: VisibilityTable, distances: DistanceTable, routes: Routes, st
 
 @leaf(entry=False)
 def _shift(table: VisibilityTable, distances: DistanceTable, routes: Routes, rng_state: np.ndarray) -> bool:
-    """Put a viewpoint a few random steps away in the place of a stop."""
+    """Replace a stop by a viewpoint a few random steps away."""
     n, p = _pick(routes, rng_state)
     cell = distances.points[routes.stops[n, p]]
     for _ in range(1 + draw_below(rng_state, 4)):
@@ -90,7 +90,7 @@ def _shift(table: VisibilityTable, distances: DistanceTable, routes: Routes, rng
 def _relocate(
     table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, rng_state: np.ndarray
 ) -> bool:
-    """Move a stop to where it costs least, or anywhere."""
+    """Move a stop to its cheapest position, or to a random one."""
     n, p = _pick(routes, rng_state)
     point = take(routes, n, p)
     if draw_below(rng_state, 2) == 0:
@@ -101,14 +101,14 @@ def _relocate(
 
 @leaf(entry=False)
 def _move_piece(routes: Routes, rng_state: np.ndarray) -> bool:
-    """Move a few stops that follow one another to anywhere, the last one first in every other case."""
+    """Move a few consecutive stops to a random position, reversed in half of the cases."""
     n, p = _pick(routes, rng_state)
     m = draw_below(rng_state, routes.sizes.shape[0])
     size = min(1 + draw_below(rng_state, PIECE), routes.sizes[n] - p)
     turned = draw_below(rng_state, 2) == 0
     if turned:
         reverse(routes, n, p, p + size - 1)
-    if m == n:  # two pieces that follow one another change places
+    if m == n:  # two consecutive pieces change places
         left = routes.sizes[n] - p - size
         if left == 0:
             return turned and size > 1
@@ -127,7 +127,7 @@ def _move_piece(routes: Routes, rng_state: np.ndarray) -> bool:
 def _change(
     table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, rng_state: np.ndarray
 ) -> bool:
-    """Change routes in one random way; return False when nothing came of it."""
+    """Change routes in one random way; return whether they changed."""
     kind = draw_below(rng_state, 100)
     if kind < INSERT or count_stops(routes) == 0:
         return _insert(table, distances, routes, state, draw_below(rng_state, distances.points.shape[0]))
@@ -161,7 +161,7 @@ def _construct(
     aims: Aims,
     rng_state: np.ndarray,
 ) -> None:
-    """Insert the best of some random viewpoints by new cells a step, until routes see enough or have no more room."""
+    """Insert viewpoints, each the best of some random ones by new cells per step, until the last aim or full routes."""
     samples = SAMPLES
     left = cost(table, distances, routes, state, aims, math.inf)[1]
     while left > 0:
@@ -196,7 +196,7 @@ def anneal(
 ) -> tuple[Routes, float]:
     """Return the best routes found that reach the last aim, and their cost.
 
-    Tries this many ``changes``, fewer when they cost more than ``work`` joined words.
+    Tries ``changes`` changes; fewer if they take more than ``work`` word operations.
     """
     team, room = state.starts.shape[0], 64 + table.neighbours.shape[0] // 8
     rng_state = np.array([key, np.uint64(0)], np.uint64)

@@ -1,7 +1,7 @@
-"""Routes of a team through viewpoints: how long they take to see enough, and the ways to change them.
+"""Routes of a team through viewpoints: their cost, and operations that change them.
 
-A route is a list of viewpoints that one UAV flies to in turn, by shortest paths from its start, and it senses all
-along the way. All UAVs fly at the same time; what they see is joined.
+A route is a list of viewpoints that one UAV visits in turn, on shortest paths from its start; it senses at every step.
+All UAVs fly at the same time, and their views are merged.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FAR = np.int32(2**20)
 
 
 class DistanceTable(NamedTuple):
-    """K viewpoints and the steps to them, worked out as they are needed."""
+    """K viewpoints and the steps to them, computed on demand."""
 
     points: NDArray[np.int32]
     """(K,) number of each viewpoint's cell."""
@@ -29,7 +29,7 @@ class DistanceTable(NamedTuple):
     steps: NDArray[np.int32]
     """(K, M) steps from each cell to each viewpoint."""
     known: NDArray[np.bool_]
-    """(K,) whose steps are worked out."""
+    """(K,) whether the steps have been computed."""
     queue: NDArray[np.int32]
     """(M,) scratch."""
 
@@ -40,38 +40,38 @@ class Routes(NamedTuple):
     stops: NDArray[np.int32]
     """(N, L) viewpoints in order."""
     sizes: NDArray[np.int64]
-    """(N,) how many each route has."""
+    """(N,) number of stops of each route."""
 
 
 class Aims(NamedTuple):
-    """What routes are to reach, and what steps cost."""
+    """The aims of routes, and the cost of steps."""
 
     first: int
-    """Cells to see soon."""
+    """Seen cells at the first aim."""
     last: int
-    """Cells to see in the end, as many or more."""
+    """Seen cells at the last aim, at least as many."""
     share: float
-    """What a step between the first aim and the last costs; before the first it costs 1."""
+    """Cost of a step between the first aim and the last; before the first a step costs 1."""
 
 
 class TeamState(NamedTuple):
-    """Where N UAVs are while routes are flown, and what they see."""
+    """State of N UAVs while routes are flown."""
 
     starts: NDArray[np.int64]
-    """(N,) numbers of the cells where they start."""
+    """(N,) numbers of the start cells."""
     cell: NDArray[np.int64]
-    """(N,) numbers of the cells where they are."""
+    """(N,) numbers of the current cells."""
     stop: NDArray[np.int64]
-    """(N,) which stop of its route each one flies to."""
+    """(N,) index of the next stop of each route."""
     seen: NDArray[np.uint64]
-    """(T,) what is seen by now."""
+    """(T,) bit set of the cells seen so far."""
     work: NDArray[np.int64]
-    """(1,) words joined so far: what the search has cost, the same on every machine."""
+    """(1,) word operations so far: the effort of the search, the same on every machine."""
 
 
 @leaf(entry=False)
 def find_steps(table: VisibilityTable, distances: DistanceTable, point: int) -> None:
-    """Work out the steps to a viewpoint unless they are known."""
+    """Compute the steps to a viewpoint unless they are known."""
     if distances.known[point]:
         return
     distances.known[point] = True
@@ -84,7 +84,7 @@ def find_steps(table: VisibilityTable, distances: DistanceTable, point: int) -> 
 
 @leaf(entry=False)
 def start(table: VisibilityTable, state: TeamState) -> int:
-    """Put the UAVs at their starts; return how many cells their first scans show."""
+    """Put the UAVs at their starts; return the number of cells that their first scans show."""
     state.seen[:] = 0
     new = 0
     for n in range(state.starts.shape[0]):
@@ -95,7 +95,7 @@ def start(table: VisibilityTable, state: TeamState) -> int:
 
 @leaf(entry=False)
 def fly_on(table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState) -> int:
-    """Move every UAV one step along its route; return how many cells that shows, -1 when all routes are flown."""
+    """Move every UAV one step along its route; return the number of new cells, -1 when all routes are complete."""
     new = -1
     for n in range(state.cell.shape[0]):
         cell = state.cell[n]
@@ -120,7 +120,7 @@ def fly_on(table: VisibilityTable, distances: DistanceTable, routes: Routes, sta
 def cost(
     table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, aims: Aims, limit: float
 ) -> tuple[float, int]:
-    """Fly routes to their ends, the last aim, or a cost above ``limit``; return the cost and how many cells miss.
+    """Fly routes to their ends, the last aim, or a cost above ``limit``; return the cost and the missing cells.
 
     A step costs 1 before the first aim is reached and ``aims.share`` after it.
     """
@@ -138,7 +138,7 @@ def cost(
 def tracks(
     table: VisibilityTable, distances: DistanceTable, routes: Routes, state: TeamState, aims: Aims
 ) -> np.ndarray:
-    """Return the numbers of the cells that the UAVs are in up to the last aim, (steps + 1, N)."""
+    """Return the numbers of the UAVs' cells at every step up to the last aim, (steps + 1, N)."""
     team, seen, new, size = state.cell.shape[0], start(table, state), 0, 0
     out = np.empty(1024 * team, np.int64)
     while new >= 0:
@@ -174,7 +174,7 @@ def count_stops(routes: Routes) -> int:
 
 @leaf(entry=False)
 def put(routes: Routes, n: int, p: int, point: int) -> bool:
-    """Insert a viewpoint as stop ``p`` of route ``n``; return False where there is no room for it."""
+    """Insert a viewpoint as stop ``p`` of route ``n``; return False if the route is full."""
     size = routes.sizes[n]
     if size == routes.stops.shape[1]:
         return False
@@ -187,7 +187,7 @@ def put(routes: Routes, n: int, p: int, point: int) -> bool:
 
 @leaf(entry=False)
 def take(routes: Routes, n: int, p: int) -> int:
-    """Take stop ``p`` out of route ``n`` and return it."""
+    """Remove stop ``p`` from route ``n`` and return it."""
     point = routes.stops[n, p]
     for q in range(p, routes.sizes[n] - 1):
         routes.stops[n, q] = routes.stops[n, q + 1]
@@ -197,7 +197,7 @@ def take(routes: Routes, n: int, p: int) -> int:
 
 @leaf(entry=False)
 def reverse(routes: Routes, n: int, low: int, high: int) -> None:
-    """Turn stops ``low`` to ``high`` of route ``n`` round."""
+    """Reverse stops ``low`` to ``high`` of route ``n``."""
     stops = routes.stops[n]
     while low < high:
         stops[low], stops[high] = stops[high], stops[low]
@@ -206,7 +206,7 @@ def reverse(routes: Routes, n: int, low: int, high: int) -> None:
 
 @leaf(entry=False)
 def cross(routes: Routes, n: int, p: int, m: int, q: int) -> bool:
-    """Exchange what follows in route ``n`` from stop ``p`` and in route ``m`` from stop ``q``."""
+    """Exchange the tails of route ``n`` from stop ``p`` on and of route ``m`` from stop ``q`` on."""
     one, other = routes.sizes[n] - p, routes.sizes[m] - q
     if max(p + other, q + one) > routes.stops.shape[1]:
         return False
@@ -225,7 +225,7 @@ def cross(routes: Routes, n: int, p: int, m: int, q: int) -> bool:
 
 @leaf(entry=False)
 def cheapest_place(distances: DistanceTable, routes: Routes, starts: np.ndarray, point: int) -> tuple[int, int, int]:
-    """Return where a viewpoint, its steps known, lengthens a route least: the steps more, the route, the stop."""
+    """Return the cheapest insertion of a viewpoint whose steps are known: the additional steps, the route, the stop."""
     least, best, at = np.int64(FAR) * 4, 0, 0
     for n in range(routes.sizes.shape[0]):
         cell = starts[n]

@@ -14,9 +14,9 @@ from indoor_explorers.planners.navigation.navigator import DETOUR_CELLS, DETOUR_
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
 
-#: Steps without getting on after which a UAV leaves its route: a teammate that will not move is in the way.
+#: Steps without progress, because a teammate blocks the route, after which a UAV leaves its route.
 STALLED = 100
-#: Cells of the route ahead that a UAV tries to get to when a teammate is in the way.
+#: Number of next cells of the route that a UAV tries to reach when a teammate is in the way.
 LOOK_AHEAD = 12
 
 
@@ -48,12 +48,12 @@ class Reference(Policy):
         at_least(self, 1, "restarts", "changes", "work")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return ReferencePilot(briefing, SearchBudget(self.restarts, self.changes, self.work))
 
 
 class ReferencePilot(NearestPilot):
-    """Follow one's own route, and take the nearest frontier when it is flown or a teammate blocks it for good."""
+    """Follow the UAV's own route; fly to nearest frontiers when it is complete or a teammate blocks it for too long."""
 
     def __init__(self, briefing: Briefing, budget: SearchBudget) -> None:
         super().__init__(briefing)
@@ -66,7 +66,7 @@ class ReferencePilot(NearestPilot):
         self._moved_on = 0
 
     def act(self, view: View) -> int:
-        """Fly on along the route."""
+        """Continue along the route."""
         if self._track is None:
             self._track = self._planned()
             self.plans += 1
@@ -101,14 +101,14 @@ class ReferencePilot(NearestPilot):
         return self.navigator.next_cell(view)
 
     def _way(self, goal: Cell, view: View) -> list[Cell] | None:
-        """Return the shortest way on the true map, round teammates where there is one."""
+        """Return the shortest path on the true map, around teammates if possible."""
         truth = self._truth
         return self.paths.to(truth, view.cell, goal, self.navigator.deadlock.barred(view)) or self.paths.to(
             truth, view.cell, goal
         )
 
     def _sidestep(self, track: Track, view: View) -> None:
-        """Go round a teammate to a cell of the route further on, or retreat where that takes too long."""
+        """Take a detour around a teammate to a later cell of the route, or retreat if that is too long."""
         for place in range(self._place + 1, min(self._place + LOOK_AHEAD, len(track))):
             around = self.paths.to(self._truth, view.cell, track[place], self.navigator.deadlock.barred(view))
             if around and len(around) - 1 <= DETOUR_FACTOR * (place - self._place) + DETOUR_CELLS:

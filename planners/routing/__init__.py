@@ -1,1 +1,1 @@
-"""Routing: in which order to visit places, and which UAV visits which."""
+"""Routing: the order of visits to places, and their assignment to UAVs."""

@@ -1,4 +1,4 @@
-"""Assignment of UAVs to places at the least total cost."""
+"""Assignment of UAVs to places with the least total cost."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from scipy.optimize import linear_sum_assignment
 
 
 def matched(costs: NDArray[np.float64], extra: float) -> NDArray[np.int64]:
-    """Return for each of N UAVs which of K places it gets, at the least total of (N, K) ``costs``.
+    """Return the place of each of N UAVs among K places, (N,), with the least total of (N, K) ``costs``.
 
-    With fewer places than UAVs every place takes ceil(N / K) of them, all but one at an ``extra`` cost
+    With fewer places than UAVs, up to ceil(N / K) UAVs share a place; all but the first have an ``extra`` cost
     (H. W. Kuhn, "The Hungarian method for the assignment problem", 1955, doi:10.1002/nav.3800020109).
     """
     uavs, places = costs.shape

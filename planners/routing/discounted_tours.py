@@ -1,6 +1,6 @@
-"""Tours by their discounted gains: the sum of what the places are worth, each discounted by when it is reached.
+"""Tours with discounted gains: the value is the sum of the places' gains, each discounted by its time of arrival.
 
-With a discount rate of 0 a tour's value is its negative length.
+With a discount rate of 0 the value is the negative length of the tour.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.planners.routing.local_search import Objective, SearchSettings, cost_of, improve
 
-#: Rounds of improvement: until nothing is found any more.
+#: Largest number of rounds of improvement: practically unlimited.
 ROUNDS = 2**31
-#: A tour must be worth more by this share.
+#: Relative improvement that a change must exceed.
 LEAST_SHARE = 1e-9
 
 
@@ -33,8 +33,8 @@ def value_of_tour(
 ) -> float:
     """Return the value of a tour.
 
-    ``costs`` (K, K) are the distances between places, ``gains`` (K,) what each is worth, 0 at the start, and ``order``
-    the numbers of the places visited, the start in front.
+    ``costs`` (K, K) are the distances between places, ``gains`` (K,) their gains, 0 at the start, and ``order`` the
+    numbers of the visited places, the start first.
     """
     return float(_value(costs, gains, order, float(rate)))
 
@@ -42,6 +42,6 @@ def value_of_tour(
 def improved_tour(
     costs: NDArray[np.float64], gains: NDArray[np.float64], order: NDArray[np.int64], rate: float
 ) -> tuple[NDArray[np.int64], float]:
-    """Move single places of a tour while that adds to its value (:func:`value_of_tour`); return order and value."""
+    """Move single places of a tour while this increases its value (:func:`value_of_tour`); return order and value."""
     order = order.copy()
     return order, float(_improve(costs, gains, order, float(rate)))

@@ -1,9 +1,9 @@
-"""Local search on visiting orders, for objectives that count when each place is reached.
+"""Local search on visiting orders, for objectives that depend on the times of arrival.
 
 :mod:`~indoor_explorers.planners.routing.min_latency` and
-:mod:`~indoor_explorers.planners.routing.discounted_tours` say which objective is meant for what. Tours of which only
-the length counts have a search of their own (:mod:`~indoor_explorers.planners.routing.open_tours`), which adds up
-differences instead of whole costs.
+:mod:`~indoor_explorers.planners.routing.discounted_tours` describe the objectives. Tours whose cost is their length
+have a search of their own (:mod:`~indoor_explorers.planners.routing.open_tours`), which adds up differences instead of
+whole costs.
 """
 
 from __future__ import annotations
@@ -16,25 +16,25 @@ from indoor_explorers.env.grid.compiled import kernel
 
 
 class Objective(NamedTuple):
-    """The cost of an order whose k-th place, of weight w, is reached at time t_k; the last one at T."""
+    """The cost of an order whose places have weights w and times of arrival t, the last one T."""
 
     latency: float
-    """Without a rate, the cost is T + latency * sum(w t)."""
+    """If the rate is 0, the cost is T + latency * sum(w t)."""
     rate: float
-    """With a rate above 0, the cost is -sum(w e^(-rate t)), whatever the latency."""
+    """If the rate is above 0, the cost is -sum(w e^(-rate t)), independent of the latency."""
 
 
 class SearchSettings(NamedTuple):
-    """Which changes of an order are tried, for how long, and what they must save."""
+    """The changes of an order that are tried, and the improvement that they must have."""
 
     rounds: int
-    """The most rounds."""
+    """Largest number of rounds."""
     reversals: bool
-    """Whether pieces are reversed (2-opt) besides moving single places (Or-opt)."""
+    """Whether pieces are reversed (2-opt) in addition to moving single places (Or-opt)."""
     least_saving: float
-    """A change must save more than this, so that rounding does not turn an order back and forth,"""
+    """Saving that a change must exceed, so that rounding cannot make the search cycle."""
     least_share: float
-    """and more than this share of the cost."""
+    """Saving that a change must exceed, as a share of the cost."""
 
 
 @kernel(entry=False)
@@ -43,7 +43,8 @@ def cost_of(
 ) -> float:
     """Return the cost of visiting the places in ``order``, some of K.
 
-    ``start`` (K,) are the times to the first place, ``between`` (K, K) those between places, ``weights`` (K,) theirs.
+    ``start`` (K,) are the times to a first place, ``between`` (K, K) those between places, ``weights`` (K,) the places'
+    weights.
     """
     latency, rate = objective
     time, weight = start[order[0]], weights[order[0]]
@@ -61,7 +62,7 @@ def cost_of(
 
 @kernel(entry=False)
 def by_nearest(first: int, between: np.ndarray) -> np.ndarray:
-    """Return an order of all places that begins with ``first`` and always goes to the nearest place left."""
+    """Return the nearest-neighbour order of all places that begins with ``first``."""
     count = between.shape[0]
     order = np.arange(count)
     order[0], order[first] = first, 0
@@ -84,7 +85,7 @@ def _reverse(order: np.ndarray, i: int, j: int) -> None:
 
 @kernel(entry=False)
 def _move(order: np.ndarray, i: int, j: int) -> None:
-    """Take the place at ``i`` out and put it in at ``j``."""
+    """Move the place at ``i`` to ``j``."""
     place, step = order[i], 1 if j > i else -1
     while i != j:
         order[i] = order[i + step]
@@ -101,7 +102,7 @@ def improve(
     objective: Objective,
     settings: SearchSettings,
 ) -> float:
-    """Improve an order in place, but for its first place; return its cost. The arrays are those of :func:`cost_of`."""
+    """Improve an order in place, keeping its first place; return its cost. The arrays are those of :func:`cost_of`."""
     count = order.shape[0]
     cost = cost_of(order, start, between, weights, objective)
     for _ in range(settings.rounds):

@@ -1,4 +1,4 @@
-"""Minimum-latency orders: a travelling repairman who also wants to be done early.
+"""Minimum-latency orders, whose cost also contains the length of the tour.
 
 The cost of an order is the time at which its last place is reached, plus a multiple of the weighted mean waiting time
 of the places. Without the second part this is the open travelling salesman problem, without the first the minimum
@@ -12,9 +12,9 @@ import numpy as np
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.planners.routing.local_search import Objective, SearchSettings, by_nearest, improve
 
-#: Rounds of improvement after which an order is good enough.
+#: Largest number of rounds of improvement.
 ROUNDS = 8
-#: An order must save more than this, in units of the distances.
+#: Saving that a change must exceed, in units of the distances.
 LEAST_SAVING = 1e-9
 
 
@@ -22,7 +22,7 @@ LEAST_SAVING = 1e-9
 def improved_cost(
     order: np.ndarray, start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float
 ) -> float:
-    """Improve an order in place, but for its first place; return its cost."""
+    """Improve an order in place, keeping its first place; return its cost."""
     return float(
         improve(order, start, between, shares, Objective(latency, 0.0), SearchSettings(ROUNDS, True, LEAST_SAVING, 0.0))
     )
@@ -32,8 +32,8 @@ def improved_cost(
 def costs_of_first(start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float) -> np.ndarray:
     """Return for each of K places the cost of the best order found that begins there, (K,).
 
-    ``start`` (K,) are the distances from the UAV, ``between`` (K, K) those between the places; ``shares`` (K,) add up
-    to one; ``latency`` is the weight of the mean waiting time beside the length.
+    ``start`` (K,) are the distances from the UAV, ``between`` (K, K) those between the places. The weights ``shares``
+    (K,) add up to one; ``latency`` is the weight of the mean waiting time relative to the length.
     """
     count = start.shape[0]
     costs = np.empty(count)

@@ -1,9 +1,9 @@
-"""Open tours: short orders in which to visit K places, from a fixed first one and with a free end.
+"""Open tours: short orders of visits to K places, with a fixed first place and a free end.
 
 Costs are a (K, K) matrix of finite numbers, ``costs[a, b]`` the cost of going from a to b, symmetric or not. An order
-is (K,) int64, the first place in front. Nearest neighbour makes an order, 2-opt (Croes 1958, doi:10.1287/opre.6.6.791)
-and Or-opt (Or 1976) improve it until neither finds anything, and places that turn up later are inserted where they
-cost least (Rosenkrantz, Stearns & Lewis 1977, doi:10.1137/0206041). All of it is deterministic.
+is (K,) int64, the first place first. Nearest neighbour makes an initial order, 2-opt (Croes 1958,
+doi:10.1287/opre.6.6.791) and Or-opt (Or 1976) improve it until neither finds an improvement, and new places are
+inserted where they cost least (Rosenkrantz, Stearns & Lewis 1977, doi:10.1137/0206041). All of it is deterministic.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ Costs = NDArray[Any]
 #: (K,) places in the order in which they are visited.
 Order = NDArray[np.int64]
 
-#: The most places that Or-opt moves at once.
+#: Largest number of places that Or-opt moves at once.
 LONGEST_PIECE = 3
-#: A tour must be shorter by more than this to count as shorter.
+#: Saving that a change must exceed, because of rounding.
 ROUNDING = 1e-9
 
 
@@ -51,7 +51,7 @@ def _nearest_neighbour(costs: np.ndarray, first: int) -> np.ndarray:
 
 @kernel(entry=False)
 def _two_opt(costs: np.ndarray, order: np.ndarray) -> bool:
-    """Reverse pieces of ``order`` whose reversal saves something; return whether there was one."""
+    """Reverse pieces of ``order`` whose reversal shortens it; return whether there was one."""
     count, found = order.shape[0], False
     for i in range(1, count - 1):
         before, forth, back = order[i - 1], 0.0, 0.0
@@ -71,7 +71,7 @@ def _two_opt(costs: np.ndarray, order: np.ndarray) -> bool:
 
 @kernel(entry=False)
 def _joined(costs: np.ndarray, before: int, head: int, tail: int, after: int) -> float:
-    """Return what the edges into and out of a piece cost; -1 for ``after`` is the free end."""
+    """Return the cost of the edges into and out of a piece; -1 for ``after`` is the free end."""
     return float(costs[before, head] + (costs[tail, after] if after >= 0 else 0.0))
 
 
@@ -91,7 +91,7 @@ def _moved(order: np.ndarray, i: int, size: int, at: int, turned: bool) -> None:
 
 @kernel(entry=False)
 def _or_opt(costs: np.ndarray, order: np.ndarray) -> bool:
-    """Move short pieces of ``order`` that are cheaper elsewhere; return whether there was one."""
+    """Move short pieces of ``order`` to cheaper positions; return whether there was one."""
     count, found = order.shape[0], False
     for size in range(1, min(LONGEST_PIECE, count - 2) + 1):
         for i in range(1, count - size + 1):
@@ -122,7 +122,7 @@ def _improve(costs: np.ndarray, order: np.ndarray) -> None:
 
 @kernel(entry=False)
 def _cheapest(costs: np.ndarray, order: np.ndarray, place: int) -> tuple[int, float]:
-    """Return after which index of ``order`` a place costs least to insert, and what it costs there."""
+    """Return the index of ``order`` after which inserting a place costs least, and this cost."""
     where, least = 0, np.inf
     for at in range(order.shape[0]):
         follower = order[at + 1] if at + 1 < order.shape[0] else -1
@@ -160,17 +160,17 @@ def _float(costs: Costs) -> NDArray[np.float64]:
 
 
 def tour_length(costs: Costs, order: Order) -> float:
-    """Return what it costs to visit places in an order."""
+    """Return the cost of visiting places in an order."""
     return float(_length(_float(costs), order))
 
 
 def nearest_neighbour(costs: Costs, first: int = 0) -> Order:
-    """Return the order in which the nearest place not yet visited always comes next; the first of equals."""
+    """Return the nearest-neighbour order: the nearest unvisited place comes next, the first among equals."""
     return np.asarray(_nearest_neighbour(_float(costs), first))
 
 
 def improved(costs: Costs, order: Order) -> Order:
-    """Return an order no longer than ``order`` that neither 2-opt nor Or-opt can shorten; its first place stays."""
+    """Return ``order`` improved until neither 2-opt nor Or-opt can shorten it; its first place stays."""
     better = np.array(order, np.int64)
     _improve(_float(costs), better)
     return better
@@ -179,8 +179,8 @@ def improved(costs: Costs, order: Order) -> Order:
 def open_tour(costs: Costs, first: int = 0, restarts: int = 0, rng: np.random.Generator | None = None) -> Order:
     """Return a short order of all K places that begins with ``first``: nearest neighbour, then improved.
 
-    Each of the ``restarts`` draws from ``rng`` where to cut the best order found so far, exchanges the two middle
-    pieces and improves again (the double bridge of Martin, Otto & Felten 1991).
+    Each of the ``restarts`` cuts the best order found so far at random places from ``rng``, exchanges the two middle
+    pieces and improves the result (the double bridge of Martin, Otto & Felten 1991).
     """
     costs = _float(costs)
     best = improved(costs, nearest_neighbour(costs, first))
@@ -195,9 +195,9 @@ def open_tour(costs: Costs, first: int = 0, restarts: int = 0, rng: np.random.Ge
 
 
 def shared_out(costs: Costs, starts: int) -> Order:
-    """Return whose tour each of K places belongs on, (K,); the first ``starts`` rows are where tours begin.
+    """Return the tour that each of K places belongs to, (K,); the first ``starts`` rows are the starts of the tours.
 
-    An auction of one place at a time: the place and the tour come next that make the shortest tour with the place in
-    it (M. G. Lagoudakis et al., "Auction-based multi-robot routing", RSS 2005, doi:10.15607/RSS.2005.I.045).
+    An auction assigns one place at a time: the pair of place and tour that gives the shortest tour including the place
+    (M. G. Lagoudakis et al., "Auction-based multi-robot routing", RSS 2005, doi:10.15607/RSS.2005.I.045).
     """
     return np.asarray(_share_out(_float(costs), starts))

@@ -1,4 +1,4 @@
-"""Greedy covers: few viewpoints that together see all that any of many sees."""
+"""Greedy set covers: few viewpoints that together see all cells that any of many viewpoints sees."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ def _new(bits: np.ndarray, left: np.ndarray) -> int:
 
 @kernel()
 def distinct(bits: np.ndarray, overlap: float, most: int) -> np.ndarray:
-    """Return the first ``most`` rows of (K, words) ``bits`` with few ones in common with each row returned before.
+    """Return the first ``most`` rows of (K, words) ``bits`` that overlap little with each row returned before.
 
-    Few is a share of at most ``overlap`` of the row's own ones.
+    Two rows overlap little if they share at most ``overlap`` of the later row's ones.
     """
     picks = np.empty(min(most, bits.shape[0]), np.int64)
     size = 0
@@ -41,10 +41,10 @@ def distinct(bits: np.ndarray, overlap: float, most: int) -> np.ndarray:
 def _leaders(
     bits: np.ndarray, weights: np.ndarray, left: np.ndarray, bounds: np.ndarray, leaders: np.ndarray, least: int
 ) -> int:
-    """Fill ``leaders`` with the rows that add most, the best first; return how many there are.
+    """Fill ``leaders`` with the rows that add most, the best first; return their number.
 
-    Rows that add fewer than ``least`` are none. ``bounds`` (K,) holds what each row added at most, times its weight,
-    and is brought up to date where that matters.
+    Rows that add fewer than ``least`` ones are left out. ``bounds`` (K,) holds upper bounds of the weighted number of
+    new ones of each row, and is updated where necessary.
     """
     found, size = 0, leaders.shape[0]
     for k in range(bits.shape[0]):
@@ -66,10 +66,10 @@ def _leaders(
 
 @kernel()
 def greedy_cover(bits: np.ndarray, weights: np.ndarray, ranks: np.ndarray, least: int) -> tuple[np.ndarray, np.ndarray]:
-    """Pick rows of (K, words) ``bits`` until no other adds ``least`` ones; return the picks and what each added.
+    """Pick rows of (K, words) ``bits`` until no other adds ``least`` ones; return the picks and their added ones.
 
-    Round k takes, of the ``ranks.max() + 1`` rows whose new ones times their (K,) positive ``weights`` are most, the
-    one whose place is ``ranks[k]``, the last when there are fewer; there are at most as many rounds as ``ranks``.
+    Round k orders the rows by the number of their new ones times their positive ``weights`` (K,), and picks the row at
+    position ``ranks[k]``, or the last one if there are fewer. There are at most as many rounds as ``ranks``.
     """
     left = np.zeros(bits.shape[1], np.uint64)
     for k in range(bits.shape[0]):

@@ -1,4 +1,4 @@
-"""What random trees have come upon: cells from which something unknown is in view, kept while that is so."""
+"""Viewpoints found by random trees: cells with unknown cells in view, kept as long as they have a gain."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from indoor_explorers.planners.sampling.samples import box_around, known_cells, 
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import grow_tree
 
-#: The most viewpoints that are evaluated at a time: the nearest ones.
+#: Most viewpoints that are evaluated at a time: the nearest ones.
 JUDGED = 256
 
 
 def tree_cells(
     view: View, squares: Iterable[tuple[float, int]], bias: float, edge: float, rng: np.random.Generator
 ) -> NDArray[np.int32]:
-    """Grow a tree from the UAV; return its known free cells and where it gets into the unknown, flat.
+    """Grow a tree from the UAV; return its known free cells, and those where it enters unknown space, flat.
 
-    Each of the ``squares`` around the UAV is half its side in cells and how many samples are drawn from it, a share
-    ``bias`` of them from unknown cells next to known free ones. ``edge`` is the longest edge in cells.
+    Each of the ``squares`` around the UAV is given by half its side in cells and its number of samples; a share
+    ``bias`` of them is drawn from unknown cells next to known free ones. ``edge`` is the longest edge in cells.
     """
     drawn = []
     for half, count in squares:
@@ -46,14 +46,14 @@ class ViewpointMemory:
         self._cells = np.empty(0, np.int32)
 
     def grow(self, view: View, *squares: tuple[float, int]) -> None:
-        """Remember what a tree finds whose samples are drawn from squares around the UAV (:func:`tree_cells`)."""
+        """Add the viewpoints of a tree with samples from squares around the UAV (:func:`tree_cells`)."""
         found = tree_cells(view, squares, self._policy.bias, self._policy.edge, self._rng)
         self._cells = np.union1d(self._cells, found)
 
     def recalled(self, view: View, steps: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
         """Return the nearest viewpoints, (K,) flat cells, and their gains, (K,).
 
-        ``steps`` (H*W,) tells how near a cell is. Those that cannot be reached or have no gain are forgotten.
+        ``steps`` (H*W,) are the path lengths. Unreachable viewpoints and those without a gain are removed.
         """
         cells = self._cells[(steps[self._cells] < UNREACHABLE) & ~view.visited.ravel()[self._cells]]
         cells = cells[np.argsort(steps[cells], kind="stable")]

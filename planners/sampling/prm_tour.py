@@ -22,37 +22,37 @@ from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
 
-#: How many tours are improved: those of the highest value in nearest-neighbour order.
+#: Number of tours that are improved: those of the highest value in nearest-neighbour order.
 IMPROVED = 3
 
 
 @dataclass(frozen=True, kw_only=True)
 class PrmTour(ViewpointPolicy):
-    """Cover what can be seen with few milestones of a PRM*, and fly to the first one of a tour through them.
+    """Select few milestones of a PRM* that view all visible unknown cells, and fly to the first one of a tour.
 
-    The milestones that together see all the unknown cells in view are picked greedily, at random among the best few,
-    several times. The tour with the largest sum of gains wins, each discounted by the way to it, or, with
-    ``as_published``, the shortest one. The last tour's milestones stand for election again, so that tours do not flip
-    while nothing better turns up.
+    A set of milestones that together view all visible unknown cells is picked greedily, at random among the best few,
+    several times. The tour with the largest sum of gains, each discounted by its distance, is flown, or, with
+    ``as_published``, the shortest tour. The last tour's milestones are candidates again, so that the tour only changes
+    for a better one.
 
     C. Cao, H. Zhu, H. Choset, J. Zhang, "TARE: a hierarchical framework for efficiently exploring complex 3D
     environments", RSS 2021, doi:10.15607/RSS.2021.XVII.018.
     """
 
     milestones: int = 200
-    """Milestones of the roadmap, half of them on the frontier where there are enough."""
+    """Milestones of the roadmap, half of them on the frontier if there are enough frontier cells."""
     restarts: int = 10
-    """Covers that are tried for each tour."""
+    """Number of covers that are tried for each tour."""
     choices: int = 3
-    """How many of the best milestones a cover draws from in each round."""
+    """Number of best milestones that a cover draws from in each round."""
     stops: int = 30
-    """The most stops of a tour."""
+    """Most stops of a tour."""
     least: float = 0.002
-    """What a stop must add to the view at least, as a share of the lidar's disc."""
+    """Fewest cells that a stop must add to the view, as a share of the lidar's disc."""
     keep: float = 1.2
-    """Factor on the merit of a tour that is like the last one."""
+    """Factor on the merit of a tour that is similar to the last one."""
     as_published: bool = False
-    """True for the shortest tour instead of the one that earns most early on."""
+    """Whether to fly the shortest tour, as in the paper, instead of the one with the largest discounted gain."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -60,7 +60,7 @@ class PrmTour(ViewpointPolicy):
         at_least(self, 0.0, "least", "keep")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return PrmTourPilot(briefing, self)
 
 
@@ -77,7 +77,7 @@ class PrmTourPilot(ViewpointPilot):
         self._rate = 0.0 if policy.as_published else policy.discount / briefing.lidar_range
 
     def wants_replan(self, view: View) -> bool:
-        """Keep to the first stop until it is spent."""
+        """Keep the first stop until it has no gain left."""
         return False
 
     def viewpoint(self, view: View) -> Cell | None:
@@ -126,9 +126,9 @@ class PrmTourPilot(ViewpointPilot):
     def _best(
         self, costs: NDArray[np.float64], tours: list[tuple[NDArray[np.float64], NDArray[np.int64]]]
     ) -> NDArray[np.int64]:
-        """Return the order of the highest value when improved, of the first tour and the most promising others.
+        """Return the improved order of highest value, among the first tour and the most promising others.
 
-        A tour is what the places are worth, (K,), and an order of some of them. ``costs`` are (K, K).
+        A tour is the places' gains, (K,), and an order of some of them. ``costs`` are (K, K).
         """
         values = [value_of_tour(costs, worths, order, self._rate) for worths, order in tours]
         promising = np.argsort(-np.array(values), kind="stable")[:IMPROVED]
@@ -145,7 +145,7 @@ class PrmTourPilot(ViewpointPilot):
     def _covers(
         self, bits: NDArray[np.uint64], weights: NDArray[np.float64], kept: NDArray[np.int64]
     ) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Return covers, each as its picks and what they add to the view; the first one has what is kept in front."""
+        """Return covers, each as its picks and the cells that they add; the first one begins with the kept stops."""
         policy = self._policy
         least = self._least
         none = np.zeros(policy.stops, np.int64)

@@ -1,9 +1,9 @@
 """Probabilistic roadmaps over known free space, made by OMPL from points that the caller has drawn.
 
-PRM and PRM* take their milestones from the valid-state sampler of the space, and a sampler of listed states hands
-them out in order. Only ``growRoadmap`` is called, until it has taken every point: ``solve`` and ``constructRoadmap``
-take turns by the clock with random bounces from old milestones, drawn from OMPL's generator, and would differ from
-run to run.
+PRM and PRM* take their milestones from the valid-state sampler of the space; a sampler of listed states returns the
+points in order. Only ``growRoadmap`` is called, until it has taken every point: ``solve`` and ``constructRoadmap``
+alternate, by wall time, with random bounces from old milestones, drawn from OMPL's generator, and would not be
+reproducible.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Roadmap(NamedTuple):
     """(E, 2) numbers of the points that each edge joins, the lower one first, in lexicographic order."""
 
     def lengths_from(self, *sources: int) -> NDArray[np.float64]:
-        """Return the lengths of the shortest ways from S points to all, (S, K) cells, inf where there is none."""
+        """Return the lengths of the shortest paths from S points to all, (S, K) in cells, inf if there is none."""
         first, second = self.edges.T
         weights = np.hypot(*(self.points[first] - self.points[second]).T)
         graph = csr_array((weights, (first, second)), shape=(len(self.points), len(self.points)))
@@ -38,14 +38,14 @@ class Roadmap(NamedTuple):
 
 
 class _Listed(base.ValidStateSampler):  # type: ignore[misc]  # ompl carries no types
-    """Hand out listed points, one a call."""
+    """Return listed points, one per call."""
 
     def __init__(self, information: Any, points: Iterator[list[float]]) -> None:
         super().__init__(information)
         self._points = points
 
     def sample(self, state: Any) -> bool:
-        """Write the next point into ``state``; tell whether there was one."""
+        """Write the next point into ``state``; return whether there was one."""
         point = next(self._points, None)
         if point is not None:
             state[0], state[1] = point
@@ -53,11 +53,11 @@ class _Listed(base.ValidStateSampler):  # type: ignore[misc]  # ompl carries no 
 
 
 def grow_roadmap(belief: Belief, points: Points, *, optimal: bool = True) -> Roadmap:
-    """Join (K, 2) distinct ``points`` in known free space of a (H, W) ``belief`` to a roadmap.
+    """Connect (K, 2) distinct ``points`` in known free space of a (H, W) ``belief`` to a roadmap.
 
-    Each point is joined to its nearest ones by every segment that stays in known free cells: to as many as make ways
-    asymptotically shortest (PRM*, Karaman & Frazzoli 2011), or to a few (PRM, Kavraki et al. 1996). The result
-    depends on the arguments alone.
+    Each point is connected to its nearest ones by every segment that stays in known free cells: to as many as make
+    paths asymptotically optimal (PRM*, Karaman & Frazzoli 2011), or to a few (PRM, Kavraki et al. 1996). The result
+    depends only on the arguments.
     """
     with quiet():
         information = plane_of(belief, into_unknown=False)

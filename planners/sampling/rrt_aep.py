@@ -1,4 +1,4 @@
-"""Autonomous exploration planning: a local random tree and remembered viewpoints (Selin et al. 2019)."""
+"""Autonomous exploration planning: a local random tree and stored viewpoints (Selin et al. 2019)."""
 
 from __future__ import annotations
 
@@ -21,21 +21,20 @@ from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints, few
 
-#: Half the side of the square right around the UAV, in cells.
+#: Half the side of the inner square around the UAV, in cells.
 NEAR_HALF = 6.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class RrtAep(TreePolicy):
-    """Remember the viewpoints that trees have found, and fly to the best of all of them.
+    """Store the viewpoints that trees have found, and fly to the best of all of them.
 
-    The paper takes turns: receding-horizon next-best-view planning while the local tree has gain enough, else an
-    RRT* to the remembered viewpoint with the best g e^(-global_discount d / R), d the length of the way along the
-    RRT*; ``take_turns`` does that. Without it there is a tree near the UAV, densest around it, and now and then one
-    over the whole map. What they have found and what is remembered is chosen from as
-    :class:`~indoor_explorers.planners.frontier.joint.FrontierJoint` chooses from frontier clusters: the best short
-    sequence for the least cost of all that it leaves behind, linked UAVs in turn; ``share`` counts for the paper's
-    order alone.
+    The paper alternates: receding-horizon next-best-view planning while the local tree has enough gain, else an RRT* to
+    the stored viewpoint with the best g e^(-global_discount d / R), d the path length along the RRT*; ``take_turns``
+    does this. Without it, a tree is grown near the UAV, densest around it, and from time to time one over the whole
+    map. The next viewpoint is chosen among all new and stored ones as
+    :class:`~indoor_explorers.planners.frontier.joint.FrontierJoint` chooses among frontier clusters: the best short
+    sequence, minus the cost of all that it leaves behind, linked UAVs in turn. ``share`` only affects ``take_turns``.
 
     M. Selin, M. Tiger, D. Duberg, F. Heintz, P. Jensfelt, "Efficient autonomous exploration planning of large-scale
     3-D environments", IEEE RA-L 4(2), 2019, doi:10.1109/LRA.2019.2897343.
@@ -46,26 +45,25 @@ class RrtAep(TreePolicy):
     samples: int = 100
     """Samples for each tree."""
     near_samples: int = 100
-    """More samples for the tree near the UAV, drawn right around it."""
+    """Additional samples for the tree near the UAV, drawn from an inner square around it."""
     local_period: float = 0.1
     """Steps after which a tree is grown near the UAV if the map has grown, in lidar ranges."""
     global_period: float = 1.0
     """Steps after which a tree is grown over the whole map if the map has grown, in lidar ranges."""
     places: int = 32
-    """The most viewpoints with different views to choose from."""
+    """Most viewpoints with different views to choose from."""
     lookouts: int = 8
-    """The most other viewpoints near a UAV of the group to choose from."""
+    """Most other viewpoints near a UAV of the group to choose from."""
     order: float = 0.3
-    """What a lidar range of the cost of what is left behind takes off the logarithm of a sequence's value."""
+    """Weight of the cost of what a sequence leaves behind, per lidar range, against the logarithm of its value."""
     latency: float = 3.0
-    """Weight of the mean waiting time beside the length in that cost."""
+    """Weight of the mean waiting time relative to the length in that cost."""
     take_turns: bool = False
-    """True for the paper's order: the local tree first, remembered viewpoints when its gain is too small."""
+    """Whether to follow the paper: the local tree first, stored viewpoints if its gain is too small."""
     threshold: float = 0.02
-    """The least gain of a local tree, and of a viewpoint that is remembered, when taking turns: a share of the
-    lidar's disc."""
+    """Smallest gain of a local tree, and of a stored viewpoint, with ``take_turns``, as a share of the lidar's disc."""
     global_discount: float = 0.6
-    """The same for the path along the RRT*: gain * exp(-global_discount * length / lidar_range)."""
+    """Discount rate along the RRT*: gain * exp(-global_discount * length / lidar_range)."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -74,12 +72,12 @@ class RrtAep(TreePolicy):
         at_least(self, 1, "places")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return TurnsPilot(briefing, self) if self.take_turns else RrtAepPilot(briefing, self)
 
 
 class RrtAepPilot(JointPilot):
-    """Choose among remembered viewpoints, in turn with the linked teammates."""
+    """Choose among stored viewpoints, in turn with the linked teammates."""
 
     def __init__(self, briefing: Briefing, policy: RrtAep) -> None:
         super().__init__(
@@ -97,7 +95,7 @@ class RrtAepPilot(JointPilot):
         self._next_local = self._next_global = self._fallbacks = 0
 
     def choose(self, view: View) -> Cell | None:
-        """Return the viewpoint that is left for this UAV, the nearest frontier cell when none has a gain."""
+        """Return the viewpoint that this UAV gets in its turn, or the nearest frontier cell if none has a gain."""
         goal = super().choose(view)
         if goal is None:
             self._fallbacks += 1
@@ -106,11 +104,11 @@ class RrtAepPilot(JointPilot):
         return goal
 
     def tally(self) -> dict[str, float]:
-        """Return how often no viewpoint had a gain, beside the common figures."""
+        """Return also the number of choices without any viewpoint that has a gain."""
         return super().tally() | {"fallbacks": float(self._fallbacks)}
 
     def candidates(self, view: View, fields: Distances) -> tuple[NDArray[np.int32], Mask]:
-        """Return viewpoints with different views and some more near a UAV, (K,), and which the former are, (K,)."""
+        """Return viewpoints with different views and others near a UAV, (K,), and which are the former ones, (K,)."""
         self._grow_trees(view)
         steps = fields.min(axis=0).ravel()
         cells, gains = self._memory.recalled(view, steps)
@@ -122,7 +120,7 @@ class RrtAepPilot(JointPilot):
         return cells[np.concatenate([different, near])], np.arange(len(different) + len(near)) < len(different)
 
     def _grow_trees(self, view: View) -> None:
-        """Grow the trees that are due: all of them when the goal is spent."""
+        """Grow the trees that are due: all of them if the goal has no gain left."""
         memory, policy = self._memory, self._aep
         spent = self.goal is None or self.is_spent(view, self.goal)
         if spent or view.step >= self._next_local:
@@ -135,7 +133,7 @@ class RrtAepPilot(JointPilot):
 
 
 class TurnsPilot(RrtNbvPilot):
-    """Go by the local tree while it has gain enough, then by an RRT* to remembered viewpoints."""
+    """Follow the local tree while it has enough gain, else an RRT* to stored viewpoints."""
 
     def __init__(self, briefing: Briefing, policy: RrtAep) -> None:
         super().__init__(briefing, policy)
@@ -144,7 +142,7 @@ class TurnsPilot(RrtNbvPilot):
         self._enough = policy.threshold * pi * briefing.lidar_range**2
 
     def viewpoint(self, view: View) -> Cell | None:
-        """Return the local tree's best viewpoint, or else the best remembered one."""
+        """Return the local tree's best viewpoint, or else the best stored one."""
         policy = self._aep
         half = policy.local_ranges * self.briefing.lidar_range
         found = tree_cells(view, [(half, policy.samples)], policy.bias, policy.edge, self.rng)
@@ -156,7 +154,7 @@ class TurnsPilot(RrtNbvPilot):
         return self._farther(view, viewpoints.those(good))
 
     def _farther(self, view: View, viewpoints: Viewpoints) -> Cell | None:
-        """Return the viewpoint to which an RRT* finds the way with the largest discounted gain."""
+        """Return the viewpoint of largest discounted gain along the paths of an RRT*."""
         if not len(viewpoints.cells):
             return None
         free = np.flatnonzero(view.belief.ravel() == FREE).astype(np.int32)

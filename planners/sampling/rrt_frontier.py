@@ -21,25 +21,25 @@ from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy
 
-#: How often the samples are doubled when a tree has met no frontier, before the nearest one is searched for.
+#: Doublings of the samples of a tree without a frontier, before the nearest frontier is searched exactly.
 DOUBLINGS = 2
 
 
 @dataclass(frozen=True, kw_only=True)
 class RrtFrontier(ViewpointPolicy):
-    """Grow trees into the unknown and fly to where an edge first met it, at the best revenue.
+    """Grow trees into unknown space and fly to one of the cells where their edges enter it.
 
-    As in the paper a local tree, which finds the corners that the UAV is about to leave behind, and a global one
-    feed one list of candidates. They start afresh each time, for the map has changed under them: the local one
-    whenever the map has grown, the global one when the goal is spent.
+    As in the paper, a local tree, which finds the corners that the UAV is about to leave behind, and a global one
+    provide the candidates. They are grown from scratch, as the map changes: the local one whenever the map has grown,
+    the global one when the goal is no frontier cell any more.
 
-    The goal begins the cheapest order of the best candidates, found again whenever the map has grown. With
-    ``as_published`` it is the candidate with the paper's best revenue, ``gain_weight`` I h / R - d, weighed when a goal
-    is spent: I the unknown cells visible from a candidate that are not near a teammate's claim, h the hysteresis, R the
-    lidar range in cells and d the path length in steps.
-    The paper counts I in square metres with an information radius of one metre; dividing by R is the same weight for
-    any range and cell size (without it, a long range makes every candidate worth a flight across the map).
-    Teammates are told the goal.
+    The goal is the first candidate in the order of lowest cost, which is computed whenever the map has grown. With
+    ``as_published`` it is the candidate with the best revenue of the paper, ``gain_weight`` I h / R - d, computed when
+    the old goal is no frontier cell any more: I the number of unknown cells visible from a candidate and not near a
+    teammate's goal, h the hysteresis, R the lidar range in cells and d the path length in steps. The paper counts I in
+    square metres with an information radius of one metre; dividing by R makes the weight independent of range and cell
+    size (otherwise, with a long range, every candidate would be worth a flight across the map). The goal is sent to the
+    teammates.
 
     H. Umari, S. Mukhopadhyay, "Autonomous robotic exploration based on multiple rapidly-exploring
     randomized trees", IROS 2017, doi:10.1109/IROS.2017.8202319.
@@ -48,27 +48,27 @@ class RrtFrontier(ViewpointPolicy):
     discount: float = 2.4
     """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""
     local_samples: int = 150
-    """Samples for the local tree, grown near the UAV whenever the map has."""
+    """Samples for the local tree, which is grown near the UAV whenever the map has grown."""
     global_samples: int = 150
-    """Samples for the global tree, grown all over the map when a goal is spent."""
+    """Samples for the global tree, which is grown over the whole map when the goal is no frontier cell any more."""
     bias: float = 0.5
-    """Share of the samples drawn from unknown cells next to known free ones; the others are drawn anywhere."""
+    """Share of the samples drawn from unknown cells next to known free ones; the others are uniform."""
     edge: float = 4.0
     """Longest edge of a tree in cells."""
     local_ranges: float = 1.0
     """Half the side of the square around the UAV that the local tree stays in, in lidar ranges."""
     latency: float = 16.0
-    """Weight of the mean waiting time beside the length of the order."""
+    """Weight of the mean waiting time relative to the length of the order."""
     merge_distance: float = 3.0
-    """Candidates are merged when they are nearer to each other, in cells."""
+    """Distance in cells below which candidates are merged."""
     as_published: bool = False
-    """True for the paper's revenue."""
+    """Whether to use the paper's revenue."""
     gain_weight: float = 3.0
-    """Lidar ranges of flight that one squared lidar range of unknown is worth in the paper's revenue (there: 3)."""
+    """Weight in the paper's revenue: lidar ranges of flight per squared lidar range of unknown cells (there: 3)."""
     hysteresis: float = 2.0
     """Factor on the gain of candidates near the UAV in the paper's revenue."""
     hysteresis_radius: float = 3.0
-    """How near, in cells."""
+    """Distance from the UAV up to which it applies, in cells."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -77,12 +77,12 @@ class RrtFrontier(ViewpointPolicy):
         at_least(self, 0.0, "bias", "latency", "merge_distance", "gain_weight", "hysteresis", "hysteresis_radius")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return RrtFrontierPilot(briefing, self)
 
 
 class RrtFrontierPilot(ViewpointPilot):
-    """Keep candidates from tree to tree; drop those that are no frontier any more."""
+    """Keep candidates between trees, as long as they are frontier cells."""
 
     def __init__(self, briefing: Briefing, policy: RrtFrontier) -> None:
         super().__init__(briefing, policy)
@@ -90,13 +90,13 @@ class RrtFrontierPilot(ViewpointPilot):
         self._candidates = np.empty(0, np.int32)
 
     def on_map_growth(self, view: View) -> None:
-        """Grow a local tree and add what it finds to the candidates."""
+        """Grow a local tree and add its candidates."""
         super().on_map_growth(view)
         half = self._policy.local_ranges * self.briefing.lidar_range
         self._grow(view, half, self._policy.local_samples)
 
     def wants_replan(self, view: View) -> bool:
-        """Weigh the candidates again whenever the map has grown; the paper keeps to its goal."""
+        """Compare the candidates again whenever the map has grown; the paper keeps its goal."""
         return super().wants_replan(view) and not self._policy.as_published
 
     def is_spent(self, view: View, goal: Cell) -> bool:
@@ -104,7 +104,7 @@ class RrtFrontierPilot(ViewpointPilot):
         return GoalPilot.is_spent(self, view, goal)
 
     def viewpoint(self, view: View) -> Cell | None:
-        """Return the candidate with the highest revenue; None when trees find none."""
+        """Return the best candidate; None if the trees find none."""
         field = self.steps_from(view, view.cell)
         cells = self._detected(view, field)
         if not self._policy.as_published:
@@ -117,7 +117,7 @@ class RrtFrontierPilot(ViewpointPilot):
     def _detected(self, view: View, field: NDArray[np.int32]) -> NDArray[np.int32]:
         """Return the candidates, (K,) flat cells, the nearest first.
 
-        A global tree is grown when the goal is spent, and larger ones while nothing is found.
+        A global tree is grown if the goal is no frontier cell any more, and larger ones while nothing is found.
         """
         found = self._reachable(view, field)
         is_due = self.goal is None or self.is_spent(view, self.goal)
@@ -129,12 +129,12 @@ class RrtFrontierPilot(ViewpointPilot):
         return found[np.argsort(field.ravel()[found], kind="stable")]
 
     def _reachable(self, view: View, field: NDArray[np.int32]) -> NDArray[np.int32]:
-        """Return the candidates that can be reached and are not left alone."""
+        """Return the candidates that are reachable and not banned."""
         found = self._candidates[field.ravel()[self._candidates] < UNREACHABLE]
         return found[~self.near_banned(view, found)]
 
     def _grow(self, view: View, half: float, samples: int) -> None:
-        """Grow a tree in a square around the UAV; bring the candidates up to date."""
+        """Grow a tree in a square around the UAV, and update the candidates."""
         low, high = box_around(view.cell, half, view.belief.shape)
         points = tree_samples(view.belief, low, high, samples, self._policy.bias, self.rng)
         tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), points, self._policy.edge)

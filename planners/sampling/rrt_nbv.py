@@ -19,12 +19,12 @@ from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, Viewpo
 
 @dataclass(frozen=True, kw_only=True)
 class TreePolicy(ViewpointPolicy):
-    """Hold what all planners that find viewpoints by random trees have in common."""
+    """Parameters of all planners that find viewpoints with random trees."""
 
     samples: int = 200
     """Samples for a tree, which has at most one vertex more."""
     bias: float = 0.5
-    """Share of the samples drawn from unknown cells next to known free ones; the others are drawn anywhere."""
+    """Share of the samples drawn from unknown cells next to known free ones; the others are uniform."""
     edge: float = 6.0
     """Longest edge of a tree in cells."""
     local_ranges: float = 2.0
@@ -41,21 +41,21 @@ class TreePolicy(ViewpointPolicy):
 class RrtNbv(TreePolicy):
     """Grow an RRT from the UAV, fly along the first edge of its best branch, and grow the next one from there.
 
-    A branch is worth the sum over its vertices of their gain, discounted by e^(-discount c / R): c the length
-    of the way along the tree and R the lidar range. The rest of the best branch is the seed of the next tree. Where
-    the tree sees nothing unknown the paper's planner is stuck; this one flies to the nearest frontier cell.
+    The value of a branch is the sum of its vertices' gains, discounted by e^(-discount c / R): c the path length along
+    the tree and R the lidar range. The remainder of the best branch is the start of the next tree. If the tree has no
+    gain, the paper's planner is stuck; this one flies to the nearest frontier cell.
 
     A. Bircher, M. Kamel, K. Alexis, H. Oleynikova, R. Siegwart, "Receding horizon 'next-best-view' planner for 3D
     exploration", ICRA 2016, doi:10.1109/ICRA.2016.7487281.
     """
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return RrtNbvPilot(briefing, self)
 
 
 class RrtNbvPilot(ViewpointPilot):
-    """Keep the rest of the best branch from tree to tree."""
+    """Keep the remainder of the best branch between trees."""
 
     def __init__(self, briefing: Briefing, policy: TreePolicy) -> None:
         super().__init__(briefing, policy)
@@ -63,7 +63,7 @@ class RrtNbvPilot(ViewpointPilot):
         self._branch: Points = np.empty((0, 2))
 
     def viewpoint(self, view: View) -> Cell | None:
-        """Return the first cell on the best branch that the UAV has not been in."""
+        """Return the first cell of the best branch that the UAV has not visited."""
         tree = self.grow(view)
         cells = known_cells(view.belief, tree.vertices)
         viewpoints = self.judged(view, np.unique(cells[cells >= 0]))
@@ -73,7 +73,7 @@ class RrtNbvPilot(ViewpointPilot):
         return divmod(new[0], self.paths.width) if new else None
 
     def grow(self, view: View) -> Tree:
-        """Grow a tree near the UAV, towards the rest of the last best branch first."""
+        """Grow a tree near the UAV, first towards the remainder of the last best branch."""
         policy = self._policy
         low, high = box_around(view.cell, policy.local_ranges * self.briefing.lidar_range, view.belief.shape)
         drawn = tree_samples(view.belief, low, high, policy.samples - len(self._branch), policy.bias, self.rng)
@@ -91,7 +91,7 @@ class RrtNbvPilot(ViewpointPilot):
 def best_branch(tree: Tree, values: NDArray[np.float64]) -> NDArray[np.int64]:
     """Return the vertices of the branch with the largest sum of (K,) ``values``, from the root on.
 
-    The branch ends at its last vertex that adds anything.
+    The branch ends at its last vertex with a positive value.
     """
     sums = values.copy()
     parents = tree.parents.tolist()

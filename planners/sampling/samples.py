@@ -12,7 +12,7 @@ from indoor_explorers.planners.sampling.setting import Points
 
 
 def box_around(cell: Cell, half: float, shape: tuple[int, ...]) -> tuple[Points, Points]:
-    """Return the lower and upper corner, (2,) each, of the square around a cell's centre, cut off at the map's edge."""
+    """Return the lower and upper corner, (2,) each, of the square around a cell's centre, clipped to the map."""
     centre = np.array(cell) + 0.5
     return np.maximum(centre - half, 0.0), np.minimum(centre + half, np.array(shape, np.float64))
 
@@ -22,7 +22,7 @@ def tree_samples(
 ) -> Points:
     """Draw (count, 2) points between two corners, a share ``bias`` of them from unknown cells next to known free ones.
 
-    The others are drawn anywhere.
+    The others are uniform.
     """
     points = low + rng.random((count, 2)) * (high - low)
     edge_of_unknown = border_cells(belief, low.astype(np.int64), np.ceil(high).astype(np.int64))
@@ -66,10 +66,7 @@ def border_cells(belief: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.nd
 
 @kernel()
 def merged(cells: np.ndarray, distance: float, width: int, most: int) -> np.ndarray:
-    """Return the places of those of (K,) flat cells that are not nearer than ``distance`` to one before them kept.
-
-    The first ``most`` of these.
-    """
+    """Return the indices of at most ``most`` of (K,) flat cells, each at least ``distance`` from those before it."""
     kept = np.empty(min(most, cells.shape[0]), np.int64)
     size = 0
     for k in range(cells.shape[0]):

@@ -1,14 +1,14 @@
-"""What OMPL's planners are given here: a plane of cells, exact flights over a belief map, and silence.
+"""The setup of OMPL's planners: the state space of a map, exact motion checks on a belief map, and no log output.
 
-OMPL draws from one generator per process that can be seeded once. So that an episode depends on its own seed
-alone, no planner of this package draws from it for anything that shows: RRT and RRT* take their samples from a goal
-region of listed states (:mod:`indoor_explorers.planners.sampling.trees`), PRM and PRM* from a sampler of listed
-states (:mod:`indoor_explorers.planners.sampling.roadmaps`), and all stop after a number of samples, never after a
-time. OMPL still draws when it sorts its nearest-neighbour trees, which answer the same whatever is drawn unless two
-points are equally far from a third; so samples are to be drawn from a continuum, not from cell centres.
+OMPL has one random generator per process, which can be seeded once. So that an episode depends only on its own seed,
+no result of this package depends on that generator: RRT and RRT* take their samples from a goal region of listed states
+(:mod:`indoor_explorers.planners.sampling.trees`), PRM and PRM* from a sampler of listed states
+(:mod:`indoor_explorers.planners.sampling.roadmaps`), and all stop after a number of samples, never after a time. OMPL
+still draws random numbers for its nearest-neighbour trees, whose answers do not depend on them unless two points have
+the same distance to a third; therefore samples must be drawn from a continuum, not from cell centres.
 
-Every OMPL object lives inside one call. One that were still alive when the interpreter exits would make the
-binding print a report about leaks.
+Every OMPL object lives inside one call: objects that are alive when the interpreter exits make the binding print a
+report about leaks.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Points = NDArray[np.float64]
 
 
 class MotionChecker(base.MotionValidator):  # type: ignore[misc]  # ompl carries no types
-    """Let OMPL ask for whole edges: exact, and one call from C++ instead of one for every state on the way."""
+    """Check whole edges for OMPL: exact, with one call from C++ instead of one for every state along an edge."""
 
     def __init__(self, information: Any, belief: Belief, into_unknown: bool) -> None:
         super().__init__(information)
@@ -37,14 +37,14 @@ class MotionChecker(base.MotionValidator):  # type: ignore[misc]  # ompl carries
         self._into_unknown = into_unknown
 
     def checkMotion(self, start: Any, end: Any) -> bool:  # OMPL's name
-        """Tell whether the segment between two states meets no obstacle, and nothing unknown where that is asked."""
+        """Tell whether the segment between two states is free of obstacles, and of unknown cells if required."""
         met = fly(self._belief, start[0], start[1], end[0], end[1])
         return bool(met != BLOCKED if self._into_unknown else met == ALL_KNOWN)
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Keep OMPL from writing to the terminal."""
+    """Disable OMPL's output on the terminal."""
     level = util.getLogLevel()
     util.setLogLevel(util.LOG_NONE)
     try:
@@ -74,7 +74,7 @@ def after(calls: int) -> Any:
 
 
 def read_graph(planner: Any, information: Any) -> tuple[list[tuple[float, float]], list[list[int]]]:
-    """Return the points of a planner's graph, and for each the numbers of those that edges lead to."""
+    """Return the points of a planner's graph, and for each the indices of its successors."""
     data = base.PlannerData(information)
     planner.getPlannerData(data)
     count = data.numVertices()

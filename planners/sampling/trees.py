@@ -1,9 +1,8 @@
 """Rapidly-exploring random trees, grown by OMPL from samples that the caller has drawn.
 
-With a goal bias of one, RRT and RRT* take every sample from their goal region, and a region of listed states hands
-them out in order. No state is near enough to such a goal to end the search, which stops after as many iterations
-as there are samples. What remains undetermined is the order in which OMPL reports the vertices; they are put into
-an order of our own.
+With a goal bias of one, RRT and RRT* take every sample from their goal region; a region of listed states returns them
+in order. No state is close enough to such a goal to end the search, which stops after as many iterations as there are
+samples. Only the order in which OMPL reports the vertices is undetermined, so they are sorted.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ class Tree(NamedTuple):
     """(K,) number of each vertex's parent, -1 for the root."""
 
     def lengths(self) -> NDArray[np.float64]:
-        """Return how long the way from the root to each vertex is along the tree, (K,) cells."""
+        """Return the path length from the root to each vertex along the tree, (K,) in cells."""
         edges = np.hypot(*(self.vertices - self.vertices[np.maximum(self.parents, 0)]).T)
         lengths = np.zeros(len(edges))
         for vertex, parent in enumerate(self.parents.tolist()[1:], start=1):
@@ -47,8 +46,8 @@ def grow_tree(
     """Grow an RRT (LaValle 1998) from ``root`` towards each of (n, 2) ``samples`` in turn.
 
     An edge is at most ``edge`` cells long and crosses no occupied cell of the (H, W) ``belief``, and no unknown one
-    unless ``into_unknown``. ``optimal`` makes it an RRT* (Karaman & Frazzoli 2011), whose ways from the root get
-    shorter with every sample. The result depends on the arguments alone.
+    unless ``into_unknown``. ``optimal`` makes it an RRT* (Karaman & Frazzoli 2011), whose paths from the root get
+    shorter with more samples. The result depends only on the arguments.
     """
     with quiet():
         information = plane_of(belief, into_unknown=into_unknown)

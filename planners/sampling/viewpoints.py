@@ -1,4 +1,4 @@
-"""A pilot that flies to viewpoints: sampled cells from which unknown ones may come into view."""
+"""A pilot that flies to viewpoints: sampled cells with unknown cells in view."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from indoor_explorers.planners.routing.min_latency import costs_of_first
 from indoor_explorers.planners.sampling.covers import distinct
 from indoor_explorers.planners.sampling.samples import merged
 
-#: Viewpoints within this share of the lidar range of the goal count as that goal.
+#: Distance, as a share of the lidar range, within which a viewpoint counts as the current goal.
 SAME_PLACE = 0.2
-#: The most viewpoints of an order, and the most with the best scores that they are taken from.
+#: Most viewpoints in an order, and the number of best ones that they are selected from.
 STOPS, CANDIDATES = 12, 48
-#: They are at least this far apart, in cells or in lidar ranges, whichever is more,
+#: Smallest distance between them, in cells or in lidar ranges, whichever is more,
 APART_CELLS, APART_RANGES = 1.5, 0.15
-#: and each has at most this share of its view in common with a better one.
+#: and largest share of a view that it may have in common with a better one's.
 OVERLAP = 0.3
-#: Paths between them are measured up to this many lidar ranges; beyond this, through the UAV's position.
+#: Paths between them are searched up to this length in lidar ranges; longer ones are bounded by the UAV's position.
 HOP_RANGES = 3.0
-#: Viewpoints of which teammates leave less than this share of the most that they leave of any are theirs.
+#: Viewpoints whose factor for teammates is less than this share of the largest factor are left to the teammates.
 LEFT_TO_OTHERS = 0.3
 
 
@@ -45,23 +45,23 @@ class Viewpoints(NamedTuple):
     steps: Distances
     """(K,) steps from the UAV."""
     gains: NDArray[np.float64]
-    """(K,) their weighted view gains, less what is left to the teammates."""
+    """(K,) weighted view gains, times the factors for teammates."""
     left: NDArray[np.float64]
-    """(K,) the share of the gains that the teammates leave."""
+    """(K,) factors for teammates."""
 
     def those(self, chosen: Mask | NDArray[np.int64]) -> Viewpoints:
-        """Return the viewpoints where (K,) ``chosen`` is True, or those it numbers."""
+        """Return the viewpoints that ``chosen`` selects, a (K,) mask or indices."""
         return Viewpoints(self.cells[chosen], self.steps[chosen], self.gains[chosen], self.left[chosen])
 
     def unclaimed(self) -> Viewpoints:
-        """Return those that the teammates do not leave much less of than of others."""
+        """Return the viewpoints that are not left to teammates."""
         return self.those(self.left > LEFT_TO_OTHERS * self.left.max(initial=0.0))
 
 
 def few(
     belief: Belief, cells: NDArray[np.int32], scores: NDArray[np.float64], lidar_range: float, tried: int, most: int
 ) -> NDArray[np.int64]:
-    """Return the places of the best of (K,) flat cells by their scores that are apart and see different things.
+    """Return the indices of the best of (K,) flat cells by their scores that are apart and have different views.
 
     At most ``most`` of the best ``tried`` that are apart, the best first.
     """
@@ -73,18 +73,18 @@ def few(
 
 @dataclass(frozen=True, kw_only=True)
 class ViewpointPolicy(Policy):
-    """Hold what all planners on viewpoints weigh them by."""
+    """Parameters of all planners on viewpoints."""
 
     discount: float = 1.5
     """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""
     isolation: float = 8.0
-    """What an unknown cell counts more when all of the 24 around it are known."""
+    """Additional weight of an unknown cell if all 24 cells around it are known."""
     depth: float = 0.5
-    """How far away, in lidar ranges, an unknown cell counts less by a factor e."""
+    """Distance at which an unknown cell has 1 / e of the weight, in lidar ranges."""
     hold: float = 0.2
-    """What a goal elsewhere than the one so far has to save, in lidar ranges."""
+    """Cost that another goal than the current one has to save, in lidar ranges."""
     share: float = 0.5
-    """Share of a gain that each nearer teammate leaves."""
+    """Factor on a gain for each closer teammate."""
 
     def __post_init__(self) -> None:
         at_least(self, 0.0, "discount", "isolation", "hold", "share")
@@ -94,9 +94,9 @@ class ViewpointPolicy(Policy):
 class ViewpointPilot(GoalPilot):
     """Fly to viewpoints that a subclass chooses, and to the nearest frontier cell when it has none.
 
-    A viewpoint is spent when the UAV has been there, for nothing unknown is in view from a cell that it has been in,
-    or when its gain is 0. So every viewpoint that is reached adds to the map, and when there is none
-    left the frontier decides whether there is more to do. The goal is told to the teammates.
+    A viewpoint is dropped when the UAV has been there, since it then has no unknown cells in view, or when its gain is
+    0. So every viewpoint that is reached adds to the map, and without viewpoints the UAV explores the frontier. The
+    goal is sent to the teammates.
     """
 
     straight = True
@@ -111,22 +111,22 @@ class ViewpointPilot(GoalPilot):
 
     @abstractmethod
     def viewpoint(self, view: View) -> Cell | None:
-        """Return the viewpoint to fly to next, no :meth:`near_banned` one; None when none has a gain."""
+        """Return the viewpoint to fly to next, except :meth:`near_banned` ones; None if none has a gain."""
 
     def on_map_growth(self, view: View) -> None:
-        """Remember that the map has grown since the last choice."""
+        """Note that the map has grown since the last choice."""
         self._grown = True
 
     def wants_replan(self, view: View) -> bool:
-        """Weigh the viewpoints again whenever the map has grown."""
+        """Compare the viewpoints again whenever the map has grown."""
         return self._grown
 
     def is_spent(self, view: View, goal: Cell) -> bool:
-        """Tell whether the UAV has been at its goal or nothing unknown is in view from there any more."""
+        """Tell whether the UAV has been at its goal, or the goal has no unknown cells in view any more."""
         return bool(view.visited[goal] or self.gains.at(view.belief, self.paths.flat([goal]))[0] <= 0.0)
 
     def choose(self, view: View) -> Cell | None:
-        """Return the viewpoint that the subclass wants, else the nearest frontier cell."""
+        """Return the viewpoint that the subclass chooses, or else the nearest frontier cell."""
         self._grown = False
         goal = self.viewpoint(view)
         if goal is None:
@@ -136,11 +136,11 @@ class ViewpointPilot(GoalPilot):
         return goal
 
     def tally(self) -> dict[str, float]:
-        """Return how often no viewpoint had a gain, beside the common figures."""
+        """Return also the number of choices without any viewpoint that has a gain."""
         return super().tally() | {"fallbacks": float(self._fallbacks)}
 
     def judged(self, view: View, cells: NDArray[np.int32]) -> Viewpoints:
-        """Return those of (K,) flat cells that can be reached, are not banned for now and have a gain."""
+        """Return those of (K,) flat cells that are reachable, not banned, and have a gain."""
         field = self.steps_from(view, view.cell)
         cells = cells[(field.ravel()[cells] < UNREACHABLE) & ~view.visited.ravel()[cells]]
         cells = cells[~self.near_banned(view, cells)]
@@ -149,10 +149,10 @@ class ViewpointPilot(GoalPilot):
         return Viewpoints(cells, steps, gains * left, left).those(gains * left > 0.0)
 
     def best(self, view: View, viewpoints: Viewpoints, latency: float) -> Cell | None:
-        """Return the viewpoint with which the cheapest order of the best ones begins.
+        """Return the first viewpoint of the order of lowest cost through the best ones.
 
-        An order costs, in lidar ranges, when its last viewpoint is reached plus ``latency`` times their mean waiting
-        time, weighted by the roots of their gains: pockets are finished while the UAV is near.
+        The cost of an order, in lidar ranges, is the time at which its last viewpoint is reached, plus ``latency``
+        times the mean waiting time weighted by the roots of the gains: pockets are finished while the UAV is near.
         """
         viewpoints = viewpoints.unclaimed()
         if not len(viewpoints.cells):
@@ -162,14 +162,14 @@ class ViewpointPilot(GoalPilot):
         return divmod(int(some.cells[np.argmin(costs)]), self.paths.width)
 
     def _few(self, view: View, viewpoints: Viewpoints) -> NDArray[np.int64]:
-        """Return the places of the best of (K,) viewpoints that are apart and see different things."""
+        """Return the indices of the best of (K,) viewpoints that are apart and have different views."""
         reach = self.briefing.lidar_range
         scores = np.log(viewpoints.gains) - self.weights.discount * viewpoints.steps / reach
         scores += self.weights.hold * self._kept(viewpoints.cells)
         return few(view.belief, viewpoints.cells, scores, reach, CANDIDATES, STOPS)
 
     def _costs(self, view: View, viewpoints: Viewpoints, latency: float) -> NDArray[np.float64]:
-        """Return what the best order costs that begins with each of (K,) viewpoints, in lidar ranges, (K,)."""
+        """Return, for each of (K,) viewpoints, the cost of the best order that begins there, in lidar ranges, (K,)."""
         if len(viewpoints.cells) == 1:
             return np.zeros(1)
         reach, steps = self.briefing.lidar_range, viewpoints.steps.astype(np.float64)
@@ -178,7 +178,7 @@ class ViewpointPilot(GoalPilot):
         return np.asarray(costs_of_first(steps / reach, between / reach, worth / worth.sum(), latency))
 
     def _kept(self, cells: NDArray[np.int32]) -> Mask:
-        """Return which of (K,) flat cells are at the goal so far, (K,) bool."""
+        """Return which of (K,) flat cells are at the current goal, (K,) bool."""
         if self.goal is None:
             return np.zeros(len(cells), np.bool_)
         rows, cols = np.divmod(cells, self.paths.width)
@@ -186,10 +186,11 @@ class ViewpointPilot(GoalPilot):
         return np.asarray(away <= max(1.0, SAME_PLACE * self.briefing.lidar_range))
 
     def _left(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
-        """Return which share of the gains the teammates leave, (K,) in [0, 1].
+        """Return the factors on the gains for teammates, (K,) in [0, 1].
 
-        A linked one that is nearer, or as near and of a lower number, leaves a share; its claim leaves nothing where
-        it is, and more with the distance, up to a lidar range. The others are out of contact.
+        A linked teammate that is closer, or as close and of a lower number, has the factor ``share``; its goal has a
+        factor of 0 in its own cell, which rises to 1 at a lidar range. The other factors are those of teammates out of
+        contact.
         """
         if self.briefing.team == 1:
             return np.ones(len(cells))

@@ -1,7 +1,7 @@
-"""Who flies where, and where then: joint plans of a group of UAVs, their fitness, and good ones to start from.
+"""Joint plans of a group of UAVs: several goals for each, their fitness, and heuristic initial plans.
 
-A plan is (N, L) int: for each UAV the numbers of the goals among K candidates that it visits one after the other, -1
-for none. An assignment is (N,), the first goals alone. Higher fitness is better.
+A plan is (N, L) int: for each UAV the indices of the goals among K candidates that it visits in turn, -1 for none. An
+assignment is (N,), the first goals only. Higher fitness is better.
 """
 
 from __future__ import annotations
@@ -27,24 +27,24 @@ class AssignmentProblem(NamedTuple):
     hops: NDArray[np.float64]
     """(K, K) path lengths between candidates, in steps."""
     gains: NDArray[np.float64]
-    """(K,) what is in view of each candidate."""
+    """(K,) view gain of each candidate."""
     shared: NDArray[np.float64]
-    """(K, K) the share of the first one's view that is in view of the second one, too."""
+    """(K, K) share of the first one's view that the second one sees, too."""
     hysteresis: NDArray[np.float64]
-    """(N, K) factor of what UAV i counts candidate k for as its first goal."""
+    """(N, K) factor on the value of candidate k as the first goal of UAV i."""
     power: float
-    """Exponent of what is left of a view: below 1, small views count more of what large ones do."""
+    """Exponent of the remaining gain; below 1 it raises small gains relative to large ones."""
     rate: float
-    """How fast a view loses its value, per step."""
+    """Discount rate of gains per step until arrival."""
     trust: float
-    """Factor for every goal that comes before, as the map may turn out otherwise."""
+    """Factor for every goal that is visited before, since the map may differ from expectation."""
     lidar_range: float
-    """R, in cells."""
+    """Lidar range R in cells."""
 
 
 @leaf(entry=False)
 def _by_arrival(problem: AssignmentProblem, plan: np.ndarray, order: np.ndarray, times: np.ndarray) -> int:
-    """Sort the visits i L + turn of a plan by their times of arrival, in steps; return how many they are."""
+    """Sort the visits i L + turn of a plan by their times of arrival, in steps; return their number."""
     length, count = plan.shape[1], 0
     for i in range(plan.shape[0]):
         time = 0.0
@@ -81,30 +81,30 @@ def value(problem: AssignmentProblem, plan: np.ndarray, order: np.ndarray, times
 
 @kernel()
 def fitness(problem: AssignmentProblem, plan: np.ndarray) -> float:
-    """Return how good a (N, L) joint plan is: the union of all views, discounted by when they are seen.
+    """Return the fitness of a (N, L) joint plan: the union of all views, discounted by the times of arrival.
 
-    The sum over all visits of (gain x left)^power e^(-rate t) trust^k, t the time of arrival and k how many goals its
-    UAV visits before. What earlier visits have left of a view is the product of 1 - shared over them: the shares of
-    several are taken as independent.
+    It is the sum over all visits of (gain x left)^power e^(-rate t) trust^k, t the time of arrival and k the number of
+    goals that the UAV visits before. ``left``, the share of a view that earlier visits have left, is the product of
+    1 - shared over them, as if their shares were independent.
     """
     return value(problem, plan, np.empty(plan.size, np.int64), np.empty(plan.size))
 
 
 def discounted(problem: AssignmentProblem) -> NDArray[np.float64]:
-    """Return (N, K), what each candidate is worth to each UAV as its only goal; 0 where it cannot be reached."""
+    """Return the value of each candidate to each UAV as its only goal, (N, K); 0 if it is unreachable."""
     worth = problem.hysteresis * problem.gains**problem.power * np.exp(-problem.rate * np.minimum(problem.steps, 1e6))
     return np.where(problem.steps < UNREACHABLE, worth, 0.0)
 
 
 def choices(problem: AssignmentProblem) -> tuple[Assignment, Assignment]:
-    """Return each UAV's reachable candidates, best first, (N, K), and how many those are, (N,)."""
+    """Return each UAV's reachable candidates, best first, (N, K), and their numbers, (N,)."""
     reachable = problem.steps < UNREACHABLE
     ranks = np.argsort(np.where(reachable, -discounted(problem), np.inf), axis=1, kind="stable")
     return ranks, reachable.sum(axis=1)
 
 
 def followers(problem: AssignmentProblem, most: int) -> Assignment:
-    """Return for each candidate the ``most`` best ones to fly to after it, best first, (K, most)."""
+    """Return the ``most`` best candidates to visit after each candidate, best first, (K, most)."""
     worth = (problem.gains * (1.0 - problem.shared.T)) ** problem.power * np.exp(
         -problem.rate * np.minimum(problem.hops, 1e6)
     )
@@ -112,15 +112,15 @@ def followers(problem: AssignmentProblem, most: int) -> Assignment:
 
 
 def by_hungarian(problem: AssignmentProblem) -> Assignment:
-    """Return the assignment of least total distance, an extra lidar range for not being the first at a candidate.
+    """Return the assignment of least total distance; a UAV that shares a candidate costs an extra lidar range.
 
-    A UAV that is left only what it cannot reach goes to its nearest candidate.
+    A UAV that is assigned an unreachable candidate flies to its nearest one.
     """
     return reachable_or_nearest(problem, matched(problem.steps, problem.lidar_range))
 
 
 def by_minpos(problem: AssignmentProblem) -> Assignment:
-    """Return for every UAV the candidate that the fewest others are nearer to, the nearest of those (Bautin 2012)."""
+    """Return each UAV's candidate that the fewest others are closer to; among equals the nearest (Bautin 2012)."""
     steps = problem.steps
     nearer = steps[:, None, :] > steps[None, :, :]
     first = np.tri(len(steps), k=-1, dtype=bool)[:, :, None] & (steps[:, None, :] == steps[None, :, :])
@@ -130,7 +130,7 @@ def by_minpos(problem: AssignmentProblem) -> Assignment:
 
 
 def by_greed(problem: AssignmentProblem) -> Assignment:
-    """Return the assignment made pair by pair, always the UAV and candidate with the most discounted gain left."""
+    """Return the greedy assignment: repeatedly the pair of UAV and candidate with the largest remaining gain."""
     worth = discounted(problem)
     goals = np.full(len(worth), -1, np.int64)
     for _ in range(len(worth)):

@@ -1,4 +1,4 @@
-"""HEDAC: climb the steady heat that the unexplored gives off (Ivic, Crnkovic & Mezic 2017)."""
+"""HEDAC: gradient ascent on a potential field whose sources are the unexplored cells (Ivic, Crnkovic & Mezic 2017)."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ from indoor_explorers.planners.coordination.teammates import claims, message_of,
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
 
-#: Temperatures below this are too near to the smallest floats to be climbed.
+#: Temperatures below this are too close to the smallest floats for a gradient.
 COLD = 1e-280
-#: Sweeps before the first look whether the field can be climbed.
+#: Sweeps before the first check whether the field has an ascent.
 FIRST_SWEEPS = 4
-#: In a heat field, the mark of a cell that is kept at u = 0.
+#: Mark, in a field of heat sources, of a cell with a fixed u = 0.
 SINK = -1.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hedac(Policy):
-    """Climb a potential: the steady temperature of known and unknown space, heated wherever it is unexplored.
+    """Ascend a potential field: the stationary temperature with a heat source in every unexplored cell.
 
     At every passable cell u = (sum of the passable neighbours' u + s) / (n + loss), n their number and s the cell's
-    heat: 1 where it is unknown, less within the lidar range of what a teammate is flying to (the paper's cooling).
-    Walls insulate, and the cells of teammates are kept at 0 (its collision avoidance). A known cell is colder than its
-    warmest neighbour, so climbing the settled field ends at the unknown. Where it does is kept as a goal until it is
-    explored; climbing anew at every step was no better.
+    heat source: 1 if it is unknown, less within the lidar range of a teammate's goal (the paper's cooling). Walls
+    insulate, and the cells of teammates are fixed at 0 (its collision avoidance). A known cell is colder than its
+    warmest neighbour, so the ascent in the converged field ends at an unknown cell. This cell is kept as the goal until
+    it is explored; a new ascent at every step was no better.
 
-    With a loss of 10, u falls by a factor of some 14 a cell, and floats end after 250 cells. Where the field is too
-    cold to climb, or has not settled within ``sweeps``, the UAV flies to its nearest frontier cell instead, so it never
-    freezes; the tally says how often (``cold_starts``). Weak spots: heat has no lines of sight, so a wide view counts
-    no more than a narrow one, and a pocket left behind gets colder with every step away from it.
+    With a loss of 10, u falls by a factor of some 14 per cell, which reaches the smallest floats after 250 cells. Where
+    u is too small for an ascent, or has not converged within ``sweeps``, the UAV flies to its nearest frontier cell
+    instead, so it never stands still; the tally counts this (``cold_starts``). Weaknesses: the field ignores lines of
+    sight, so a wide view counts no more than a narrow one, and a pocket left behind gets colder with every step away.
 
     S. Ivic, B. Crnkovic, I. Mezic, "Ergodicity-based cooperative multiagent area coverage via a potential field",
     IEEE Transactions on Cybernetics 47(8), 2017, doi:10.1109/TCYB.2016.2634400; on grids that grow: B. Crnkovic,
@@ -46,15 +46,15 @@ class Hedac(Policy):
     """
 
     loss: float = 10.0
-    """Heat that a cell loses against what it gives one neighbour, the paper's alpha. The smaller, the farther heat is
-    felt; 1 was as good as the published 10, .1 and .01 were slower in rooms."""
+    """Heat that a cell loses relative to the exchange with one neighbour, the paper's alpha; a smaller loss gives the
+    field a longer range. 1 was as good as the published 10; .1 and .01 were slower in rooms."""
     sweeps: int = 100
-    """The most passes over the map for a decision. They go on from the last field and stop once it can be climbed."""
+    """Most sweeps over the map for a decision; they start from the last field and stop when it has an ascent."""
     cooling: float = 0.9
-    """Share of the heat that a cell loses while a teammate is flying to look at it, 0 to 1."""
+    """Share by which a teammate's goal reduces the heat sources in its lidar range, 0 to 1."""
 
     def __post_init__(self) -> None:
-        """Refuse parameters for which there is no field."""
+        """Refuse parameters without a solution for the field."""
         at_least(self, 1e-6, "loss")
         at_least(self, 1, "sweeps")
         at_least(self, 0.0, "cooling")
@@ -62,7 +62,7 @@ class Hedac(Policy):
             raise InputError(f"Hedac: expected cooling of at most 1, got {self.cooling!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return HedacPilot(briefing, self)
 
 
@@ -70,9 +70,9 @@ class Hedac(Policy):
 def heat_up(
     belief: np.ndarray, claims: np.ndarray, radius: float, kept: float, sinks: np.ndarray, out: np.ndarray
 ) -> None:
-    """Fill ``out`` (H, W) with the heat of each cell, ``SINK`` at those of the (M, 2) ``sinks``.
+    """Fill ``out`` (H, W) with the heat source of each cell, ``SINK`` at those of the (M, 2) ``sinks``.
 
-    Unknown cells within ``radius`` of one of the (C, 2) ``claims`` give off ``kept`` instead of 1.
+    The source of unknown cells within ``radius`` of one of the (C, 2) ``claims`` is ``kept`` instead of 1.
     """
     height, width = belief.shape
     for row in range(height):
@@ -90,7 +90,7 @@ def heat_up(
 
 @inner()
 def _settle(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float, row: int, col: int) -> None:
-    """Give a cell the temperature that its neighbours call for."""
+    """Update the temperature of a cell from its neighbours."""
     height, width = belief.shape
     if belief[row, col] == OCCUPIED or heat[row, col] == SINK:
         u[row, col] = 0.0
@@ -106,7 +106,7 @@ def _settle(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float, ro
 
 @leaf()
 def sweep(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float) -> None:
-    """Settle every cell of the (H, W) field ``u`` once forwards and once backwards (symmetric Gauss-Seidel)."""
+    """Update every cell of the (H, W) field ``u`` once forwards and once backwards (symmetric Gauss-Seidel)."""
     height, width = belief.shape
     for row in range(height):
         for col in range(width):
@@ -118,7 +118,7 @@ def sweep(u: np.ndarray, belief: np.ndarray, heat: np.ndarray, loss: float) -> N
 
 @leaf()
 def climb(u: np.ndarray, belief: np.ndarray, row: int, col: int) -> int:
-    """Return the flat known cell from which the steepest way up from (row, col) steps into the unknown, -1 for none."""
+    """Return the last known flat cell of the steepest ascent from (row, col) to an unknown cell, -1 for none."""
     height, width = belief.shape
     while True:
         top, best = -1, max(u[row, col], COLD)
@@ -135,7 +135,7 @@ def climb(u: np.ndarray, belief: np.ndarray, row: int, col: int) -> int:
 
 
 class HedacPilot(GoalPilot):
-    """Keep a temperature field up to date and fly to where its steepest ascent meets the unknown."""
+    """Update a temperature field and fly to the end of its steepest ascent."""
 
     def __init__(self, briefing: Briefing, policy: Hedac) -> None:
         super().__init__(briefing)
@@ -145,7 +145,7 @@ class HedacPilot(GoalPilot):
         self._cold_starts = 0
 
     def choose(self, view: View) -> Cell | None:
-        """Return the frontier cell at the end of the ascent, the nearest one where there is no way up."""
+        """Return the frontier cell at the end of the ascent, or the nearest one if there is no ascent."""
         end = self._ascent(view)
         goal = divmod(end, self.paths.width) if end >= 0 else None
         if goal is None or self.near_banned(view, self.paths.flat([goal])).any():
@@ -155,7 +155,7 @@ class HedacPilot(GoalPilot):
         return goal
 
     def tally(self) -> dict[str, float]:
-        """Return also how many goals were nearest frontiers because the field could not be climbed."""
+        """Return also the number of goals that were nearest frontiers because the field had no ascent."""
         return {**super().tally(), "cold_starts": float(self._cold_starts)}
 
     def _ascent(self, view: View) -> int:

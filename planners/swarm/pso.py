@@ -1,4 +1,4 @@
-"""PSO: the linked group optimises jointly who flies where, and where then."""
+"""PSO: a linked group optimises a joint plan of several goals for each UAV."""
 
 from __future__ import annotations
 
@@ -40,60 +40,61 @@ from indoor_explorers.planners.swarm.assignment import (
 )
 from indoor_explorers.planners.swarm.particles import Swarm, optimise
 
-#: Paths between candidates are measured up to this many lidar ranges.
+#: Paths between candidates are searched up to this length, in lidar ranges.
 HOP_RANGES = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pso(Policy):
-    """Assign goals to the linked group, several ahead, by a particle swarm over joint plans.
+    """Assign several goals to each UAV of the linked group by a particle swarm over joint plans.
 
-    The fitness of a plan is all that the group would see, each view discounted by the time of arrival and counted
-    once; unknown cells count more where little is unknown around them and less deep inside the unknown. Linked UAVs
-    hold the same map and know each other's cells and messages, so each computes the same plan, from a seed made of what
-    all of them know, and flies to the first of its own goals. They do so together: when a goal is spent, when two meet
-    that hold different plans, and every few steps in which the map has grown; what they fly to is favoured then.
+    The fitness of a plan is the union of all views of the group, each discounted by its time of arrival; isolated
+    unknown cells have more weight, and those deep inside unknown space less. Linked UAVs have the same map and know
+    each other's cells and messages, so each computes the same plan, from a random seed made of common knowledge, and
+    flies to the first of its own goals. They plan at the same time: when a goal has no gain left, when two UAVs with
+    different plans meet, and every few steps if the map has grown; the current goals then get a bonus.
 
-    The swarm starts at four seeds, by greed, Hungarian, MinPos and what is flown to, and never ends below them. What
-    its search adds to the best of them shows in the fitness of teams, and hardly in steps (``indoor-explorers compare
-    --experiment evaluation/experiments/pso-search.toml --out results/pso-search``, T99 of 60 episodes with 95 %
-    intervals): in ``thesis-obstacles`` 62.5 [59.9, 65.2] against 62.3 [60.1, 64.6], with four UAVs in
-    ``thesis-team-4`` 20.3 [19.1, 21.6] against 20.5 [19.2, 21.8]; ``frontier-minpos`` needs 70.4 and 27.5. It is the
-    fitness that wins. Weak spots: mazes and small rooms with little radio, where the nearest pocket is the best one.
+    The swarm starts from four initial plans: greedy, Hungarian, MinPos and the current goals; its result is never
+    worse. The search improves the fitness of teams over the best initial plan, but hardly the steps
+    (``indoor-explorers compare --experiment evaluation/experiments/pso-search.toml --out results/pso-search``, T99 of
+    60 episodes with 95 % intervals): in ``thesis-obstacles`` 62.5 [59.9, 65.2] against 62.3 [60.1, 64.6], with four
+    UAVs in ``thesis-team-4`` 20.3 [19.1, 21.6] against 20.5 [19.2, 21.8]; ``frontier-minpos`` needs 70.4 and 27.5. So
+    the fitness makes the difference, not the search. Weaknesses: mazes and small rooms with little radio, where the
+    nearest pocket is the best goal.
 
     The swarm: J. Kennedy, R. Eberhart, ICNN 1995, doi:10.1109/ICNN.1995.488968. The fitness is this project's.
     """
 
     particles: int = 20
-    """Particles of the swarm, the four that start at the seeds included."""
+    """Particles of the swarm, including the four that start from the initial plans."""
     rounds: int = 30
-    """The most rounds of the swarm; with 0, and 1 particle, the best of the seeds is flown."""
+    """Most iterations of the swarm; with 0 and one particle the best initial plan is flown."""
     length: int = 3
-    """Goals of a UAV in a plan; only the first is flown to."""
+    """Goals of a UAV in a plan; the UAV flies to the first one."""
     power: float = 0.5
-    """Exponent of what is in view: 1 leaves small pockets behind for ever larger views, 0 flies to what is near."""
+    """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest goal."""
     rate: float = 0.8
-    """How fast a view loses its value with the time of arrival, per lidar range."""
+    """Discount rate of view gains per lidar range of flight."""
     trust: float = 0.5
-    """Factor for every goal that a UAV visits before, as the map may turn out otherwise, 0 to 1."""
+    """Factor for every goal that a UAV visits before, since the map may differ from expectation, 0 to 1."""
     isolation: float = 8.0
-    """Extra weight of an unknown cell whose 5x5 is known otherwise; finishes pockets while near."""
+    """Additional weight of an unknown cell whose 5x5 neighbourhood is known; pockets are finished while near."""
     fade: float = 0.5
-    """Depth inside the unknown at which a cell counts 1 / e, in lidar ranges."""
+    """Depth inside unknown space at which a cell has 1 / e of the weight, in lidar ranges."""
     hold: float = 0.2
-    """Extra value of a first goal that is within .2 lidar ranges of the one that a UAV has."""
+    """Bonus, as a share, for a first goal within .2 lidar ranges of the UAV's current goal."""
     absence: float = 0.5
-    """Share of its value that a goal loses when a teammate out of contact was last known nearer to it, 0 to 1."""
+    """Share of its value that a goal loses if a teammate out of contact was last known closer to it, 0 to 1."""
     sector: float = 3.0
-    """How strongly a UAV on its own keeps to its sector while teammates were never heard; see :class:`OutOfContact`."""
+    """Preference of a UAV alone for its sector while teammates were never heard; see :class:`OutOfContact`."""
     period: float = 0.2
-    """Steps after which a plan is made again if the map has grown, in lidar ranges."""
+    """Steps after which the group plans again if the map has grown, in lidar ranges."""
     candidates: int = 32
-    """The most frontier clusters to choose from: the nearest to any UAV of the group."""
+    """Most frontier clusters to choose from: the nearest to any UAV of the group."""
     lookouts: int = 8
-    """The most other cells near each UAV to choose from, with a view of something unknown."""
+    """Most other candidates near each UAV, cells with unknown cells in view."""
     near: int = 6
-    """How near these are, in steps."""
+    """Largest distance of these from a UAV, in steps."""
 
     def __post_init__(self) -> None:
         """Refuse negative weights and plans without goals."""
@@ -105,7 +106,7 @@ class Pso(Policy):
         at_least(self, 1, "candidates", "length", "particles")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return PsoPilot(briefing, self)
 
 
@@ -123,13 +124,13 @@ class PsoPilot(CandidatePilot):
         self._planned_on = -1
 
     def act(self, view: View) -> int:
-        """Follow the joint plan and tell the others of it."""
+        """Follow the joint plan and send it to the others."""
         action = super().act(view)
         self.message = plan_message(view, self.briefing, self.goal, self._plan)
         return action
 
     def wants_replan(self, view: View) -> bool:
-        """Tell whether linked UAVs hold different plans, one of their goals is spent, or the plan is old."""
+        """Tell whether linked UAVs have different plans, one of their goals has no gain left, or the plan is old."""
         if self.navigator.known != self._planned_on and view.step - self._plan[0] >= self._period:
             return True
         if not any(mate.age == 0 for mate in view.mates):
@@ -140,7 +141,7 @@ class PsoPilot(CandidatePilot):
         )
 
     def choose(self, view: View) -> Cell | None:
-        """Return this UAV's part of the joint plan, its nearest frontier cell when there is none for it."""
+        """Return this UAV's goal in the joint plan, or its nearest frontier cell if it has none."""
         members = linked_members(view, self.briefing, self.message)
         self._plan = (float(view.step), float(members[0].agent))
         self._planned_on = self.navigator.known
@@ -152,7 +153,7 @@ class PsoPilot(CandidatePilot):
     def plan(self, view: View, members: list[LinkedMember]) -> dict[int, Cell]:
         """Return the next goal of every UAV of the group that can reach a candidate, by number.
 
-        Every member works out the same from what all of them know.
+        Every member computes the same plan from common knowledge.
         """
         problem, cells, able = self.decision_problem(view, members)
         if problem is None:
@@ -167,9 +168,9 @@ class PsoPilot(CandidatePilot):
     def decision_problem(
         self, view: View, members: list[LinkedMember]
     ) -> tuple[AssignmentProblem | None, Assignment, list[LinkedMember]]:
-        """Return the group's joint decision, the flat cells of its candidates, and the members that can reach one.
+        """Return the group's decision problem, the flat cells of its candidates, and the members that can reach one.
 
-        The problem is None when no member can.
+        The problem is None if no member can.
         """
         policy, reach = self._policy, self._range
         fields = np.stack([self.steps_from(view, member.cell) for member in members])
@@ -202,9 +203,9 @@ class PsoPilot(CandidatePilot):
         return np.union1d(ahead, around).astype(np.int32)
 
     def _left_by_others(self, view: View, members: list[LinkedMember], cells: Cells, steps: Table) -> Table:
-        """Return how much of the candidates, (N, K) steps away, teammates out of contact leave to the group, (K,).
+        """Return the factors on K candidates, (N, K) steps away, for teammates out of contact with the group, (K,).
 
-        Members may not have heard of the same teammates, so sectors count only for a UAV on its own.
+        Members may have heard of different teammates, so sectors count only for a UAV that is alone.
         """
         left = self._out_of_contact.left_by_unheard(
             view, np.stack(np.divmod(cells, self.paths.width), axis=1).astype(float)

@@ -24,17 +24,18 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class PsoRobots(Policy):
-    """Let each UAV be a particle: inertia, what it knows itself, what its group knows, walls and teammates.
+    """Treat each UAV as a particle with inertia, a cognitive and a social term, and repulsion from walls and teammates.
 
-    velocity = inertia velocity + sum over the four pulls of weight x chance x direction; the UAV makes the legal move
-    that is most along it. The cognitive pull leads to its own nearest frontier, the social one to the best frontier
-    that the linked group has told, by view gain e^(-d / R). Both follow shortest known paths, not the bee-line, on
-    which plain robotic PSO sticks in corners. A particle that has found nothing new for a while, or swings to and fro,
-    is split off from the swarm, as the Darwinian variant does with a stagnant one: it flies straight to a nearest
-    frontier and comes back when that is explored (``splits``, ``split_off_steps`` in the tally). So all gets explored.
+    velocity = inertia * velocity + sum over the four terms of weight * random number * direction; the UAV makes the
+    legal move closest to the velocity's direction. The cognitive term points to its own nearest frontier, the social
+    one to the best frontier that the linked group has sent, by view gain e^(-d / R). Both follow shortest known paths,
+    since on straight lines plain robotic PSO gets stuck in corners. A particle without new cells for some time, or one
+    that oscillates, is split off from the swarm, as in the Darwinian variant: it flies to a nearest frontier and
+    returns to the swarm when that is explored (``splits``, ``split_off_steps`` in the tally). So every reachable cell
+    becomes known.
 
-    The social pull draws a linked group to the same place, and only repulsion within a lidar range holds it apart:
-    good for one known destination, as the thesis says, and weak for exploration; ``pso`` lets the swarm assign goals.
+    The social term draws a linked group to the same place, and only repulsion within a lidar range separates it: good
+    for one known destination, as the thesis says, and weak for exploration; in ``pso`` the swarm assigns goals.
 
     M. S. Couceiro, R. P. Rocha, N. M. F. Ferreira, "A novel multi-robot exploration approach based on particle swarm
     optimization algorithms", SSRR 2011, doi:10.1109/SSRR.2011.6106751.
@@ -43,17 +44,17 @@ class PsoRobots(Policy):
     inertia: float = 0.6
     """Share of its velocity that a particle keeps in a step."""
     cognitive: float = 1.0
-    """Pull of the nearest frontier."""
+    """Attraction of the nearest frontier."""
     social: float = 0.5
-    """Pull of the best frontier told in the linked group."""
+    """Attraction of the best frontier sent in the linked group."""
     obstacles: float = 0.2
-    """Push of known obstacles and edges of the map next to the UAV."""
+    """Repulsion of known obstacles and of the map's edge next to the UAV."""
     mates: float = 0.5
-    """Push of a linked teammate next to the UAV; it falls to 0 at a lidar range."""
+    """Repulsion of a linked teammate next to the UAV; it falls to 0 at a lidar range."""
     stagnation: int = 30
-    """Steps without anything new after which a particle is split off."""
+    """Steps without new cells after which a particle is split off."""
     candidates: int = 16
-    """Nearest frontier clusters among which a UAV looks for its best one."""
+    """Number of nearest frontier clusters among which a UAV chooses its best one."""
 
     def __post_init__(self) -> None:
         """Refuse negative weights and counts."""
@@ -61,7 +62,7 @@ class PsoRobots(Policy):
         at_least(self, 1, "stagnation", "candidates")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return ParticlePilot(briefing, self)
 
 
@@ -79,7 +80,7 @@ class ParticlePilot(GoalPilot):
         self._splits = self._alone_steps = 0
 
     def act(self, view: View) -> int:
-        """Fly on with the swarm, or alone after having been split off."""
+        """Move with the swarm, or alone if split off."""
         self.navigator.observe(view)
         if self.map_grew:
             self._news_at = view.step
@@ -98,15 +99,15 @@ class ParticlePilot(GoalPilot):
         return self._drift(view)
 
     def choose(self, view: View) -> Cell | None:
-        """Return the nearest frontier cell, for a UAV on its own."""
+        """Return the nearest frontier cell, for a UAV that is split off."""
         return self.nearest_frontier(view)
 
     def tally(self) -> dict[str, float]:
-        """Return also how often, and for how many steps in all, the UAV was split off."""
+        """Return also how often and for how many steps the UAV was split off."""
         return {**super().tally(), "splits": float(self._splits), "split_off_steps": float(self._alone_steps)}
 
     def _turned_back(self) -> bool:
-        """Tell whether the UAV is back where it was two steps ago."""
+        """Tell whether the UAV is in the cell where it was two steps ago."""
         lately = self.navigator.recent[-3:]
         return len(lately) == 3 and lately[0] == lately[2] != lately[1]
 
@@ -116,7 +117,7 @@ class ParticlePilot(GoalPilot):
         self.choose_goal(view)
 
     def _survey(self, view: View) -> None:
-        """Find the nearest and the best frontier, and tell the best."""
+        """Find the nearest and the best frontier, and send the best."""
         reach = self.briefing.lidar_range
         cells, steps = nearest_cells(self.steps_from(view, view.cell), frontier_clusters(view.belief, reach))
         order = np.argsort(steps, kind="stable")[: self._policy.candidates]
@@ -130,7 +131,7 @@ class ParticlePilot(GoalPilot):
         self.message = None if best is None else (float(near[best][0]), float(near[best][1]), worth[best])
 
     def _drift(self, view: View) -> int:
-        """Update the velocity and return the legal move most along it."""
+        """Update the velocity and return the legal move closest to its direction."""
         policy = self._policy
         pulls = (
             (policy.cognitive, self._towards(view, self._nearest)),
@@ -151,7 +152,7 @@ class ParticlePilot(GoalPilot):
         return max((cell for cell in worth if not self.is_spent(view, cell)), key=worth.__getitem__, default=None)
 
     def _towards(self, view: View, goal: Cell | None) -> Vector:
-        """Return the first move of a shortest known path; a path is kept while the UAV stays on it."""
+        """Return the first move of a shortest known path; the path is reused while the UAV stays on it."""
         if goal is None or goal == view.cell:
             return np.zeros(2)
         way = self._ways.get(goal, [])

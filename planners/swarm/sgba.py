@@ -1,4 +1,4 @@
-"""SGBA: fly in a direction of one's own and follow the walls in the way (McGuire et al. 2019)."""
+"""SGBA: each UAV flies along its own bearing and follows the walls in its way (McGuire et al. 2019)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from indoor_explorers.planners.parameters import at_least
 
 #: Headings 0 to 3.
 CLOCKWISE = (Action.UP, Action.RIGHT, Action.DOWN, Action.LEFT)
-#: Steps without anything new that are always waited for, however short the lidar's range.
+#: Fewest steps without new cells before a UAV finishes, for lidars of any range.
 SHORTEST_PATIENCE = 8
 
 
@@ -23,17 +23,17 @@ SHORTEST_PATIENCE = 8
 class Sgba(Policy):
     """Keep a preferred bearing, 2 pi i / N for UAV i of N, and follow the walls in its way.
 
-    The outward half of the swarm gradient bug algorithm; there is neither a battery here nor a beacon to come back to.
-    A UAV leaves a wall where its bearing is free and it is farther along it than where it met the wall, which is what
-    keeps it from flying back into a dead end. It turns to another bearing when it comes round to where it met the
-    wall, and away from a linked teammate of lower number that is ``near``.
+    This is the outbound part of the swarm gradient bug algorithm; there is neither a battery nor a beacon to return to.
+    A UAV leaves a wall where its bearing is free and it is farther along the bearing than where it met the wall, so
+    that it does not return into a dead end. It takes another bearing when it returns to where it met the wall, and
+    turns away from a linked teammate of lower number that is ``near``.
 
-    It plans nothing and keeps no list of what it missed: in a room it goes round the walls, in open space it flies
-    straight through, and alone it rarely sees everything. ``finish`` therefore hands over to nearest frontiers for
-    the rest of the episode once the UAV has learned nothing new for a while or nothing is left to learn; the tally
-    counts these steps (``finishing_steps``). What linked teammates learn is news, too: large groups hand over late.
-    A UAV whose way is blocked flies to its nearest frontier, too, and then on in another direction
-    (``held_up_steps``): followers of the same wall who meet in a corridor would stand there for good.
+    It plans nothing and does not store which cells it missed: in a room it follows the walls, in open space it flies
+    straight ahead, and alone it rarely sees everything. With ``finish`` it therefore flies to nearest frontiers for the
+    rest of the episode once no cell has become known for some time, or none is left; the tally counts these steps
+    (``finishing_steps``). Cells from linked teammates count as well, so large groups switch late. A UAV that a teammate
+    blocks also flies to its nearest frontier, and continues in another direction (``held_up_steps``): two UAVs that
+    follow the same wall and meet in a corridor would block each other for ever.
 
     K. N. McGuire, C. De Wagter, K. Tuyls, H. J. Kappen, G. C. H. E. de Croon, "Minimal navigation solution for a
     swarm of tiny flying robots to explore an unknown environment", Science Robotics 4(35), 2019,
@@ -41,23 +41,23 @@ class Sgba(Policy):
     """
 
     near: float = 1.0
-    """Distance to a linked teammate of lower number at which the bearing is changed, in lidar ranges."""
+    """Distance to a linked teammate of lower number at which a UAV changes its bearing, in lidar ranges."""
     finish: bool = True
-    """Whether to end with nearest frontiers. Without it an episode may last to its budget."""
+    """Whether to fly to nearest frontiers in the end; if False, an episode may last to its budget."""
     patience: float = 4.0
-    """How long nothing new may be learned before that, in steps per cell of lidar range."""
+    """Steps without new cells before that, per cell of the lidar range."""
 
     def __post_init__(self) -> None:
         """Refuse negative distances and times."""
         at_least(self, 0.0, "near", "patience")
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return SgbaPilot(briefing, self)
 
 
 class SgbaPilot(GoalPilot):
-    """Fly outwards or along a wall; in the end, to nearest frontiers."""
+    """Fly along the bearing or along a wall; in the end, to nearest frontiers."""
 
     def __init__(self, briefing: Briefing, policy: Sgba) -> None:
         super().__init__(briefing)
@@ -75,7 +75,7 @@ class SgbaPilot(GoalPilot):
         self._finishes = self._detours = False
 
     def act(self, view: View) -> int:
-        """Take one step of the state machine: outwards, along a wall, or to a frontier."""
+        """Run one step of the state machine: along the bearing, along a wall, or to a frontier."""
         self.navigator.observe(view)
         if not self._finishes and self._has_had_enough(view):
             self.choose_goal(view)
@@ -94,7 +94,7 @@ class SgbaPilot(GoalPilot):
         return self.nearest_frontier(view)
 
     def tally(self) -> dict[str, float]:
-        """Return also for how many steps the UAV flew to nearest frontiers, to finish or because it was held up."""
+        """Return also the steps of flying to nearest frontiers, to finish or because a teammate was in the way."""
         return {
             **super().tally(),
             "finishing_steps": float(self._finishing),
@@ -102,7 +102,7 @@ class SgbaPilot(GoalPilot):
         }
 
     def _is_held_up(self, view: View) -> bool:
-        """Tell whether a UAV is in the way, from the first sign until the frontier flown to instead is explored."""
+        """Tell whether a teammate is in the way, from the first failed move until the substitute goal is explored."""
         if self._detours and (self.goal is None or self.is_spent(view, self.goal)):
             self._detours = False
             self._set_bearing(atan2(self._east, self._north) + pi / 2 * int(self.rng.integers(1, 4)))
@@ -112,14 +112,14 @@ class SgbaPilot(GoalPilot):
         return self._detours
 
     def _has_had_enough(self, view: View) -> bool:
-        """Tell whether nothing new was learned for too long, or nothing is left to learn."""
+        """Tell whether no cell has become known for too long, or no frontier is left."""
         if not self.map_grew:
             return view.step - self._news_at > self._patience
         self._news_at = view.step
         return isfinite(self._patience) and self.paths.to_frontier(view.belief, view.cell, self.rng) is None
 
     def _set_bearing(self, bearing: float) -> None:
-        """Take a bearing, clockwise from up, and forget the wall."""
+        """Set the bearing, clockwise from up, and stop following a wall."""
         self._north, self._east = cos(bearing), sin(bearing)
         self._debt = 0.0
         self._met = None
@@ -132,7 +132,7 @@ class SgbaPilot(GoalPilot):
         return (0 if self._north >= 0 else 2), (1 if self._east >= 0 else 3)
 
     def _fly_out(self, view: View) -> int:
-        """Step along the bearing as a line is drawn on a grid, or meet a wall."""
+        """Step along the bearing like a line on a grid, or start to follow a wall."""
         share = abs(self._east) / (abs(self._east) + abs(self._north))
         across = self._debt + share >= 0.5 and share > 1e-9
         self._debt += share - across
@@ -145,7 +145,7 @@ class SgbaPilot(GoalPilot):
         return int(CLOCKWISE[heading])
 
     def _follow(self, view: View, met: Cell) -> int:
-        """Keep the wall at one side until the bearing is free beyond where it was met."""
+        """Follow the wall until the bearing is free, farther along it than where the wall was met."""
         if self._along and view.cell == met:
             self._set_bearing(atan2(self._east, self._north) + pi / 2 * int(self.rng.integers(1, 4)))
             return self._fly_out(view)
@@ -162,7 +162,7 @@ class SgbaPilot(GoalPilot):
         return int(Action.STAY)
 
     def _turn_from_mates(self, view: View) -> None:
-        """Head straight away from a linked teammate of lower number that is near, at most once a while."""
+        """Turn the bearing away from a near linked teammate of lower number, not too often."""
         if view.step - self._turned_at < self._near:
             return
         for mate in linked(view):
