@@ -1,4 +1,4 @@
-"""Frontier clusters in short joint sequences, weighed against the way through all that they leave behind."""
+"""Frontier clusters in short sequences, chosen jointly by the group and weighed against what they leave behind."""
 
 from __future__ import annotations
 
@@ -26,51 +26,51 @@ from indoor_explorers.planners.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.routing.sequences import DecisionProblem, Utility, best_sequences, cost_of_rest
 
-#: Paths between places are measured up to this many lidar ranges; beyond this, the path length is bounded by going
-#: through a UAV's position.
+#: Paths between places are searched up to this length in lidar ranges; longer ones are bounded by the path through a
+#: UAV's position.
 HOP_RANGES = 4.0
-#: A cluster counts as seen from a place that shows this share of it.
+#: Share of a cluster that must be in view of a place for the cluster to count as seen from there.
 SEEN = 0.5
-#: A cluster belongs to teammates when its factor is less than this share of the largest factor.
+#: A cluster is left to teammates if its factor is less than this share of the largest factor.
 THEIRS = 0.5
-#: A place counts less when UAVs that chose before leave less than this share of its gain.
+#: Share of a place's gain below which the place has less value, after the choices of other UAVs.
 TAKEN = 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
 class JointParameters:
-    """How a :class:`JointPilot` weighs its candidates."""
+    """Parameters by which a :class:`JointPilot` compares its candidates."""
 
     isolation: float = 8.0
-    """Extra weight of an unknown cell whose 5x5 is known otherwise; finishes pockets while near."""
+    """Additional weight of an unknown cell whose 5x5 neighbourhood is known; pockets are finished while near."""
     fade: float = 0.5
-    """Depth inside the unknown at which a cell counts 1 / e, in lidar ranges."""
+    """Depth inside unknown space at which a cell has 1 / e of the weight, in lidar ranges."""
     power: float = 0.5
-    """Exponent of what is in view: 1 leaves small pockets behind for ever larger views, 0 flies to what is near."""
+    """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest place."""
     rate: float = 0.8
-    """How fast a view loses its value with the time of arrival, per lidar range."""
+    """Discount rate of view gains per lidar range of flight."""
     trust: float = 0.5
-    """Factor for every place that a UAV visits before, as the map may turn out otherwise, 0 to 1."""
+    """Factor for every place that a UAV visits before, since the map may differ from expectation, 0 to 1."""
     order: float = 1.0
-    """What a lidar range of the cost of all clusters takes off the logarithm of a sequence's value."""
+    """Weight of the cost of all clusters, per lidar range, against the logarithm of a sequence's value."""
     latency: float = 3.0
-    """Weight of the mean waiting time beside the length in that cost."""
+    """Weight of the mean waiting time relative to the length in that cost."""
     hold: float = 0.2
-    """Extra value of a place that is near the goal that a UAV has."""
+    """Bonus, as a share, for a place near the UAV's current goal."""
     certainty: float = 0.5
-    """Share in which a linked teammate's second place counts as seen by it, its third by the square; 0 to 1."""
+    """Share to which a linked teammate's second place counts as seen by it; its third place by the square; 0 to 1."""
     period: float = 0.1
     """Steps after which a UAV chooses again if the map has grown, in lidar ranges."""
     clusters: int = 32
-    """The most frontier clusters to choose from: the nearest to any UAV of the group."""
+    """Most frontier clusters to choose from: the nearest to any UAV of the group."""
     lookouts: int = 8
-    """The most other cells near each UAV to choose from."""
+    """Most other candidates near each UAV, cells with unknown cells in view."""
     near: int = 6
-    """How near these are, in steps."""
+    """Largest distance of these from a UAV, in steps."""
     firsts: int = 8
-    """The places with the best sequences, for which the cost of the rest is found."""
+    """Number of places with the best sequences for which the cost of the rest is computed."""
     rest: int = 12
-    """The most clusters in that cost: the UAV's own that are worth most to it now."""
+    """Most clusters in that cost: those of the UAV's own clusters with the largest discounted gains."""
 
     def __post_init__(self) -> None:
         at_least(self, 0.0, "isolation", "power", "rate", "trust", "order", "latency", "hold", "certainty", "period")
@@ -81,27 +81,28 @@ class JointParameters:
 
 @dataclass(frozen=True, kw_only=True)
 class FrontierJoint(JointParameters, Policy):
-    """Fly to the place with the best short sequence for the least cost of all that it leaves behind.
+    """Fly to the place with the best short sequence, minus the cost of all clusters that it leaves behind.
 
-    Places are the frontier clusters, each at the cell nearest to the group, and a few cells near each UAV from which
-    something unknown is in view. A sequence of up to three earns (gain left)^power e^(-rate t) trust^k for each: the
-    discounted gain of H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002, doi:10.1177/0278364902021010834, summed over an
-    orienteering problem with a view counted once. That alone is greedy and leaves small pockets behind. So a place also
-    costs what the best order of the UAV's own clusters costs that begins there, by the travelling repairman's measure
-    (A. Blum et al., STOC 1994, doi:10.1145/195058.195125); the score is log(value) - order * cost.
+    Places are the frontier clusters, each at its cell nearest to the group, and a few cells near each UAV with unknown
+    cells in view. The value of a sequence of up to three places is the sum of (remaining gain)^power e^(-rate t)
+    trust^k: the discounted gain of H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002, doi:10.1177/0278364902021010834, in
+    an orienteering problem in which each view counts once. This alone is greedy and leaves small pockets behind.
+    Therefore the score of a place is log(value) - order * cost, with the cost of the best order of the UAV's own
+    clusters that begins there, as in the travelling repairman problem (A. Blum et al., STOC 1994,
+    doi:10.1145/195058.195125).
 
-    Linked UAVs take turns as in W. Burgard et al., IEEE T-RO 2005, doi:10.1109/TRO.2004.839232; what a sequence shows
-    is worth less to those who choose later. Each works out all turns before its own, from the map, cells and goals that
-    all of them know. What is left to teammates out of contact is :class:`OutOfContact`'s.
+    Linked UAVs choose in turn as in W. Burgard et al., IEEE T-RO 2005, doi:10.1109/TRO.2004.839232; cells in the views
+    of a sequence are worth less to UAVs that choose later. Each UAV computes all turns before its own, from the map,
+    cells and goals that all of them know. :class:`OutOfContact` gives the factors for teammates out of contact.
     """
 
     def pilot(self, briefing: Briefing) -> Pilot:
-        """Make the mind of one UAV."""
+        """Make the pilot of one UAV."""
         return JointPilot(briefing, self)
 
 
 class JointPilot(CandidatePilot):
-    """Choose in turn with the linked teammates, a few steps after the map has grown."""
+    """Choose in turn with the linked teammates, some steps after the map has grown."""
 
     straight = True
 
@@ -115,15 +116,15 @@ class JointPilot(CandidatePilot):
         self._next_choice = 0
 
     def on_map_growth(self, view: View) -> None:
-        """Ask for a choice, as the map has grown."""
+        """Request a new choice."""
         self._is_due = True
 
     def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last choice and that was some steps ago."""
+        """Tell whether the map has grown since the last choice, and that choice is old enough."""
         return self._is_due and view.step >= self._next_choice
 
     def choose(self, view: View) -> Cell | None:
-        """Return the place that is left for this UAV when its turn comes."""
+        """Return the place that this UAV gets in its turn."""
         self._is_due, self._next_choice = False, view.step + max(1, round(self._parameters.period * self._range))
         own = GroupMember(self.briefing.agent, view.cell, self.goal)
         members = sorted([own, *map(member_of, linked(view))], key=lambda member: member.agent)
@@ -138,7 +139,7 @@ class JointPilot(CandidatePilot):
         return goal
 
     def first(self, problem: DecisionProblem, me: int, factors: NDArray[np.float64]) -> int:
-        """Return which place UAV ``me`` flies to, when those with something better to do have taken their turns."""
+        """Return the place that UAV ``me`` gets, after the turns of all UAVs with a better choice."""
         left, waiting = problem.gains, list(range(len(problem.away)))
         while True:
             alone = problem.hysteresis * left**self._parameters.power * np.exp(-self._parameters.rate * problem.away)
@@ -152,7 +153,7 @@ class JointPilot(CandidatePilot):
     def sequence(
         self, problem: DecisionProblem, uav: int, gains: NDArray[np.float64], factors: NDArray[np.float64]
     ) -> NDArray[np.int64]:
-        """Return the sequence that a UAV flies, (3,), -1 after its end, from the (K,) gains that are left."""
+        """Return a UAV's sequence, (3,), -1 after its end, for the remaining gains (K,)."""
         parameters = self._parameters
         values, sequences = best_sequences(problem, uav, gains, self._utility)
         values = not_taken(values, gains, factors * problem.gains)
@@ -165,7 +166,7 @@ class JointPilot(CandidatePilot):
         return np.asarray(sequences[best[np.argmax(np.log(values[best]) - parameters.order * np.array(costs))]])
 
     def decision_problem(self, view: View, members: list[GroupMember]) -> DecisionProblem:
-        """Return what a group can choose from."""
+        """Return the decision problem of a group."""
         parameters, reach = self._parameters, self._range
         fields = np.stack([self.steps_from(view, member.cell) for member in members])
         cells, ahead = self.candidates(view, fields)
@@ -181,9 +182,9 @@ class JointPilot(CandidatePilot):
         return DecisionProblem(cells, ahead, away, between / reach, gains, shared, hysteresis)
 
     def candidates(self, view: View, fields: Distances) -> tuple[NDArray[np.int32], Mask]:
-        """Return flat cells to choose from, (K,), and which of them stand for all that is left to see, (K,) bool.
+        """Return flat candidate cells, (K,), and which of them are frontier clusters, (K,) bool.
 
-        ``fields`` (N, H, W) are the steps of the UAVs of the group.
+        ``fields`` (N, H, W) are the steps from the UAVs of the group.
         """
         parameters, reach = self._parameters, self._range
         ahead = frontier_candidates(view.belief, fields, reach, parameters.clusters)
@@ -195,7 +196,7 @@ class JointPilot(CandidatePilot):
         return cells, np.arange(len(cells)) < len(ahead)
 
     def factors(self, view: View, problem: DecisionProblem, me: int) -> NDArray[np.float64]:
-        """Return what teammates out of contact leave of each of K places, (K,)."""
+        """Return the factors of K places for teammates out of contact, (K,)."""
         if self.briefing.team == 1:
             return np.ones(len(problem.cells))
         points = np.stack(np.divmod(problem.cells, self.paths.width), axis=1).astype(np.float64)
@@ -207,7 +208,7 @@ class JointPilot(CandidatePilot):
     def _own(
         self, problem: DecisionProblem, uav: int, gains: NDArray[np.float64], factors: NDArray[np.float64]
     ) -> NDArray[np.int64]:
-        """Return the numbers of the clusters that no teammate is nearer to, those worth most now."""
+        """Return the indices of clusters that no teammate is closer to: those with the largest discounted gains."""
         nearest = (problem.away[uav] < UNREACHABLE) & (problem.away[uav] <= problem.away.min(axis=0))
         own = np.flatnonzero(problem.ahead & nearest & (factors >= THEIRS * factors.max()))
         worth = gains[own] ** self._parameters.power * np.exp(-self._parameters.rate * problem.away[uav, own])
@@ -216,7 +217,7 @@ class JointPilot(CandidatePilot):
     def _cost(
         self, problem: DecisionProblem, uav: int, first: int, rest: NDArray[np.int64], gains: NDArray[np.float64]
     ) -> float:
-        """Return what it costs to begin with a place and go on with what that does not show."""
+        """Return the cost of the best order that begins with a place and visits the clusters not seen from there."""
         left = gains * (1.0 - problem.shared[:, first])
         left[first] = gains[first]
         rest = rest[(rest != first) & (problem.shared[rest, first] < SEEN)]
@@ -226,10 +227,10 @@ class JointPilot(CandidatePilot):
 def not_taken(
     values: NDArray[np.float64], left: NDArray[np.float64], gains: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return what (K,) first places are worth, the less the more of them linked teammates have taken.
+    """Return the values of (K,) first places, reduced by the share of their gain that linked teammates have taken.
 
-    Without this, a UAV flies towards what it likes best by way of a teammate's place, and so in its wake. Where
-    nothing is left of any, values are as they were.
+    Without this, a UAV flies to its best place by way of a teammate's place, and so follows the teammate. If no place
+    has any gain left, the values are unchanged.
     """
     free = values * np.minimum(1.0, left / np.maximum(TAKEN * gains, 1e-300))
     return free if free.any() else values

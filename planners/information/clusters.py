@@ -1,7 +1,7 @@
-"""Frontier clusters: groups of frontier cells small enough that one visit deals with all of a group.
+"""Frontier clusters: groups of frontier cells so small that one visit explores all cells of a group.
 
-Frontier cells are labelled 8-connected; a group is split at its mean across its principal axis while a
-cell of it is further than half the lidar range from the mean.
+A cluster is a group of 8-connected frontier cells; it is split at its mean, across its principal axis, while a cell
+of it is farther than half the lidar range from the mean.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.frontiers import frontier_mask
 
-#: A cluster is split while a cell is further than this share of the lidar range from its mean.
+#: A cluster is split while a cell is farther than this share of the lidar range from its mean.
 SPREAD = 0.5
 
 
@@ -26,7 +26,7 @@ class Clusters(NamedTuple):
     cells: NDArray[np.int32]
     """(F,) flat cells."""
     ends: NDArray[np.int64]
-    """(K + 1,) where each cluster begins and, last, where the last one ends."""
+    """(K + 1,) start index of each cluster, then the end of the last one."""
 
     @property
     def size(self) -> int:
@@ -77,7 +77,7 @@ def _moments(cells: np.ndarray, width: int) -> tuple[float, float, float, float]
 
 @kernel(entry=False)
 def _halved(cells: np.ndarray, width: int, row_mean: float, col_mean: float, angle: float) -> int:
-    """Bring the cells on the lower side of the principal axis to the front, in order; return how many."""
+    """Move the cells on the lower side of the principal axis to the front, in order; return their number."""
     upper, lower = np.empty(cells.shape[0], cells.dtype), 0
     for k in range(cells.shape[0]):
         row, col = cells[k] // width - row_mean, cells[k] % width - col_mean
@@ -93,7 +93,7 @@ def _halved(cells: np.ndarray, width: int, row_mean: float, col_mean: float, ang
 
 @kernel(entry=False)
 def _split(cells: np.ndarray, width: int, radius: float, begin: int, end: int, ends: np.ndarray, count: int) -> int:
-    """Split ``cells[begin:end]`` until all parts are small; write where they end; return the new count."""
+    """Split ``cells[begin:end]`` until all parts are small; write their ends; return the new number of clusters."""
     pending = [end]
     while len(pending) > 0:
         part = cells[begin : pending[-1]]
@@ -159,8 +159,8 @@ def _nearest(field: np.ndarray, cells: np.ndarray, ends: np.ndarray) -> tuple[np
 def nearest_cells(field: Distances, clusters: Clusters) -> tuple[NDArray[np.int32], Distances]:
     """Return each cluster's nearest cell on a (H, W) distance field, and its distance.
 
-    Both are (K,); cells are flat, the first of equals in row-major order, and the distance is
-    ``UNREACHABLE`` when no cell of the cluster can be reached.
+    Both are (K,); cells are flat, the first among equals in row-major order, and the distance is
+    ``UNREACHABLE`` if no cell of the cluster is reachable.
     """
     nearest, steps = _nearest(field, clusters.cells, clusters.ends)
     return nearest, steps
@@ -181,5 +181,5 @@ def _middles(cells: np.ndarray, ends: np.ndarray, width: int) -> np.ndarray:
 
 
 def middles(clusters: Clusters, width: int) -> NDArray[np.int32]:
-    """Return each cluster's flat cell that is nearest to the mean of all of its cells, (K,); the first of equals."""
+    """Return each cluster's flat cell nearest to the mean of its cells, (K,); the first among equals."""
     return np.asarray(_middles(clusters.cells, clusters.ends, width))

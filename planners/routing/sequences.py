@@ -1,8 +1,8 @@
-"""What a place is worth as the next goal: the best short sequence that begins there, and the path through the rest.
+"""The utility of a place as the next goal: the best short sequence that begins there, and the cost of the rest.
 
-Both read a :class:`DecisionProblem`, the places that a group of UAVs can choose from. A sequence earns what each of its
-places shows, discounted by the time of arrival and counted once; all sequences are tried, with bounds. The rest is
-ordered as in :mod:`indoor_explorers.planners.routing.min_latency`.
+Both use a :class:`DecisionProblem`, the places that a group of UAVs can choose from. The value of a sequence is the sum
+of the gains of its places, discounted by the time of arrival; each view counts once. The search is exhaustive with
+bounds. The rest is ordered as in :mod:`indoor_explorers.planners.routing.min_latency`.
 """
 
 from __future__ import annotations
@@ -18,38 +18,38 @@ from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.planners.routing.local_search import by_nearest
 from indoor_explorers.planners.routing.min_latency import improved_cost
 
-#: Places of a sequence, at most.
+#: Largest number of places of a sequence.
 LENGTH = 3
 
 
 class DecisionProblem(NamedTuple):
-    """Where N UAVs could fly: K places, distances in lidar ranges; ``UNREACHABLE`` where there is no path."""
+    """K places that N UAVs can choose from; distances in lidar ranges, ``UNREACHABLE`` without a path."""
 
     cells: NDArray[np.int32]
     """(K,) flat cells."""
     ahead: Mask
-    """(K,) bool, which of them are frontier clusters; the others are cells near the UAVs."""
+    """(K,) bool, whether they are frontier clusters; the others are cells near the UAVs."""
     away: NDArray[np.float64]
-    """(N, K) distances of the UAVs."""
+    """(N, K) distances from the UAVs."""
     between: NDArray[np.float64]
     """(K, K) distances between places."""
     gains: NDArray[np.float64]
-    """(K,) what is in view of each place."""
+    """(K,) view gain of each place."""
     shared: NDArray[np.float64]
-    """(K, K) the share of the first one's view that is in view of the second one, too."""
+    """(K, K) share of the first one's view that the second one sees, too."""
     hysteresis: NDArray[np.float64]
-    """(N, K) factor of what a place counts for a UAV as its first."""
+    """(N, K) factor on the value of a place as a UAV's first."""
 
 
 class Utility(NamedTuple):
-    """What a view counts when it is had: (gain left)^power e^(-rate t) trust^k."""
+    """Parameters of the value of a visit: (remaining gain)^power e^(-rate t) trust^k."""
 
     power: float
-    """Exponent of the gain that earlier places of the sequence have left."""
+    """Exponent of the gain that remains after earlier places of the sequence."""
     rate: float
-    """Per lidar range flown until then."""
+    """Discount rate per lidar range flown until arrival."""
     trust: float
-    """For each of the k places before, as the map may turn out otherwise."""
+    """Factor for each of the k places before, since the map may differ from expectation."""
 
 
 @kernel()
@@ -98,10 +98,10 @@ def _best(
 def best_sequences(
     problem: DecisionProblem, uav: int, gains: NDArray[np.float64], utility: Utility
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return for each of K places the value of a UAV's best sequence of up to three that begins there, and it.
+    """Return, for each of K places, a UAV's best sequence of up to three places that begins there, and its value.
 
-    ``gains`` (K,) is what teammates have left of the problem's. Values are (K,), 0 for what cannot be reached;
-    sequences (K, 3) hold numbers of places, -1 after their end.
+    ``gains`` (K,) are the problem's gains after the teammates' choices. Values are (K,), 0 for unreachable places;
+    sequences (K, 3) hold indices of places, -1 after their end.
     """
     values, sequences = np.zeros(len(gains)), np.full((len(gains), LENGTH), -1, np.int64)
     hysteresis = problem.hysteresis[uav]
@@ -134,9 +134,9 @@ def cost_of_rest(
     weights: NDArray[np.float64],
     latency: float,
 ) -> float:
-    """Return what a good order of some places costs that begins with ``first``, in lidar ranges.
+    """Return the cost of a good order of some places that begins with ``first``, in lidar ranges.
 
-    ``rest`` are the numbers of the others; the cost is when the last place is reached plus ``latency`` times the mean
-    waiting time, in which places count by their ``weights`` (K,).
+    ``rest`` are the indices of the others. The cost is the time at which the last place is reached, plus ``latency``
+    times the mean waiting time weighted by ``weights`` (K,).
     """
     return float(_rest(first, rest, problem.away[uav], problem.between, weights, latency))

@@ -1,7 +1,7 @@
-"""Straight flights over a belief map: which cells a segment runs through, and where it meets the unknown.
+"""Straight segments on a belief map: the cells that they cross, and where they enter unknown space.
 
 Points are (row, column) floats in continuous cell coordinates: cell (r, c) covers [r, r + 1) x [c, c + 1)
-and its centre is (r + .5, c + .5). Unknown cells are taken to be passable.
+and its centre is (r + .5, c + .5). Unknown cells count as passable.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel
 
-#: What :func:`fly` answers beside a cell: nothing unknown on the way, or an obstacle.
+#: Results of :func:`fly` other than a cell: no unknown cell on the segment, or an obstacle.
 ALL_KNOWN, BLOCKED = -1, -2
 
 
 @kernel(entry=False)
 def _crossing(start: float, delta: float, cell: int) -> float:
-    """Return at which share of a segment it leaves ``cell`` along one axis; infinity for never."""
+    """Return the share of a segment at which it leaves ``cell`` along one axis; infinity for never."""
     if delta > 0.0:
         return (cell + 1 - start) / delta
     if delta < 0.0:
@@ -29,11 +29,11 @@ def _crossing(start: float, delta: float, cell: int) -> float:
 
 @kernel()
 def fly(belief: np.ndarray, row: float, col: float, to_row: float, to_col: float) -> int:
-    """Return the last cell before the unknown on a segment, as a flat index.
+    """Return the last known cell before a segment enters unknown space, as a flat index.
 
-    ``ALL_KNOWN`` when the segment stays in known free cells, ``BLOCKED`` when it runs through an obstacle or
-    leaves the map. Cells are visited one side at a time (Amanatides & Woo 1987), so that consecutive ones
-    are 4-adjacent and no flight slips between two obstacles that touch at a corner.
+    ``ALL_KNOWN`` if the segment stays in known free cells, ``BLOCKED`` if it crosses an obstacle or
+    leaves the map. The cells are traversed side by side (Amanatides & Woo 1987), so that consecutive ones
+    are 4-adjacent and no segment passes between two obstacles that touch at a corner.
     """
     height, width = belief.shape
     r, c = int(np.floor(row)), int(np.floor(col))
@@ -60,7 +60,7 @@ def fly(belief: np.ndarray, row: float, col: float, to_row: float, to_col: float
 def _entries(
     belief: np.ndarray, vertices: np.ndarray, parents: np.ndarray, known: np.ndarray, found: np.ndarray
 ) -> int:
-    """Write the cells of :func:`entries` to ``found`` (K,); return how many. ``known`` (K,) is true at first."""
+    """Write the cells of :func:`entries` to ``found`` (K,); return their number. ``known`` (K,) must be all True."""
     size = 0
     for k in range(1, vertices.shape[0]):
         parent = parents[k]
@@ -73,11 +73,11 @@ def _entries(
 
 
 def entries(belief: Belief, vertices: NDArray[np.float64], parents: NDArray[np.int64]) -> NDArray[np.int32]:
-    """Return the cells from which the edges of a tree first enter the unknown, as sorted flat indices.
+    """Return the cells from which the branches of a tree first enter unknown space, as sorted flat indices.
 
     ``vertices`` is (K, 2) and ``parents`` (K,), each parent before its children and the root's -1, as
-    :func:`indoor_explorers.planners.sampling.trees.grow_tree` returns them. Branches behind an entry are not
-    looked at.
+    :func:`indoor_explorers.planners.sampling.trees.grow_tree` returns them. The remainder of such a branch is
+    ignored.
     """
     known, found = np.ones(len(vertices), np.bool_), np.empty(len(vertices), np.int32)
     return np.unique(found[: _entries(belief, vertices, parents, known, found)])

@@ -13,32 +13,32 @@ from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import Assignment, AssignmentProblem, Plan, choices, followers, value
 
-#: How many of the best goals after another one a key chooses from.
+#: Number of best next goals that a key selects from.
 FOLLOWERS = 8
 
 
 @dataclass(frozen=True, kw_only=True)
 class Swarm:
-    """The parameters of a particle swarm. Positions are keys in [0, 1), one for each goal of each UAV.
+    """The parameters of a particle swarm. A position has a key in [0, 1) for each goal of each UAV.
 
     J. Kennedy, R. Eberhart, "Particle swarm optimization", ICNN 1995, doi:10.1109/ICNN.1995.488968;
     inertia that falls linearly as in Y. Shi, R. Eberhart, CEC 1998, doi:10.1109/ICEC.1998.699146.
     """
 
     particles: int = 20
-    """How many, those that start at seeds included."""
+    """Number of particles, including those that start from initial plans."""
     rounds: int = 30
-    """At most; 0 picks the best of the first positions."""
+    """Most iterations; with 0 the best initial position is used."""
     inertia: tuple[float, float] = (0.9, 0.4)
-    """Share of its velocity that a particle keeps, in the first and in the last round."""
+    """Share of its velocity that a particle keeps, in the first and in the last iteration."""
     cognitive: float = 1.5
-    """Pull of a particle's own best position."""
+    """Attraction of a particle's own best position."""
     social: float = 1.5
-    """Pull of the swarm's best position."""
+    """Attraction of the swarm's best position."""
     largest_step: float = 0.3
-    """Fastest change of a key in a round."""
+    """Largest change of a key in an iteration."""
     stagnation: int = 8
-    """Rounds without a better plan after which the swarm stops."""
+    """Iterations without a better plan after which the swarm stops."""
 
     def __post_init__(self) -> None:
         at_least(self, 1, "particles", "stagnation")
@@ -46,19 +46,19 @@ class Swarm:
 
 
 class Code(NamedTuple):
-    """How keys are read: the first of a UAV's picks one of its goals, each other one a goal to fly to next."""
+    """The decoding of keys: a UAV's first key selects one of its candidates, each other key a next goal."""
 
     choices: Assignment
     """(N, K) each UAV's candidates, best first."""
     counts: Assignment
-    """(N,) how many of these it can reach."""
+    """(N,) number of candidates that it can reach."""
     followers: Assignment
-    """(K, M) the best candidates to fly to after each candidate, best first."""
+    """(K, M) the best candidates to visit after each candidate, best first."""
 
 
 @leaf(entry=False)
 def _next(code: Code, plan: np.ndarray, turn: int, key: float) -> int:
-    """Return the follower of a UAV's last goal that a key picks, of those not in its (L,) plan yet; -1 for none."""
+    """Return the next goal that a key selects after a UAV's last one, not in its (L,) plan yet; -1 for none."""
     options = code.followers[plan[turn - 1]]
     pick, goal = min(int(key * FOLLOWERS), FOLLOWERS - 1), -1
     for place in range(options.shape[0]):
@@ -75,7 +75,7 @@ def _next(code: Code, plan: np.ndarray, turn: int, key: float) -> int:
 
 @leaf()
 def decode(keys: np.ndarray, code: Code, out: np.ndarray) -> None:
-    """Fill ``out`` (N, L) with the plan of (N, L) keys."""
+    """Decode (N, L) keys to the plan ``out`` (N, L)."""
     for i in range(keys.shape[0]):
         out[i, :] = -1
         out[i, 0] = code.choices[i, min(int(keys[i, 0] * code.counts[i]), code.counts[i] - 1)]
@@ -139,12 +139,12 @@ def _evolve(
 
 
 def code_of(problem: AssignmentProblem, length: int) -> Code:
-    """Return how keys of plans with ``length`` goals a UAV are read."""
+    """Return the decoding of keys of plans with ``length`` goals per UAV."""
     return Code(*choices(problem), np.ascontiguousarray(followers(problem, FOLLOWERS + length)))
 
 
 def keys_of(goals: Assignment, code: Code, length: int) -> NDArray[np.float64]:
-    """Return (N, L) keys that decode to ``goals`` first, then always to the best follower."""
+    """Return (N, L) keys that decode to ``goals`` first, then always to the best next goal."""
     keys = np.zeros((len(goals), length))
     places = (code.choices == goals[:, None]).argmax(axis=1)
     keys[:, 0] = (places + 0.5) / code.counts
@@ -152,7 +152,7 @@ def keys_of(goals: Assignment, code: Code, length: int) -> NDArray[np.float64]:
 
 
 def seeded(problem: AssignmentProblem, length: int, seeds: Sequence[Assignment]) -> list[Plan]:
-    """Return the plans of ``length`` goals a UAV that the swarm starts at."""
+    """Return the initial plans of the swarm, with ``length`` goals per UAV."""
     code = code_of(problem, length)
     plans = [np.empty((len(problem.steps), length), np.int64) for _ in seeds]
     for plan, goals in zip(plans, seeds, strict=True):
@@ -163,11 +163,11 @@ def seeded(problem: AssignmentProblem, length: int, seeds: Sequence[Assignment])
 def optimise(
     problem: AssignmentProblem, length: int, swarm: Swarm, seeds: Sequence[Assignment], rng: np.random.Generator
 ) -> Plan:
-    """Return the best plan of ``length`` goals a UAV that a swarm finds, (N, L).
+    """Return the best plan of ``length`` goals per UAV that a swarm finds, (N, L).
 
-    A UAV's first key picks among its reachable candidates, best first, each other key among the best ones to go on
-    to. One particle starts at each of the ``seeds``, assignments that must be reachable, continued by best followers;
-    so the plan is never of less fitness than those. The others start anywhere, more of them near the best.
+    A UAV's first key selects among its reachable candidates, best first, each other key among the best next goals. One
+    particle starts from each of the ``seeds``, assignments that must be reachable, continued by the best next goals; so
+    the plan never has a lower fitness than these. The other particles start at random, more of them near the best.
     """
     code = code_of(problem, length)
     uavs = len(code.counts)

@@ -1,9 +1,8 @@
-"""The dueling network for acting, with the pull of the tours, compiled: row by row, in one fixed order of additions.
+"""The dueling network for acting, with the pull of the tours, compiled: row by row, with a fixed order of additions.
 
-A matrix library may add in another order for another batch size or thread count, and a tie between two
-moves then falls differently. Here a decision is the same, bit for bit, in any batch, process and engine,
-and acting needs no torch. The test suite holds it against
-:class:`indoor_explorers.learners.dddqn.network.model.DuelingNetwork`.
+A matrix library may change the order of additions with the batch size or the number of threads, which can decide
+ties between moves differently. Here decisions are the same, bit for bit, in any batch, process and engine, and acting
+needs no torch. Tests compare it with :class:`indoor_explorers.learners.dddqn.network.model.DuelingNetwork`.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ Array = NDArray[np.float32]
 
 
 class NetworkWeights(NamedTuple):
-    """The network's arrays; matrices are (inputs, outputs). Arrays of parts that are switched off are empty."""
+    """The network's arrays; matrices are (inputs, outputs). Arrays of disabled parts are empty."""
 
     look: Array
     look_bias: Array
@@ -79,7 +78,7 @@ def weights_from(
 
 
 def _tours(arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config: NetworkConfig) -> Array:
-    """Return what each feature of a move adds to its value by itself, (F,): learned, and the pull of the tours."""
+    """Return the linear weights (F,) from a move's features to its value: learned ones plus the pull of the tours."""
     parts = [arrays["tours.weight"][0]] if "tours.weight" in arrays else []
     pull = tour_costs(layout, config.tour_pull, 0.0)
     parts += [] if pull is None else [pull]
@@ -88,7 +87,7 @@ def _tours(arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config
 
 @kernel(entry=False)
 def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray) -> None:
-    """Write x W + b; inputs that are zero cost nothing."""
+    """Write x W + b; zero inputs are skipped."""
     for j in range(out.shape[0]):
         out[j] = bias[j]
     for i in range(x.shape[0]):
@@ -120,7 +119,7 @@ def _relu(x: np.ndarray) -> None:
 
 @kernel(entry=False)
 def _own_values(moves: np.ndarray, weights: NetworkWeights, out: np.ndarray) -> None:
-    """Add what each move's own features say."""
+    """Add the output of the network that the moves share, and of the linear weights of their features."""
     hidden = np.empty(weights.move_hidden.shape[1], np.float32)
     for k in range(4):
         _linear(moves[k], weights.move_hidden, weights.move_hidden_bias, hidden)
