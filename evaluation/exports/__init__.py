@@ -1,4 +1,4 @@
-"""What is written for other programs: tables, figures, experiments, and a database for Planner Arena."""
+"""Files for other programs and for papers: tables, figures, experiments, and a database for Planner Arena."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ __all__ = ["write_exports"]
 def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | None = None) -> None:
     """Write everything but the report into ``folder``; equal results give equal bytes.
 
-    ``ratio_to`` names the policies whose steps those of all are divided by, see
+    ``ratio_to`` names the baselines of ratios of steps, see
     :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`.
     """
     tables = folder / "tables"

@@ -1,4 +1,4 @@
-"""What the tables for papers and notes show: the terminal's figures, each with its interval."""
+"""Rows of the Markdown and LaTeX tables: the figures of the terminal's table, each with its interval."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ExportCell:
     interval: str = ""
     """``[low, high]``; empty where there is none."""
     best: bool = False
-    """Shown to be better than that of every other policy."""
+    """Whether it is significantly better than that of every other policy."""
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,9 @@ def _measured(comparison: Comparison, policy: str, metric: str, decimals: int) -
 
 
 def shown_best(comparison: Comparison, metric: str) -> str | None:
-    """Return the policy whose metric was shown to be better than every other's on the tasks that all flew.
+    """Return the policy whose metric is significantly better than every other's on the tasks that all flew.
 
-    A difference is shown where the sign-flip test's p-value, adjusted by Holm's method for the number of
+    A difference is significant where the sign-flip test's p-value, adjusted by Holm's method for the number of
     policies, is at most 0.05. Policies that know the map are not ranked.
     """
     common = TaskTimes.of(comparison, metric).common()
@@ -74,18 +74,18 @@ def shown_best(comparison: Comparison, metric: str) -> str | None:
 
 
 def caption(comparison: Comparison) -> list[str]:
-    """Return the sentences that say what a table's figures are."""
+    """Return the sentences that explain a table's figures."""
     counts = [len(records) for records in comparison.groups.values()]
     span = counted(counts[0], "episode") if len(set(counts)) == 1 else f"{min(counts)} to {max(counts)} episodes"
     budgets = sorted({record.budget for record in comparison.records})
     limit = f"{budgets[0]}" if len(budgets) == 1 else f"{budgets[0]} to {budgets[-1]}"
     settings = comparison.results.scenarios[comparison.scenario]
     return [
-        f"{span} a policy on {counted(comparison.map_count, 'map')}.",
+        f"{span} of each policy on {counted(comparison.map_count, 'map')}.",
         _interval_kind(comparison, min(counts)),
         f"Coverage is the {denominator(settings)}.",
         f"{_times(comparison.level)}; an episode that never reaches it counts as its budget of {limit} steps.",
-        *(["A dash: the goal of this scenario does not ask for that threshold."] if comparison.level != T99 else []),
+        *(["A dash: the goal of this scenario is below that threshold."] if comparison.level != T99 else []),
         "Bold: significantly better than every other policy (sign-flip test, p at most 0.05 after Holm's adjustment).",
         *(["Policies that know the map are not ranked."] if any(map(comparison.privileged, comparison.groups)) else []),
         *footnotes(comparison.results, comparison.groups),
@@ -93,7 +93,7 @@ def caption(comparison: Comparison) -> list[str]:
 
 
 def _times(level: CoverageThreshold) -> str:
-    """Say what the times are that the scenario asks for."""
+    """Define the times of the scenario's thresholds."""
     levels = [CoverageThreshold(key) for key in level.times]
     titles, shares = (" and ".join(words) for words in zip(*((e.title, e.percent) for e in levels), strict=True))
     return f"{titles} {'are the first steps' if len(levels) > 1 else 'is the first step'} with {shares} coverage"

@@ -1,7 +1,7 @@
 r"""The results as LaTeX tables, one a scenario; they need the booktabs package and nothing else.
 
 The file is plain ASCII and compiles with any engine: letters with accents become commands, and characters that
-not every font has, such as emoji, become their code point, ``[U+1F681]``.
+not every font has, such as emoji, become their code point, such as ``[U+1F681]``.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.report.tables.policy_names import DAGGER
 from indoor_explorers.evaluation.results.results import Results
 
-#: Characters that stand for something else in LaTeX, or that not every engine knows.
+#: Characters with a meaning in LaTeX, or that not every engine supports.
 COMMANDS = {
     **{character: f"\\{character}" for character in "&%$#_{}"},
     "\\": r"\textbackslash{}",
@@ -92,7 +92,7 @@ def _interval(cell: ExportCell) -> str:
 
 
 def escaped(text: str) -> str:
-    """Return ASCII that LaTeX sets as ``text``, on one line."""
+    """Return ASCII source that LaTeX typesets as ``text``, on one line."""
     line = unicodedata.normalize("NFC", re.sub(r"\s+", " ", text, flags=re.ASCII).strip())
     return re.sub("-(?=-)", "-{}", "".join(map(_character, line)))
 

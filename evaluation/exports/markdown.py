@@ -1,4 +1,4 @@
-"""The results as Markdown tables, one a scenario, and ratios of steps, one a baseline and level."""
+"""The results as Markdown tables: one for each scenario, and ratios of steps for each baseline and time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.report.tables.ratio_table import RatioTable, ra
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
 
-#: What Markdown, GitHub's tables and mathematics, or HTML would read as more than text.
+#: Characters with a meaning in Markdown, GitHub's tables and mathematics, or HTML.
 SPECIAL = re.compile(r"([\\`*_\[\]<>&|~$#])")
 
 
@@ -52,7 +52,7 @@ def escaped(text: str) -> str:
 
 
 def markdown_ratios(ratios: Ratios) -> str:
-    """Return a heading and a table of policies by scenarios for each baseline and level."""
+    """Return a heading and a table of policies by scenarios for each baseline and time."""
     tables = ratio_tables(ratios)
     notes = footnotes(ratios.results, [name for table in tables for name, _ in table.rows], times=False)
     return "\n".join([*(_ratios(table, ratios.results) for table in tables), *(f"{escaped(note)}\n" for note in notes)])

@@ -4,8 +4,8 @@ The tables and the types of their columns are those of OMPL's benchmark database
 "Benchmarking motion planning algorithms", IEEE Robotics & Automation Magazine 22(3), doi:10.1109/MRA.2015.2448276;
 https://ompl.kavrakilab.org/benchmark.html, "The benchmark database schema"). A scenario is an experiment, a policy
 a planner, an episode a run. Planner Arena labels time "s"; here every time is in steps. No run is left out or has
-missing times: T_q never reached is the budget, beside a column that says whether it was reached, and a curve goes
-on at its last value up to the budget, so that plots which ignore what is missing do not favour the early and lucky.
+missing times, since plots that ignore missing values would favour policies that often fail: T_q never reached is the
+budget, beside a column that says whether it was reached, and a curve continues at its last value up to the budget.
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ CREATE TABLE progress (
     FOREIGN KEY (runid) REFERENCES runs (id) ON DELETE CASCADE
 );
 """
-#: What ``status`` counts, and whether the goal was reached: the task_times of an episode.
+#: The texts of ``status``, by the outcome of the episode.
 STATUSES = {
     Outcome.COMPLETE: "Goal coverage reached",
     Outcome.BUDGET: "Budget ran out",
     Outcome.ENDED: "Every UAV crashed or was stuck",
     Outcome.FAILED: "Policy failed",
 }
-#: Columns of ``runs`` that are no metric.
+#: Columns of ``runs`` that are not metrics.
 FACTS = {
     "time": "REAL",
     "solved": "BOOLEAN",
@@ -60,7 +60,7 @@ FACTS = {
     "map": "INTEGER",
     "budget": "INTEGER",
 }
-#: About how many points a run has in ``progress``.
+#: Approximate number of points of a run in ``progress``.
 POINTS = 100
 
 
@@ -83,7 +83,7 @@ def write_planner_arena(results: Results, path: Path) -> None:
 
 
 def _new_database(path: Path) -> closing[sqlite3.Connection]:
-    path.unlink(missing_ok=True)  # what an interrupted run left behind
+    path.unlink(missing_ok=True)  # left by an interrupted command
     return closing(sqlite3.connect(path))
 
 
@@ -93,7 +93,7 @@ def _insert(database: sqlite3.Connection, table: str, rows: Any) -> None:
 
 
 def _metric_columns(results: Results) -> dict[str, tuple[str, str]]:
-    """Return the column and its type of each metric that was measured; names keep to letters, digits and ``_``."""
+    """Return column name and type of each metric that was measured; names have only letters, digits and ``_``."""
     held = {name for record in results.records for name, value in record.metrics.items() if value is not None}
     held |= {*LEVELS, *(["t99_to_reference"] if results.references else [])}
     measured = [name for name in MEASURES if name in held] + sorted(held - set(MEASURES))
@@ -132,7 +132,7 @@ def _experiment(results: Results, comparison: Comparison) -> tuple[Any, ...]:
 
 
 def _setup(comparison: Comparison) -> str:
-    """Say in words what the numbers of this experiment are, and print all settings of its scenario."""
+    """Explain the numbers of this experiment, and list all settings of its scenario."""
     settings = comparison.results.scenarios[comparison.scenario]
     return (
         f"Times are in steps. Coverage is the {denominator(settings)}. A coverage never reached counts as the budget.\n"
@@ -154,7 +154,7 @@ def _runs(comparison: Comparison, metrics: Mapping[str, Any]) -> Iterator[tuple[
 
 
 def _progress(comparison: Comparison, before: int) -> Iterator[tuple[Any, ...]]:
-    """Yield the coverage of each run by step, ``before`` runs having gone before."""
+    """Yield the coverage of each run by step; the runs are numbered from ``before`` + 1."""
     if not comparison.groups:
         return
     steps, run = sampled_steps(comparison, POINTS), before

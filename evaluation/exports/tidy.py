@@ -1,4 +1,4 @@
-"""Tables for other programs: one row an episode, and one row a step of each mean curve."""
+"""CSV tables: one row for each episode, and one for each step of each mean curve."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import curve_band
 
 CURVE_COLUMNS = ("scenario", "policy", "step", "mean", "low", "high")
-#: About how many steps of a curve are written; all of them where there are fewer.
+#: Approximate number of steps of a curve; all of them where there are fewer.
 POINTS = 600
 
 
 def write_episodes(results: Results, path: Path) -> None:
-    """Write results.csv: one row an episode with every metric; empty where there is none, as T_q never reached."""
+    """Write results.csv: one row for each episode with every metric; cells are empty for T_q never reached."""
     _write(results.episodes(), path)
 
 

@@ -1,4 +1,4 @@
-"""The report: one self-contained page, and figures for print."""
+"""The report: a self-contained HTML page, the terminal's table, and figures for print."""
 
 from indoor_explorers.evaluation.report.figures import write_figures
 from indoor_explorers.evaluation.report.page import write_report

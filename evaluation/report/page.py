@@ -1,4 +1,4 @@
-"""The report page: one HTML file with everything in it, the same bytes for the same results."""
+"""The report page: one self-contained HTML file, the same bytes for the same results."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
-#: The most failed or early ended episodes that a scenario lists.
+#: Limit of listed episodes of a scenario that failed or ended early.
 LISTED = 60
 
 
@@ -46,7 +46,7 @@ def write_report(
     replays: int | None = None,
     ratio_to: Sequence[str] | None = None,
 ) -> None:
-    """Write one HTML file that shows ``results`` and needs nothing else, not even a network.
+    """Write one HTML file that shows ``results`` and needs neither other files nor a network.
 
     ``against`` adds what changed since other results. ``replays`` is the number of episodes to embed for each scenario;
     by default as many as keep the page under 10 MB. ``ratio_to`` names the baselines of the
@@ -89,14 +89,14 @@ def render(
 
 @dataclass(frozen=True)
 class ShownPolicies:
-    """What the template shows of the policies, wherever their names stand."""
+    """What the template shows beside the names of policies."""
 
     facts: Mapping[str, Mapping[str, Any]]
     privileged: list[str]
     uses_generator: list[str]
     batched: list[str]
     swatches: dict[str, Markup]
-    """Line and marker of each, as in the charts."""
+    """Line and marker of each policy, as in the charts."""
 
 
 def _policies(results: Results, styles: Styles) -> ShownPolicies:
@@ -130,12 +130,12 @@ def _environment() -> Environment:
 
 
 def _raw(name: str) -> Markup:
-    """Return one of the page's own style sheets or scripts as it is."""
+    """Return a style sheet or script of the page without escaping."""
     return Markup((Path(__file__).parent / "scripts" / name).read_text(encoding="utf-8"))
 
 
 def embedded(data: Any) -> Markup:
-    """Return JSON that can stand inside a script element whatever the names in it are."""
+    """Return JSON that is safe inside a script element whatever names it contains."""
     text = json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 

@@ -1,4 +1,4 @@
-"""What the page shows of one scenario, gathered for the template."""
+"""The data of one scenario for the template of the page."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from indoor_explorers.evaluation.results.coverage_threshold import CoverageThres
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
-#: Bytes of the whole page that replays and charts may take, beside the 5 MB of plotly.js.
+#: Limits of all replays and of all charts in bytes; plotly.js takes 5 MB besides.
 REPLAY_BYTES, CHART_BYTES = 3_000_000, 1_200_000
-#: What the buttons of a chart call its axes.
+#: Names of the axes on the buttons of a chart.
 AXIS_NAMES = {"steps": "Steps", "distance": "Distance", "seconds": "Thinking time", "bytes": "Bytes sent"}
 
 
@@ -48,11 +48,11 @@ class Sample:
 
     policies: list[str]
     episodes: int
-    """The most that any policy flew."""
+    """The largest number of episodes of a policy."""
     few: bool
-    """Whether some policy flew too few episodes for an interval."""
+    """Whether a policy flew too few episodes for an interval."""
     fixed_maps: int
-    """How many maps the intervals speak about alone; 0 where they speak about maps like these."""
+    """Number of maps if the intervals hold for these maps alone; 0 if they hold for maps like these."""
 
 
 @dataclass(frozen=True)
@@ -61,12 +61,12 @@ class SectionCharts:
 
     coverage: dict[str, Any] | None
     who: tuple[str, ...]
-    """Whose coverage can be shown."""
+    """Whose coverage can be shown: team, worst or mean UAV."""
     axes: list[tuple[str, str]]
     """Key and title of each axis that coverage is drawn against."""
     times: dict[str, Any] | None
     thresholds: list[tuple[str, str]]
-    """Key and title of each time that its chart can show, that of the scenario's threshold first."""
+    """Key and title of each time that the chart can show, that of the scenario's threshold first."""
     multiples: SmallMultiples | None
 
 
@@ -79,7 +79,7 @@ class SectionTables:
     """By policy, a cell for each column."""
     measures: list[MeasureRow]
     baseline: str
-    """The best-ranked policy, which the contrasts are against."""
+    """The best-ranked policy, which the others are compared with."""
     contrasts: list[ContrastRow]
 
 
@@ -90,7 +90,7 @@ class Section:
     id: str
     name: str
     level: CoverageThreshold
-    """What the scenario is judged by."""
+    """The coverage threshold of the scenario."""
     headline: Markup
     task: TaskSummary
     sample: Sample
@@ -103,7 +103,7 @@ class Section:
 
 
 def section_of(comparison: Comparison, section_id: str, styles: Styles, replays: int | None = None) -> Section:
-    """Gather what the page shows of a scenario, with this many ``replays`` or as many as fit."""
+    """Return the data of a scenario, with this number of ``replays``, or as many as fit."""
     limit = REPLAY_BYTES // len(comparison.results.scenarios)
     return Section(
         id=section_id,
@@ -169,7 +169,7 @@ def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
 
 
 def _points(results: Results) -> int:
-    """Return how many steps a chart may have for all charts to stay within their share of the page."""
+    """Return the number of points of a curve for which all charts stay within their limit."""
     who = len(WHO) if any(settings["team"] > 1 for settings in results.scenarios.values()) else 1
     curves = max(1, len(results.groups)) * who * 3 * (1 + (len(AXES) - 1) / 2)
     return int(min(400, max(60, CHART_BYTES / (curves * 2.7))))

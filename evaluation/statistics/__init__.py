@@ -1,8 +1,8 @@
-"""Statistics of paired episodes: estimates with intervals, bands, times that are censored, and comparisons.
+"""Statistics of paired episodes: estimates with intervals, bands, censored times, and comparisons.
 
 Every policy flies the same tasks; arrays (E,) are episodes in the order of tasks, and ``maps`` (E,) labels the
-map each was flown on. Resampling is seeded anew for each call: equal sample sizes give equal resamples for all
-policies. What each number claims is in ``evaluation/STATISTICS.md``.
+map each was flown on. Resampling is seeded in each call: equal sample sizes give equal resamples for all
+policies. ``evaluation/STATISTICS.md`` has the formulas and says what each number claims.
 """
 
 from indoor_explorers.evaluation.statistics.bands import curve_band

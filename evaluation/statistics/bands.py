@@ -1,4 +1,4 @@
-"""A band that holds a whole mean curve, not each of its steps alone."""
+"""Simultaneous confidence bands, which contain a whole mean curve and not just each of its steps."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST
 from indoor_explorers.evaluation.statistics.resampling import resampled_weights
 from indoor_explorers.evaluation.statistics.small_samples import SmallSample
 
-#: Numbers of resampled curves held at a time.
-HELD = 2**22
+#: Numbers of resampled curves in memory at a time.
+IN_MEMORY = 2**22
 #: A standard deviation below this share of the largest value is rounding.
 ROUNDING = 1e-12
 
@@ -25,7 +25,7 @@ def curve_band(
     With 95 % confidence the true mean curve lies inside at all steps at once. The band is
     ``mean +- c * s``: s is the bootstrap standard deviation of the mean at each step and c the 95 % quantile of
     the largest ``|resampled mean - mean| / s`` over the steps (the sup-t band of Montiel Olea & Plagborg-Moller
-    2019, algorithm 1, doi:10.1002/jae.2656). Steps at which s is 0 carry no width and do not count for c.
+    2019, algorithm 1, doi:10.1002/jae.2656). Steps at which s is 0 have no width and do not count for c.
 
     Whole episodes are drawn, so that a resample keeps each curve in one piece. The band is not clipped: near
     0 and 1 it can leave the range of the curves, and clipping it to that range loses no coverage. With fewer
@@ -34,10 +34,10 @@ def curve_band(
     Args:
         curves: (E, T) coverage by step.
         maps: (E,) label of the map each episode was flown on.
-        resamples: how many.
+        resamples: number of resamples.
 
     Raises:
-        InputError: ``maps`` is not one label an episode.
+        InputError: ``maps`` does not have one label for each episode.
 
     """
     mean = curves.mean(axis=0)
@@ -61,7 +61,7 @@ def _resampled_curves(
 ) -> Iterator[tuple[slice, NDArray[np.float64]]]:
     """Yield some steps and the (R, t) resampled means at them, the same resamples for all steps."""
     weights = np.concatenate(list(resampled_weights(len(curves), resamples, maps)))
-    wide = max(1, HELD // resamples)
+    wide = max(1, IN_MEMORY // resamples)
     for start in range(0, curves.shape[1], wide):
         steps = slice(start, start + wide)
         yield steps, weights @ curves[:, steps]

@@ -1,6 +1,6 @@
 """Times to a coverage threshold that some episodes never reach within their budget.
 
-Such a time is censored: all that is known is that it is longer than the budget. Nothing is dropped. Since all
+Such a time is censored: it is only known to be longer than the budget. No episode is dropped. Since all
 episodes of a scenario are censored at the same budget, the share of episodes that have reached it by a step is
 a plain count, equal to the Kaplan-Meier estimate (Kaplan & Meier 1958, doi:10.1080/01621459.1958.10501452).
 """
@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError
 
-#: First steps at a level, (E,): NaN or None where it was never reached.
+#: First steps at a threshold, (E,): NaN or None where it was never reached.
 Times = NDArray[np.floating] | Sequence[float | None]
 
 
 def ecdf_of_times(times: Times, budget: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return (steps, share), both (N,): the share of episodes that have reached a level by each step.
+    """Return (steps, share), both (N,): the share of episodes that have reached a threshold by each step.
 
-    The share is constant between steps and jumps at them. ``steps`` are 0, the steps at which an episode
-    reached it, and the budget. The last share is the success rate, and none is above it.
+    The share is constant between steps. ``steps`` are 0, the steps at which an episode reached it, and the budget.
+    The last share is the success rate, and none is above it.
 
     Args:
         times: (E,) first steps, NaN or None for never.
-        budget: steps after which an episode was given up.
+        budget: steps after which an episode was ended.
 
     Raises:
         InputError: there is no episode, or a time is not between 0 and the budget.

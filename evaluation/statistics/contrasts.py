@@ -1,4 +1,4 @@
-"""Everything that is said about one policy against a baseline, and about all of them as one family."""
+"""Comparisons of policies with a baseline, tested as one family."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from indoor_explorers.evaluation.statistics.wins import WinTieLoss, win_scores, 
 class Contrast:
     """One policy against a baseline over the tasks that both flew.
 
-    Interval and p-value come from different resampling and can, rarely, disagree near the limit; the interval is
-    for this comparison alone, and the adjusted p-value for all comparisons with the baseline. The adjusted
-    p-value decides the words "difference shown"; the interval says how large the difference may be.
+    The adjusted p-value, for all comparisons with the baseline, decides whether a difference is significant. The
+    interval, for this comparison alone, says how large the difference may be. They come from different resampling
+    and can, rarely, disagree near the limit.
     """
 
     difference: Estimate
@@ -32,13 +32,13 @@ class Contrast:
     improvement: Estimate
     """Probability that the policy does better on a task, ties one half, with its interval."""
     tally: WinTieLoss
-    """Tasks on which the policy was better, level and worse."""
+    """Tasks on which the policy was better, equal and worse."""
     p_value: float
-    """Two-sided, of the sign-flip test, for this comparison alone."""
+    """Two-sided p-value of the sign-flip test for this comparison alone."""
     adjusted_p: float
     """The same, adjusted by Holm's method over all comparisons with the baseline."""
     effect_size: float
-    """Mean difference in standard deviations of the episodes' differences; NaN where they have no spread."""
+    """Mean difference in standard deviations of the differences; NaN where they have no spread."""
     detectable: float
     """Smallest true difference found with 80 % power at the level of Holm's first step, 0.05 / comparisons."""
     pairs: int
@@ -46,22 +46,22 @@ class Contrast:
     maps: int
     """Distinct maps among them; as many as pairs where maps were not given."""
     over_maps: bool
-    """True: about maps like these. False: about these maps alone, because there are too few."""
+    """True: the interval holds for maps like these. False: for these maps alone, because they are too few."""
 
     @property
     def shown(self) -> bool:
-        """True when a difference was shown, the number of comparisons accounted for."""
+        """Whether the difference is significant, adjusted for the number of comparisons."""
         return self.adjusted_p <= 1 - CONFIDENCE
 
 
 def contrasts(
     values: Mapping[str, ArrayLike], baseline: str, *, maps: ArrayLike | None = None, lower_is_better: bool = True
 ) -> dict[str, Contrast]:
-    """Compare every policy with the baseline, as one family.
+    """Compare every policy with the baseline; p-values are adjusted over all of them.
 
     Args:
         values: (E,) by policy, on the same tasks in the same order.
-        baseline: which of them the others are compared with.
+        baseline: the policy that the others are compared with.
         maps: (E,) label of the map each task was flown on.
         lower_is_better: whether a smaller value is an improvement.
 
@@ -69,7 +69,7 @@ def contrasts(
         A contrast for every policy but the baseline, in the order given.
 
     Raises:
-        InputError: the baseline is unknown, there is no task, or values are not pairs of finite numbers.
+        InputError: the baseline is unknown, there is no task, or the values are not pairs of finite numbers.
 
     """
     if baseline not in values:

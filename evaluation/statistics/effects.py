@@ -1,4 +1,4 @@
-"""How large a difference is against its spread, and how large one would have to be to be found."""
+"""Effect size of a difference, and the smallest difference that a test would detect."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, episode_values
 from indoor_explorers.evaluation.statistics.resampling import independent_units
 
-#: Power that the smallest detectable difference is stated for.
+#: Power of the smallest detectable difference.
 POWER = 0.8
 
 
@@ -19,12 +19,12 @@ def effect_size(differences: ArrayLike) -> float:
     """Return the mean of (E,) paired differences in standard deviations of them: Cohen's d_z, corrected.
 
     ``d_z = J * mean / s`` with s over n - 1 and Hedges' correction ``J = G(m / 2) / (sqrt(m / 2) G((m - 1) / 2))``,
-    m = n - 1, G the gamma function, without which few pairs exaggerate (Hedges 1981,
+    m = n - 1, G the gamma function; without it, the effect size of few pairs is too large (Hedges 1981,
     doi:10.3102/10769986006002107; Lakens 2013, doi:10.3389/fpsyg.2013.00863). It is 0 when all differences are 0,
     and NaN where it is not defined: fewer than 3 pairs, or differences that are all the same and not 0.
 
     Raises:
-        InputError: the differences are not one finite number an episode.
+        InputError: there is not one finite difference for each episode.
 
     """
     sample = episode_values(differences)
@@ -41,20 +41,20 @@ def effect_size(differences: ArrayLike) -> float:
 def smallest_detectable_difference(
     differences: ArrayLike, *, power: float = POWER, level: float = 1 - CONFIDENCE, maps: ArrayLike | None = None
 ) -> float:
-    """Return the smallest true mean difference that a paired two-sided test finds with that power.
+    """Return the smallest true mean difference that a paired two-sided test detects with this power.
 
     ``(t(1 - level / 2) + t(power)) * s / sqrt(n)``, t the quantiles of Student's distribution with n - 1 degrees
     of freedom, n and s the number and the standard deviation of the independent units: means of maps where
-    maps are a sample, else episodes (Bloom 1995, doi:10.1177/0193841X9501900504). Where no difference was shown,
-    true ones up to about this size may well have been missed. It takes the observed spread as the true one.
+    maps are a sample, else episodes (Bloom 1995, doi:10.1177/0193841X9501900504). Where a difference is not
+    significant, true ones up to about this size may well exist. The observed spread is taken as the true one.
 
-    Infinite where no difference, however large, can be found: one unit, or so few that the sign-flip test's
+    Infinite where no difference of any size can be detected: one unit, or so few that the sign-flip test's
     smallest p-value, 2 / 2^n, is above the level.
 
     Args:
         differences: (E,) policy minus baseline on the same tasks.
-        power: probability of finding it, from above 0 to below 1.
-        level: the test's probability of inventing one.
+        power: probability of detecting it, between 0 and 1.
+        level: the test's probability of a false positive.
         maps: (E,) label of the map each was flown on.
 
     Raises:

@@ -1,4 +1,4 @@
-"""What an estimate is, and the values of episodes that it is made of."""
+"""Estimates with intervals, and checks of the values that they are made from."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from indoor_explorers.env import InputError
 FEWEST = 5
 #: Bootstrap resamples of an interval.
 RESAMPLES = 10_000
-#: Coverage that intervals and bands aim at; a difference is shown where p <= 1 - CONFIDENCE.
+#: Nominal coverage of intervals and bands; a difference is significant where p <= 1 - CONFIDENCE.
 CONFIDENCE = 0.95
 
 
@@ -29,7 +29,7 @@ def episode_values(values: ArrayLike) -> NDArray[np.float64]:
     """Return (E,) values of episodes as floats.
 
     Raises:
-        InputError: they are not one finite number an episode.
+        InputError: there is not one finite number for each episode.
 
     """
     sample = np.asarray(values, np.float64)
@@ -48,7 +48,7 @@ def paired_values(values: ArrayLike, baseline: ArrayLike) -> tuple[NDArray[np.fl
     """Return the (E,) values of two policies on the same tasks.
 
     Raises:
-        InputError: their numbers differ, or they are not one finite number an episode.
+        InputError: the numbers of values differ, or there is not one finite number for each episode.
 
     """
     one, other = episode_values(values), episode_values(baseline)

@@ -30,11 +30,11 @@ def bootstrap_mean(values: ArrayLike, *, resamples: int = RESAMPLES, maps: Array
 
     Args:
         values: (E,), in the same order of tasks for every policy.
-        resamples: how many.
+        resamples: number of resamples.
         maps: (E,) label of the map each episode was flown on.
 
     Raises:
-        InputError: ``values`` or ``maps`` are not one finite number or label an episode.
+        InputError: ``values`` or ``maps`` do not have one finite number or label for each episode.
 
     """
     return bootstrap_means(episode_values(values)[:, None], resamples=resamples, maps=maps)[0]

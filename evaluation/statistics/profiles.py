@@ -11,8 +11,8 @@ from indoor_explorers.env import InputError
 def performance_ratios(times: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return (E, P) ratios of each policy's steps to those of the best policy on the same task.
 
-    A time that is NaN was never reached: its ratio is infinite, and so are all of a task that none solved. A
-    level that was there at the start counts as one step.
+    A NaN stands for a threshold that was never reached and gives an infinite ratio. One that was reached at the
+    start counts as one step.
 
     Args:
         times: (E, P) steps of P policies on E tasks.
@@ -51,10 +51,10 @@ def performance_profile(ratios: NDArray[np.floating]) -> tuple[NDArray[np.float6
     return tau, np.stack(reached, axis=1) / len(table)
 
 
-def _table(values: NDArray[np.floating], least: float, what: str, mend: str) -> NDArray[np.float64]:
+def _table(values: NDArray[np.floating], least: float, what: str, fix: str) -> NDArray[np.float64]:
     table = np.asarray(values, np.float64)
     if table.ndim != 2 or not table.size:
-        raise InputError(f"expected an array of (tasks, policies), got shape {table.shape}; pass one row a task")
+        raise InputError(f"expected an array of (tasks, policies), got shape {table.shape}; pass one row for each task")
     if (table < least).any():
-        raise InputError(f"expected {what}, got {np.nanmin(table):g}; {mend}")
+        raise InputError(f"expected {what}, got {np.nanmin(table):g}; {fix}")
     return table

@@ -1,4 +1,4 @@
-"""Ratios of one policy's values to another's: of means, and means of ratios, on one scenario or pooled over several."""
+"""Ratios of one policy's values to another's, as ratio of means and mean of ratios, for one or more scenarios."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.statistics.small_samples import SmallSample
 
 
 class PairedRatio(NamedTuple):
-    """How a policy's values compare with a baseline's on the same tasks."""
+    """Ratios of a policy's values to a baseline's on the same tasks."""
 
     of_tasks: Estimate
     """Mean over tasks of the ratio: every task counts the same."""
@@ -42,12 +42,13 @@ class Block:
 
 
 def paired_ratios(blocks: Sequence[Block], *, resamples: int = RESAMPLES) -> list[PairedRatio]:
-    """Return the K comparisons over all ``blocks`` together, every block counting the same.
+    """Return the K comparisons over all ``blocks`` together, each block with the same weight.
 
-    Pooled, a mean of ratios is the mean over the blocks of theirs, a ratio of means the ratio of the means over the
-    blocks. Within a block tasks are drawn as :mod:`~indoor_explorers.evaluation.statistics.resampling` says, a task's
-    values together; the blocks themselves stay. Blocks of equal layout get equal draws, so that tasks of one seed,
-    which may share a map, are drawn together. The interval is widened for the block with the fewest units.
+    The mean of ratios is the mean over the blocks of their means; the ratio of means is the ratio of the means over
+    the blocks. Within a block tasks are drawn as in :mod:`~indoor_explorers.evaluation.statistics.resampling`, both
+    values of a task together; the blocks themselves are fixed. Blocks of equal layout get equal draws, so that tasks
+    with the same seed, which may share a map, are drawn together. The interval is widened for the block with the
+    fewest units.
 
     Raises:
         InputError: there is no block or task, or a baseline's value is not above 0.
@@ -69,8 +70,8 @@ def ratio_of_means(
 ) -> Estimate:
     """Return mean(numerator) / mean(denominator) of (E,) values on the same tasks, with its interval.
 
-    A resample takes both values of a task or none, so that what they share cancels. The ratio of means is not
-    the mean of ratios, which a few quick episodes in the denominator would dominate (Davison & Hinkley 1997,
+    A resample takes both values of a task or none, so that what they have in common cancels. The mean of ratios would
+    be dominated by a few quick episodes in the denominator (Davison & Hinkley 1997,
     Bootstrap Methods and their Application, example 1.2).
 
     Raises:
@@ -91,7 +92,7 @@ def ratio_of_means(
 def _resampled(block: Block, resamples: int) -> NDArray[np.float64]:
     """Return (R, 3 K) resampled means of the block's columns."""
     means = block.columns.mean(axis=0)
-    apart = block.columns - means  # values that are all alike then have an interval without width
+    apart = block.columns - means  # equal values then give an interval without width
     weights = resampled_weights(len(apart), resamples, block.maps)
     return np.concatenate([means + each @ apart for each in weights])
 

@@ -1,7 +1,7 @@
-"""What is drawn anew: whole episodes, and where maps are known, maps before episodes.
+"""Bootstrap resamples of episodes; where maps are known, maps are drawn before episodes.
 
-Episodes flown on one map resemble each other, so that 10 maps with 30 seeds each say less about other maps
-than 300 maps would. Three cases:
+Episodes on the same map are alike, so that 10 maps with 30 seeds each say less about other maps than 300 maps
+would. Three cases:
 
 - no maps given, all episodes on one map, or each on its own: episodes are drawn with replacement;
 - at least :data:`~indoor_explorers.evaluation.statistics.estimate.FEWEST` maps: the maps are a sample. Maps are
@@ -10,7 +10,7 @@ than 300 maps would. Three cases:
 - fewer maps: the maps are fixed, and episodes are drawn with replacement within each (a stratified bootstrap).
 
 A resample is a row of weights that sum to 1: the resampled mean of (E,) values is ``weights @ values``. The
-generators are seeded anew for each call, so that all policies get the same resamples.
+generators are seeded in each call, so that all policies get the same resamples.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from numpy.typing import ArrayLike, NDArray
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.statistics.estimate import FEWEST
 
-#: Weights held at a time.
+#: Weights in memory at a time.
 CHUNK = 2**18
 
 
 @dataclass(frozen=True, eq=False)
 class MapGroups:
-    """Which episodes lie on which map; maps are numbered by first appearance, whatever their labels."""
+    """Which episode was flown on which map; maps are numbered by first appearance."""
 
     label: NDArray[np.int64]
     """(E,) map of each episode."""
@@ -41,14 +41,14 @@ class MapGroups:
     first: NDArray[np.int64]
     """(M,) place in ``order`` of each map's first episode."""
     sampled: bool
-    """True: the maps stand for maps like them. False: they are too few for that."""
+    """True: the maps are a sample of maps like them. False: they are too few and are taken as fixed."""
 
     @classmethod
     def of(cls, maps: ArrayLike | None, count: int) -> MapGroups:
-        """Sort ``count`` episodes by their (E,) ``maps``; without maps, each has its own.
+        """Group ``count`` episodes by their (E,) ``maps``; without maps, each episode has its own.
 
         Raises:
-            InputError: there is not one label an episode.
+            InputError: there is not one label for each episode.
 
         """
         labels = np.arange(count) if maps is None else np.asarray(maps)
@@ -63,7 +63,7 @@ class MapGroups:
         return cls(label, size, np.argsort(label, kind="stable"), np.cumsum(size) - size, sampled)
 
     def within(self, draws: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
-        """Draw ``draws[r, m]`` episodes of map m with replacement; return how often each came, (R, E)."""
+        """Draw ``draws[r, m]`` episodes of map m with replacement; return how often each was drawn, (R, E)."""
         rows, maps = draws.shape
         slots = np.repeat(np.arange(rows * maps), draws.ravel())
         row, drawn = np.divmod(slots, maps)
@@ -72,7 +72,7 @@ class MapGroups:
 
 
 def maps_are_sampled(maps: ArrayLike | None) -> bool:
-    """Return whether intervals speak "over maps like these"; False: "on these maps", which are too few.
+    """Return whether intervals hold for maps like these; False: only for these maps, which are too few.
 
     Without maps, every episode counts as a map of its own.
     """
@@ -101,7 +101,7 @@ def resampled_weights(count: int, resamples: int, maps: ArrayLike | None = None)
 
 
 def independent_units(differences: NDArray[np.float64], maps: ArrayLike | None) -> NDArray[np.float64]:
-    """Return what varies independently: the mean of each map where maps are a sample, else the episodes."""
+    """Return the independent units: the mean of each map where maps are a sample, else the episodes."""
     layout = MapGroups.of(maps, len(differences))
     return np.asarray(np.bincount(layout.label, differences) / layout.size) if layout.sampled else differences
 

@@ -1,8 +1,8 @@
-"""Means over trainings and episodes, which both vary: other seeds would train other networks, other maps cost more.
+"""Means over trainings and episodes, both of which vary: other seeds train other networks, other maps need more steps.
 
 S trainings of a variant each fly the same E episodes. The mean of all varies with the trainings, by the spread of
-their means over S, and with the episodes, by the spread of the episodes' means over E; the two are added, which is
-at worst a little too wide, since what only this training does on only this episode is in both (Owen 2007, The
+their means over S, and with the episodes, by the spread of the episodes' means over E. The two variances are added,
+which is at worst a little too wide, since the interaction of training and episode is in both (Owen 2007, The
 pigeonhole bootstrap, section 3, doi:10.1214/07-AOAS122). The interval is Student's, its degrees of freedom those of
 Satterthwaite (1946, doi:10.2307/3002019). Between two variants the difference is taken episode by episode.
 """
@@ -17,7 +17,7 @@ from scipy import special
 
 from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST, Estimate
 
-#: The fewest trainings of a variant that say anything about others.
+#: The fewest trainings of a variant that give an interval.
 FEWEST_SEEDS = 2
 
 

@@ -1,4 +1,4 @@
-"""How surprising a difference is by chance alone, for one comparison and for a family of them."""
+"""Sign-flip test of paired differences, and Holm's adjustment for several comparisons."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.statistics.estimate import episode_values
 from indoor_explorers.evaluation.statistics.resampling import independent_units
 
-#: All flips are tried for up to this many units, 2^14 of them.
+#: The test is exact, over all 2^units flips, up to this many units.
 EXACT_UNITS = 14
-#: Random flips for more units.
+#: Number of random flips for more units.
 FLIPS = 10_000
-#: Flips held at a time.
+#: Signs in memory at a time.
 CHUNK = 2**20
 
 
 def sign_flip_test(differences: ArrayLike, maps: ArrayLike | None = None) -> float:
-    """Return the two-sided p-value of the sign-flip test that paired differences are about 0 (Fisher 1935).
+    """Return the two-sided p-value of the sign-flip test of paired differences (Fisher 1935).
 
     If neither policy were better, each difference would be as likely with the other sign. The p-value is the
-    share of sign flips whose mean is at least as far from 0 as the observed one. What is flipped are the means
-    of the maps where ``maps`` are a sample (``maps_are_sampled``), each map counting the same, and single
-    episodes otherwise. Up to 14 units the test is exact, over all flips. Beyond, 10,000 seeded random flips are
-    tried and the observed one is counted with them, so that p is never 0 (Phipson & Smyth 2010,
-    doi:10.2202/1544-6115.1585). With n units p is at least 2 / 2^n: 5 units never get below 0.0625.
+    share of sign flips whose mean is at least as far from 0 as the observed one. The units that are flipped are the
+    means of the maps where ``maps`` are a sample (``maps_are_sampled``), and single episodes otherwise. Up to 14
+    units the test is exact, over all flips. Beyond, 10,000 seeded random flips are tried and the observed one is
+    counted with them, so that p is never 0 (Phipson & Smyth 2010, doi:10.2202/1544-6115.1585). With n units p is at
+    least 2 / 2^n, so 5 units never get below 0.0625.
 
     The exact p-values are those of ``scipy.stats.permutation_test``, which builds every flipped sample where
     this takes sums.
@@ -37,7 +37,7 @@ def sign_flip_test(differences: ArrayLike, maps: ArrayLike | None = None) -> flo
         maps: (E,) label of the map each was flown on.
 
     Raises:
-        InputError: there is no pair, or not one finite difference and label an episode.
+        InputError: there is no pair, or not one finite difference and label for each episode.
 
     """
     sample = episode_values(differences)
@@ -53,8 +53,8 @@ def sign_flip_test(differences: ArrayLike, maps: ArrayLike | None = None) -> flo
 def holm(p_values: ArrayLike) -> NDArray[np.float64]:
     """Return p-values adjusted for the number of comparisons, in the order given (Holm 1979, jstor.org/stable/4615733).
 
-    Calling a difference shown where the adjusted value is at most 0.05 invents one in any of the comparisons
-    with a probability of at most 0.05, whatever their dependence. The k-th smallest of m p-values is
+    If differences with an adjusted value of at most 0.05 are called significant, the probability of any false
+    positive is at most 0.05, however the comparisons depend on each other. The k-th smallest of m p-values is
     multiplied by m - k + 1; no value is below one of a smaller p-value, and none above 1.
 
     Args:
@@ -66,7 +66,7 @@ def holm(p_values: ArrayLike) -> NDArray[np.float64]:
     """
     p = np.asarray(p_values, np.float64)
     if p.ndim != 1 or not ((p >= 0) & (p <= 1)).all():
-        raise InputError(f"expected p-values of shape (K,) from 0 to 1, got {p.tolist()}; pass one a comparison")
+        raise InputError(f"expected p-values of shape (K,) from 0 to 1, got {p.tolist()}; pass one for each comparison")
     order = np.argsort(p, kind="stable")
     adjusted = np.empty_like(p)
     adjusted[order] = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1)).clip(max=1.0)
@@ -74,7 +74,7 @@ def holm(p_values: ArrayLike) -> NDArray[np.float64]:
 
 
 def _flips(units: int) -> Iterator[NDArray[np.float64]]:
-    """Yield which units are flipped, 0 or 1, in chunks (r, units): every choice of few, else seeded random ones."""
+    """Yield which units are flipped, 0 or 1, in chunks (r, units): all choices for few units, else random ones."""
     exact = units <= EXACT_UNITS
     flips = 2**units if exact else FLIPS
     rows, rng = max(1, CHUNK // units), np.random.default_rng(0)

@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.statistics.means import bootstrap_mean
 
 
 class WinTieLoss(NamedTuple):
-    """On how many tasks a policy was better than, level with and worse than a baseline."""
+    """On how many tasks a policy was better than, equal to and worse than a baseline."""
 
     wins: int
     ties: int
@@ -20,7 +20,7 @@ class WinTieLoss(NamedTuple):
 
 
 def win_scores(values: ArrayLike, baseline: ArrayLike, *, lower_is_better: bool = True) -> NDArray[np.float64]:
-    """Return (E,) scores of (E,) values: 1 where better than the baseline, 0.5 where level, 0 where worse.
+    """Return (E,) scores of (E,) values: 1 where better than the baseline, 0.5 where equal, 0 where worse.
 
     Raises:
         InputError: the values are not pairs of finite numbers.
@@ -32,7 +32,7 @@ def win_scores(values: ArrayLike, baseline: ArrayLike, *, lower_is_better: bool 
 
 
 def win_tie_loss(values: ArrayLike, baseline: ArrayLike, lower_is_better: bool = True) -> WinTieLoss:
-    """Count the tasks on which (E,) values are better than, level with and worse than the baseline.
+    """Count the tasks on which (E,) values are better than, equal to and worse than the baseline.
 
     Raises:
         InputError: the values are not pairs of finite numbers.
@@ -53,8 +53,7 @@ def probability_of_improvement(
     """Return the probability that a policy does better than the baseline on a task, with its interval.
 
     Ties count one half. Agarwal et al. (2021, arXiv:2108.13264, section 4.3) compare all pairs of runs; here
-    only the two flights of one task are compared. Where every pair falls the same way, the interval is that one
-    point.
+    only the two episodes of the same task are compared. Where all pairs agree, the interval has no width.
 
     Raises:
         InputError: the values are not pairs of finite numbers.

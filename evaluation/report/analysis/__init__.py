@@ -1,1 +1,1 @@
-"""What tables, charts and panels are made from: comparisons, times by task, sweeps, coverage axes."""
+"""Analyses behind tables, charts and panels: comparisons, times by task, sweeps, coverage axes, failures."""

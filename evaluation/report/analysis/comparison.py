@@ -1,4 +1,4 @@
-"""Who was first, and by how much: rankings, estimates and contrasts of one scenario."""
+"""The comparison of the policies on one scenario: ranking, estimates and contrasts."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from indoor_explorers.evaluation.statistics import Contrast, Estimate, bootstrap
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """The policies of one scenario against each other."""
+    """The policies of one scenario compared with each other."""
 
     results: Results
     scenario: str
 
     @cached_property
     def groups(self) -> dict[str, list[Record]]:
-        """The records by policy, policies without any left out."""
+        """The records by policy, without policies that have none."""
         groups = self.results.groups.items()
         return {policy: records for (scenario, policy), records in groups if scenario == self.scenario}
 
@@ -35,7 +35,7 @@ class Comparison:
 
     @cached_property
     def level(self) -> CoverageThreshold:
-        """The coverage level that the scenario is judged by."""
+        """The coverage threshold of the scenario."""
         return self.results.level(self.scenario)
 
     def maps(self, policy: str) -> NDArray[np.str_]:
@@ -49,7 +49,7 @@ class Comparison:
 
     @cached_property
     def over_maps(self) -> bool:
-        """Whether intervals speak about maps like these; False: about these maps alone, which are few."""
+        """Whether intervals hold for maps like these; False: for these maps alone, which are few."""
         return all(maps_are_sampled(self.maps(policy)) for policy in self.groups)
 
     def privileged(self, policy: str) -> bool:
@@ -57,35 +57,35 @@ class Comparison:
         return bool(self.results.policies[policy].get("privileged", False))
 
     def estimate(self, policy: str, metric: str) -> Estimate:
-        """Return the mean of a metric with its interval; a NaN mean where nothing was measured or asked for."""
+        """Return the mean of a metric with its interval; NaN where it was not measured or is above the goal."""
         missing = Estimate(float("nan"), None, None)
         if not self.results.applies_to(self.scenario, metric):
             return missing
         return self.results.estimates(self.scenario, policy).get(metric, missing)
 
     def time(self, policy: str) -> Estimate:
-        """Return the mean steps to the level, an episode that never reached it counts as its budget."""
+        """Return the mean steps to the threshold; an episode that never reached it counts as its budget."""
         return self.estimate(policy, self.level.key)
 
     def reached(self, policy: str) -> float:
-        """Return the share of a policy's episodes that got to the level."""
+        """Return the share of a policy's episodes that reached the threshold."""
         return self.results.success(self.scenario, policy, self.level.key)
 
     def to_reference(self, policy: str) -> Estimate:
-        """Return the mean ratio of a policy's steps to those of the privileged one; NaN without one."""
+        """Return the mean ratio of a policy's steps to those of the reference; NaN without one."""
         ratios = self.results.to_reference(self.scenario, policy, self.level.key)
         held = ~np.isnan(ratios)
         return bootstrap_mean(ratios[held], maps=self.maps(policy)[held])
 
     @property
     def tallies(self) -> list[str]:
-        """The names of what the pilots tallied, such as ``pilot_guarded``."""
+        """The names of the pilot statistics, such as ``pilot_guarded``."""
         names = {name for records in self.groups.values() for record in records for name in record.metrics}
         return sorted(name for name in names if name.startswith("pilot_"))
 
     @cached_property
     def ranking(self) -> list[str]:
-        """All policies by mean time to the level, falling AUC, then as listed; those that know the map come last."""
+        """All policies by mean time to the threshold, then falling AUC; those that know the map come last."""
         return sorted(self.groups, key=lambda policy: (self.privileged(policy), *self._rank(policy)))
 
     def _rank(self, policy: str) -> tuple[float, float]:
@@ -95,7 +95,7 @@ class Comparison:
 
     @cached_property
     def ranked_policies(self) -> list[str]:
-        """The ranked policies that do not know the map; all of them when every one does."""
+        """The policies that do not know the map, best first; all policies when every one knows it."""
         return [policy for policy in self.ranking if not self.privileged(policy)] or self.ranking
 
     @cached_property
@@ -108,7 +108,7 @@ class Comparison:
     def contrasts(self) -> dict[str, Contrast]:
         """Steps of every other policy against the best-ranked; empty where they did not fly the same tasks.
 
-        Those that know the map do not compete: they are a family of their own and cost the others nothing.
+        Policies that know the map are a family of their own, so that they do not change the others' p-values.
         """
         if not self.groups or not self.aligned:
             return {}
@@ -121,9 +121,9 @@ class Comparison:
         return contrasts(values, policies[0], maps=self.maps(policies[0]))
 
     def differences(self, policy: str) -> NDArray[np.float64]:
-        """Return (E,) steps of a policy minus those of the best-ranked, task by task; they must be aligned."""
+        """Return (E,) steps of a policy minus those of the best-ranked, task by task; needs :attr:`aligned`."""
         return np.asarray(self._times(policy) - self._times(self.ranked_policies[0]))
 
     def _times(self, policy: str) -> NDArray[np.float64]:
-        """Return (E,) steps to the level that the scenario is judged by."""
+        """Return (E,) steps to the threshold of the scenario."""
         return self.results.values(self.scenario, policy, self.level.key)

@@ -1,4 +1,4 @@
-"""What coverage is drawn against: steps, distance flown, seconds of thinking, bytes sent."""
+"""The axes that coverage is drawn against: steps, distance flown, seconds of decisions, bytes sent."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.episodes.record import AXES, Record
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 
-#: Steps beyond that point that are still shown, as a factor.
+#: How much farther than the last curve's time to the threshold an axis goes, as a factor.
 MARGIN = 1.15
 
 
@@ -22,21 +22,21 @@ class CoverageAxis(NamedTuple):
     title: str
     unit: str
     log: bool
-    """Whether amounts differ so much between policies that only a logarithmic axis shows all of them."""
+    """Whether the axis is logarithmic, as amounts differ by orders of magnitude between policies."""
     amounts: NDArray[np.float64]
-    """(T,) rising; the last is the most that any episode spent, for steps the budget."""
+    """(T,) rising; the last is the largest amount of any episode, for steps the budget."""
     focus: float
-    """The amount after which little happens."""
+    """The amount after which curves hardly change."""
 
 
-#: Names for people.
+#: Titles of the axes.
 TITLES = {"steps": "step", "distance": "distance flown by the team", "seconds": "time of all decisions of the team"} | {
     "bytes": "bytes sent by the team"
 }
 
 
 def axes_of(comparison: Comparison, points: int) -> list[CoverageAxis]:
-    """Return the axes on which anything was spent, steps first, with about ``points`` amounts each."""
+    """Return the axes with an amount above 0, steps first, with about ``points`` amounts each."""
     records = comparison.records
     others = [key for key in AXES if key != "steps" and max(record.spent(key)[-1] for record in records) > 0]
     steps = sampled_steps(comparison, points).astype(np.float64)
@@ -57,7 +57,7 @@ def _spending(comparison: Comparison, key: str, points: int) -> CoverageAxis:
 
 
 def _focus(comparison: Comparison, key: str, amounts: NDArray[np.float64]) -> float:
-    """Return the amount at which the last mean curve that ever gets to the level is there; the most if none does."""
+    """Return the amount at which the last mean curve reaches the threshold; the largest if none does."""
     means = [coverage_at(group, amounts, axis=key).mean(axis=0) for group in comparison.groups.values()]
     enough = comparison.level.share
     return float(max((amounts[np.argmax(m >= enough)] for m in means if m[-1] >= enough), default=amounts[-1]))
@@ -74,12 +74,12 @@ def sampled_steps(comparison: Comparison, points: int) -> NDArray[np.int64]:
 
 
 def focus_step(comparison: Comparison) -> int:
-    """Return the step after which little happens in a scenario, see :func:`settled`."""
-    return settled(list(comparison.groups.values()), comparison.level.share)
+    """Return the step after which curves of a scenario hardly change, see :func:`last_active_step`."""
+    return last_active_step(list(comparison.groups.values()), comparison.level.share)
 
 
-def settled(groups: Sequence[Sequence[Record]], share: float) -> int:
-    """Return the step after which little happens: the last of the groups' mean curves reaches the share.
+def last_active_step(groups: Sequence[Sequence[Record]], share: float) -> int:
+    """Return the step, plus a margin, at which the last of the groups' mean curves reaches the share.
 
     Groups whose mean never reaches it are ignored; the result is the budget when no group reaches it.
     """
@@ -89,7 +89,7 @@ def settled(groups: Sequence[Sequence[Record]], share: float) -> int:
 
 
 def _mean_reaches(records: Sequence[Record], share: float) -> int | None:
-    """Return the first step at which the mean team coverage is at least a share; coverage never falls, so halve."""
+    """Return the first step at which the mean team coverage is at least a share, by bisection; None for never."""
 
     def there(step: int) -> bool:
         return float(coverage_at(records, np.array([step])).mean()) >= share - 1e-12

@@ -10,7 +10,7 @@ from indoor_explorers.evaluation.report.style.formatting import EN_DASH
 
 
 def failed(records: Sequence[Record]) -> list[Record]:
-    """Return the episodes in which the policy failed: it raised an error or returned an invalid action."""
+    """Return the episodes in which the policy failed."""
     return [record for record in records if record.outcome is Outcome.FAILED]
 
 
@@ -39,7 +39,7 @@ def by_cause(records: Sequence[Record]) -> list[list[Record]]:
 
 
 def _cause(record: Record) -> str:
-    """Return what episodes that ended for the same cause have in common: the message without its numbers."""
+    """Return the cause of an early end, equal for episodes whose messages differ only in numbers."""
     if record.outcome is Outcome.ENDED:
         return f"{record.outcome}: {', '.join(uav_ends(record))}"
     return f"{record.outcome}: " + re.sub(r"-?\d+(\.\d+)?", "#", record.reason)

@@ -1,4 +1,4 @@
-"""Which scenarios belong together: those that differ in the radio alone, and those that differ in the team alone."""
+"""Finds sweeps: scenarios that differ only in the range of the radio, or only in the number of UAVs."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from typing import Any, NamedTuple
 
 Settings = Mapping[str, Any]
 
-#: Settings of a scenario that say nothing about the task.
+#: Settings of a scenario that do not change the task.
 NOMINAL = ("name", "fingerprint")
-#: Settings that only a team has a use for.
+#: Settings that only matter for teams.
 OF_TEAMS = (("radio",), ("rewards", "received"), ("goal_of",))
 
 
 @dataclass(frozen=True)
 class RadioSweep:
-    """Scenarios that differ in the radio's range alone, by rising range."""
+    """Scenarios that differ only in the range of the radio, by rising range."""
 
     model: str
-    """Of the ranges that are neither 0 nor unlimited."""
+    """Radio model of the ranges that are neither 0 nor unlimited."""
     team: int
     scenarios: tuple[str, ...]
     reaches: tuple[float, ...]
@@ -31,7 +31,7 @@ class RadioSweep:
 
 @dataclass(frozen=True)
 class TeamScaling:
-    """Scenarios that differ in the number of UAVs alone, one UAV first."""
+    """Scenarios that differ only in the number of UAVs, one UAV first."""
 
     scenarios: tuple[str, ...]
     teams: tuple[int, ...]
@@ -47,7 +47,7 @@ def radio_sweeps(scenarios: Mapping[str, Settings]) -> list[RadioSweep]:
     """Return the sweeps of at least two ranges, in the order of their first scenario.
 
     The models ``none`` and ``unlimited`` are the ends of every sweep that they fit; ``disc`` and
-    ``square`` are two sweeps.
+    ``square`` make separate sweeps.
     """
     families: dict[str, dict[str, Settings]] = {}
     for name, settings in scenarios.items():
@@ -57,7 +57,7 @@ def radio_sweeps(scenarios: Mapping[str, Settings]) -> list[RadioSweep]:
 
 
 class _Radio(NamedTuple):
-    """What beside its range makes a radio; unused settings are None."""
+    """The settings of a radio other than its range; unused ones are None."""
 
     model: str
     loss: float
@@ -112,7 +112,7 @@ def team_scalings(scenarios: Mapping[str, Settings]) -> list[TeamScaling]:
 
 
 def _key(settings: Settings, *ignored: tuple[str, ...]) -> str:
-    """Return everything about a task but the ignored settings, as text to compare."""
+    """Return all settings of a task except the ignored ones, as text to compare."""
     facts = copy.deepcopy({key: value for key, value in settings.items() if key not in NOMINAL})
     for *parents, leaf in ignored:
         place = facts

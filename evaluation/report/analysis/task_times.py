@@ -1,4 +1,4 @@
-"""Steps of every contestant on every task of a scenario to the level that it is judged by, side by side."""
+"""Steps of every ranked policy on every task of a scenario to its coverage threshold, as a table."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class PairedTimes:
 
     tasks: list[Task]
     ours: NDArray[np.float64]
-    """(E,) steps; the budget where the level was never reached."""
+    """(E,) steps; the budget where the threshold was never reached."""
     theirs: NDArray[np.float64]
     """(E,) steps."""
     maps: NDArray[np.str_]
@@ -35,17 +35,17 @@ class TaskTimes:
     policies: list[str]
     """Best first."""
     times: NDArray[np.float64]
-    """(E, P) steps, the budget where the level was never reached, NaN where the policy has not flown the task."""
+    """(E, P) steps; the budget where the threshold was never reached, NaN where the task was not flown."""
     reached: NDArray[np.bool_]
-    """(E, P) whether the level was reached."""
+    """(E, P) whether the threshold was reached."""
     maps: NDArray[np.str_]
     """(E,) which map each task was flown on; equal maps have equal labels."""
     level: CoverageThreshold
-    """What the scenario is judged by."""
+    """The coverage threshold of the scenario."""
 
     @classmethod
     def of(cls, comparison: Comparison, metric: str | None = None) -> TaskTimes:
-        """Collect a scenario's policies, without those that know the map unless all do; its level unless asked."""
+        """Collect a metric of the ranked policies, by default the steps to the threshold of the scenario."""
         metric = metric or comparison.level.key
         policies = comparison.ranked_policies if comparison.groups else []
         tasks = sorted({record.task for policy in policies for record in comparison.groups[policy]})
@@ -78,6 +78,6 @@ class TaskTimes:
         return replace(self, tasks=tasks, times=self.times[kept], reached=self.reached[kept], maps=self.maps[kept])
 
     def by_map(self) -> dict[int, TaskTimes]:
-        """Return the tasks of each of a scenario's map files; one that makes its maps counts as a single one."""
+        """Return the tasks of each map file of a scenario; generated maps count as one."""
         maps = np.array([task.map_index for task in self.tasks], np.int64)
         return {int(index): self.among(np.flatnonzero(maps == index).tolist()) for index in np.unique(maps)}

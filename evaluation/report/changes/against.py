@@ -1,4 +1,4 @@
-"""What changed between two results beyond noise: old and new paired task by task, all comparisons one family."""
+"""What changed significantly between old and new results, paired task by task."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from indoor_explorers.evaluation.statistics import (
 )
 
 SUCCESS = Measure("goal reached", "share of episodes", "episodes that reached the scenario's goal coverage", False)
-#: What is compared; the times are those that the scenario asks for.
+#: The metrics that are compared; the times are replaced by those of the scenario's threshold.
 HEADLINE = ("auc", "t90", "t99", "success", "path_length", "collisions", "overlap", "messages_bytes", "latency_p50_us")
 
 
@@ -36,7 +36,7 @@ def _measure(metric: str) -> Measure:
 
 @dataclass(frozen=True, eq=False)
 class _Pairs:
-    """The values of one metric on the tasks that both hold."""
+    """The values of one metric on the tasks of both results."""
 
     scenario: str
     policy: str
@@ -60,20 +60,20 @@ class Change:
     scenario: str
     policy: str
     metric: str
-    """One of :data:`HEADLINE`, or the time to the level that the scenario is judged by."""
+    """One of :data:`HEADLINE`, or the time to the scenario's threshold."""
     old: float
-    """Mean over the tasks that both hold."""
+    """Mean over the tasks of both results."""
     new: float
     difference: Estimate
     """Mean of new minus old with its interval."""
     adjusted_p: float
-    """Of the sign-flip test, adjusted by Holm's method over all changes."""
+    """p-value of the sign-flip test, adjusted by Holm's method over all changes."""
     detectable: float
     """Smallest true difference found with 80 % power; infinite where there are too few tasks for any."""
 
     @property
     def shown(self) -> bool:
-        """Whether a change was shown, the number of comparisons accounted for."""
+        """Whether the change is significant, adjusted for the number of comparisons."""
         return self.adjusted_p <= 1 - CONFIDENCE
 
     @property
@@ -83,7 +83,7 @@ class Change:
 
     @property
     def verdict(self) -> str:
-        """Say what was shown."""
+        """The result in words."""
         if self.shown:
             return ("better" if self.better else "worse") + (
                 ", or the machine" if self.metric in OF_THE_MACHINE else ""
@@ -98,14 +98,14 @@ class Change:
 
     @property
     def decimals(self) -> int:
-        """How many decimals figures of this size need, and two digits of their difference, six at most."""
+        """Number of decimals: as usual for this size, and enough for two digits of the difference, at most six."""
         largest, difference = max(abs(self.old), abs(self.new)), abs(self.difference.mean)
         usual = 3 if largest <= 1 else decimals_for(largest, most=2)
         return max(usual, min(6, 1 - math.floor(math.log10(difference)))) if difference else usual
 
     @property
     def figures(self) -> tuple[str, str, str, str]:
-        """Old, new, difference with its interval, and what could have been seen, for people."""
+        """Old, new, difference with its interval, and detectable difference, as text."""
         return (
             fixed(self.old, self.decimals),
             fixed(self.new, self.decimals),
@@ -116,18 +116,18 @@ class Change:
 
 @dataclass(frozen=True)
 class Identity:
-    """How many episodes of a policy on a scenario are the same flights in both."""
+    """How many episodes of a policy on a scenario are identical in both results."""
 
     scenario: str
     policy: str
     same: int
     tasks: int
     parameters: str
-    """What differs in the policy itself, empty where nothing does."""
+    """What differs in the policy itself; empty if nothing does."""
 
     @property
     def text(self) -> str:
-        """Say so."""
+        """The line about it."""
         what = f"{self.same} of {counted(self.tasks, 'episode')} identical, step for step"
         return what + (f"; the policy differs: {self.parameters}" if self.parameters else "")
 
@@ -137,22 +137,22 @@ class Against:
     """The whole comparison of new results with old ones."""
 
     changes: list[Change]
-    """Those shown come first; metrics without any difference are no comparison and are left out."""
+    """Significant ones come first; metrics without any difference are left out."""
     identities: list[Identity]
     apart: list[str]
-    """What only one of the two holds, or what is another task in both, a line each."""
+    """A line for everything that only one of the results has, or that is another task in both."""
 
     @property
     def shown(self) -> int:
-        """How many changes were shown."""
+        """How many changes are significant."""
         return sum(change.shown for change in self.changes)
 
 
 def compare_with(new: Results, old: Results) -> Against:
-    """Compare new results with old ones of the same names, over the tasks that both hold.
+    """Compare new results with old ones of the same names, over the tasks of both.
 
     The p-values of all comparisons together are adjusted by Holm's method. Metrics that are the same in every
-    episode are left out of the family: no flip of signs could make a difference of them.
+    episode are left out.
     """
     groups = list(_common(new, old))
     pairs = [each for group in groups for each in _pairs(new, old, *group) if each.differences.any()]
@@ -162,7 +162,7 @@ def compare_with(new: Results, old: Results) -> Against:
 
 
 def _common(new: Results, old: Results) -> Iterator[tuple[str, str]]:
-    """Yield the scenarios and policies that both hold of the same task."""
+    """Yield the (scenario, policy) pairs that both results have for the same task."""
     like = {name for name in new.scenarios if name in old.scenarios and not scenario_difference(old, new, name)}
     for scenario, policy in new.groups:
         if scenario in like and (scenario, policy) in old.groups and _paired(new, old, scenario, policy):
@@ -188,7 +188,7 @@ def _pairs(new: Results, old: Results, scenario: str, policy: str) -> Iterator[_
 
 
 def _compared(results: Results, scenario: str) -> list[str]:
-    """Return what is compared in a scenario: :data:`HEADLINE` with the times of its level in their place."""
+    """Return the metrics compared in a scenario: :data:`HEADLINE` with the times of its threshold."""
     times, others = results.level(scenario).times, [metric for metric in HEADLINE if metric not in LEVELS]
     return [*others[:1], *times, *others[1:]]
 
@@ -222,7 +222,7 @@ def _identity(new: Results, old: Results, scenario: str, policy: str) -> Identit
 
 
 def _policy_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
-    """Name what differs in a policy; another class has other parameters, which then say nothing."""
+    """Name what differs in a policy: only the class if that differs, else the parameters."""
     fields = ("class",) if old.get("class") != new.get("class") else tuple({**old, **new})
     known = [{key: each[key] for key in fields if key in each} for each in (identity(old), identity(new))]
     return differing_fields(known[0], known[1], aside=("hash",))

@@ -1,4 +1,4 @@
-"""What changed, for a terminal."""
+"""The terminal's table of what changed."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from rich.text import Text
 from indoor_explorers.evaluation.report.changes.against import Against, Change
 from indoor_explorers.evaluation.report.style.formatting import counted
 
-#: Characters of a line from which on old and new means are shown beside their difference.
+#: Width in characters from which old and new means are shown beside their difference.
 WIDE = 110
 
 
 def against_lines(against: Against, width: int = WIDE) -> Iterator[RenderableType]:
-    """Yield what a terminal shows of new results against old ones: a table, changes first, and what it leaves out."""
+    """Yield the parts of the terminal's output: a table, significant changes first, and what could not be compared."""
     if against.changes:
         yield _table(against, width >= WIDE)
     yield Text(f"{against.shown} of {counted(len(against.changes), 'comparison')} changed significantly")

@@ -1,1 +1,1 @@
-"""Charts of the page."""
+"""Charts of the page: interactive ones as data, small ones as inline SVG."""

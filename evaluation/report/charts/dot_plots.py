@@ -13,12 +13,12 @@ from indoor_explorers.evaluation.report.style.formatting import with_interval
 from indoor_explorers.evaluation.report.style.palette import DASHES, MARKER_PATHS, PolicyStyle
 from indoor_explorers.evaluation.statistics import Estimate
 
-#: The most dots of a plot; more episodes are reduced to this many quantiles.
+#: Limit of dots in a plot; more episodes are reduced to this number of quantiles.
 DOTS = 80
 
 
 class Scale(NamedTuple):
-    """A linear scale from ``low``..``high`` to ``width`` pixels; what lies beyond is drawn at the edge."""
+    """A linear scale from ``low``..``high`` to ``width`` pixels; values beyond are drawn at the edge."""
 
     low: float
     high: float
@@ -74,7 +74,7 @@ def episode_dot_plot(values: NDArray[np.float64], estimate: Estimate, scale: Sca
 
 
 def difference_dot_plot(values: NDArray[np.float64], estimate: Estimate, scale: Scale, style: PolicyStyle) -> Markup:
-    """Draw a difference against the line of none; without an interval, each of the (E,) episodes'."""
+    """Draw a difference with its interval beside a line at 0; without an interval, a dot for each of (E,) episodes."""
     zero = Markup('<path class="zero" d="M{} 0V20"/>').format(scale(0.0))
     dots = Markup("") if estimate.low is not None else _dots(values, scale, 10)
     beyond = Markup("")
@@ -86,7 +86,7 @@ def difference_dot_plot(values: NDArray[np.float64], estimate: Estimate, scale: 
 
 
 def difference_scale(estimates: Sequence[Estimate], width: int = 200) -> Scale:
-    """Return a scale for differences that a single very slow policy does not squeeze."""
+    """Return a scale for differences whose range one very slow policy does not determine."""
     ends = [max(abs(end) for end in (each.low, each.high, each.mean) if end is not None) for each in estimates]
     reach = max(1.0, min(max(ends, default=1.0), 4 * float(np.median(ends)) if ends else 1.0))
     lows = [each.mean if each.low is None else each.low for each in estimates]
@@ -96,7 +96,7 @@ def difference_scale(estimates: Sequence[Estimate], width: int = 200) -> Scale:
 def share_dot_plot(
     scores: NDArray[np.float64], estimate: Estimate, style: PolicyStyle, label: str, width: int = 150
 ) -> Markup:
-    """Draw a share between 0 and 1 with its interval against one half; without an interval, each episode's score."""
+    """Draw a share from 0 to 1 with its interval and a line at one half; without an interval, a dot for each score."""
     scale = Scale(0.0, 1.0, width)
     half = Markup('<path class="axis" d="M4 10H{}"/><path class="zero" d="M{} 0V20"/>').format(width - 4, scale(0.5))
     dots = Markup("") if estimate.low is not None else _dots(scores, scale, 10)

@@ -1,4 +1,4 @@
-"""The data of the interactive charts, small enough to embed: coverage curves with bands, and times to a level."""
+"""The data of the interactive charts, small enough to embed: coverage curves with bands, and times to thresholds."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from indoor_explorers.evaluation.report.style.packing import shares
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles, crowded
 from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_times
 
-#: Whose coverage a chart can show.
+#: Whose coverage a chart can show: the team's, the worst UAV's, or the mean of the UAVs'.
 WHO = ("team", "worst", "mean")
-#: Levels whose times are drawn where the scenario asks for them, the one shown first at the front.
+#: Times that are drawn if they are not above the goal of the scenario; the first one is shown at first.
 TIMES = ("t99", "t95", "t90")
-#: Share of episodes that have to get to the level for a policy to say up to which step times are shown first.
+#: Share of successful episodes from which a policy counts for the range of steps that is shown at first.
 MOSTLY = 0.9
-#: The most corners of a distribution of times.
+#: Limit of points of a distribution of times.
 CORNERS = 400
 
 
@@ -61,7 +61,7 @@ def _curves(comparison: Comparison, policy: str, axis: CoverageAxis, who: str) -
 
 
 def times_data(comparison: Comparison, styles: Styles) -> dict[str, Any]:
-    """Return, for every level and policy, the share of episodes that reached it by each step, as JSON data."""
+    """Return, for every threshold and policy, the share of episodes that reached it by each step, as JSON data."""
     records = comparison.records
     budget = max(record.budget for record in records)
     times = levels_drawn(comparison)
@@ -78,7 +78,7 @@ def times_data(comparison: Comparison, styles: Styles) -> dict[str, Any]:
 
 
 def levels_drawn(comparison: Comparison) -> list[str]:
-    """Return the levels whose times a scenario's page shows, the one it is judged by first."""
+    """Return the times that the page shows of a scenario, that of its threshold first."""
     asked = [name for name in TIMES if comparison.results.applies_to(comparison.scenario, name)]
     return asked or [comparison.level.key]
 
@@ -98,5 +98,5 @@ def _times(comparison: Comparison, policy: str, level: str, budget: int) -> dict
 
 
 def _thinned(count: int) -> NDArray[np.int64]:
-    """Return which of ``count`` corners are kept, the first and the last among them."""
+    """Return which of ``count`` points are kept; the first and the last always are."""
     return np.unique(np.linspace(0, count - 1, min(count, CORNERS)).round()).astype(np.int64)

@@ -13,16 +13,16 @@ from markupsafe import Markup
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, focus_step, settled
+from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, focus_step, last_active_step
 from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.report.style.palette import DASHES, MARKER_PATHS, PolicyStyle, Styles
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 
-#: The most panels; more maps than this are shown by folder, or the first of them.
+#: Limit of panels; more maps are shown by folder, or only the first of them.
 MOST = 24
-#: Panels share their range of steps unless the longest is this many times the shortest.
+#: Panels share their range of steps unless the longest range is more than this multiple of the shortest.
 UNLIKE = 5
-#: Place of the axes in a panel of 240 by 140.
+#: Position of the axes in a panel of 240 by 140.
 LEFT, RIGHT, TOP, BOTTOM = 30.0, 236.0, 6.0, 122.0
 #: Steps at which a curve is drawn.
 POINTS = 50
@@ -45,13 +45,13 @@ class Panel:
 
 @dataclass(frozen=True)
 class SmallMultiples:
-    """The panels of a section, and of how many maps they are."""
+    """The panels of a section."""
 
     panels: list[Panel]
     maps: int
     by_folder: bool
     same_axes: bool
-    """False where maps differ so much in size that each panel has its own range of steps."""
+    """False if maps differ so much in size that each panel has its own range of steps."""
 
 
 def map_multiples(comparison: Comparison, styles: Styles) -> SmallMultiples | None:
@@ -64,7 +64,7 @@ def map_multiples(comparison: Comparison, styles: Styles) -> SmallMultiples | No
     labels: dict[int, Any] = folders if by_folder else {index: index for index in indices}
     chosen = list(dict.fromkeys(labels[index] for index in indices))[:MOST]
     parts = {label: _where(comparison, {i for i in indices if labels[i] == label}) for label in chosen}
-    limits = {label: settled(list(groups.values()), comparison.level.share) for label, groups in parts.items()}
+    limits = {label: last_active_step(list(groups.values()), comparison.level.share) for label, groups in parts.items()}
     longest = max(limits.values())
     same_axes = longest <= UNLIKE * min(limits.values())
     panels = [
@@ -101,7 +101,7 @@ def _map_panel(groups: Groups, folder: str, limit: int, styles: Styles, level: C
 
 
 def _median_task(groups: Groups) -> Task:
-    """Return the task in the middle by the steps that all policies together needed for it."""
+    """Return the median task by the total steps of all policies."""
     steps: dict[Task, int] = {}
     for records in groups.values():
         for record in records:
@@ -110,7 +110,7 @@ def _median_task(groups: Groups) -> Task:
 
 
 def scenario_multiples(sections: Sequence[tuple[str, Comparison]], styles: Styles) -> list[Panel]:
-    """Return a panel for each scenario by its section, those of one kind of map side by side; none for one scenario."""
+    """Return a panel for each scenario, ordered by kind of map; none for a single scenario."""
     flown = [(section, each) for section, each in sections if each.groups]
     if len(flown) < 2:
         return []
@@ -128,7 +128,7 @@ def scenario_multiples(sections: Sequence[tuple[str, Comparison]], styles: Style
 
 
 def family(comparison: Comparison) -> str:
-    """Return what kind of maps a scenario has: the generator, or the folders of its files."""
+    """Return the kind of maps of a scenario: the generator, or the folders of its files."""
     source = str(comparison.results.scenarios[comparison.scenario]["map"]["source"])
     folders = dict.fromkeys(_folders(comparison).values())
     return " and ".join(folders) if 0 < len(folders) <= 2 else f"{source} maps"
@@ -161,7 +161,7 @@ def _height(share: Any) -> Any:
 
 
 def _line(policy: str, x: np.ndarray, y: np.ndarray, style: PolicyStyle) -> Markup:
-    """Draw one curve with its dash, and its marker once at a place of its own."""
+    """Draw one curve with its dash, and its marker once."""
     path = "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
     dash = " ".join(f"{length:g}" for length in DASHES[style.dash]) or "none"
     place = (len(x) // 5 + 3 * style.marker) % len(x)

@@ -1,4 +1,4 @@
-"""The panels for print: profiles, Pareto front, rank plot and sweeps, drawn from the same data as those of the page."""
+"""Print figures of profiles, Pareto front, rank plot and sweeps, drawn from the same data as those of the page."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from indoor_explorers.evaluation.report.style.print_style import plain, sheet, s
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
-#: Plots beside each other.
+#: Plots in a row.
 COLUMNS = 3
 
 
@@ -110,7 +110,7 @@ def _ticks(axis: MatplotlibAxis, about: PlotAxis) -> None:
 
 
 def _draw_series(axes: Axes, series: PlotSeries) -> None:
-    """Draw one policy: single episodes, intervals and whiskers, the line, and hollow or filled markers."""
+    """Draw one policy: episodes, intervals, whiskers, the line, and hollow or filled markers."""
     stroke = strokes(series.style)
     if series.dots:
         x, y = zip(*series.dots, strict=True)
@@ -131,7 +131,7 @@ def _draw_series(axes: Axes, series: PlotSeries) -> None:
 
 
 def rank_figure(comparison: Comparison, rows: Sequence[RankRow], styles: Styles) -> Figure:
-    """Draw how often each policy is better than the next below, and than the first, around one half."""
+    """Draw how often each policy is better than the next one and than the first one."""
     figure = sheet(6.3, 0.9 + 0.3 * len(rows))
     pair = figure.subplots(1, 2, sharey=True, gridspec_kw={"wspace": 0.14})
     titles = ("better than the next below", f"better than {plain(rows[0].policy, 24)}")
@@ -179,6 +179,6 @@ def _legend(figure: Figure, names: Sequence[str], styles: Styles, corner: tuple[
 
 
 def _note(figure: Figure, text: str) -> None:
-    """Write below everything what the figure is made of."""
+    """Write a note below the figure that says what it shows."""
     below = -0.22 / figure.get_figheight()
     figure.text(0.07, below, text.strip(), fontsize=7, color="#666666", va="top")

@@ -24,7 +24,7 @@ def _label(comparison: Comparison, policy: str) -> str:
 
 
 def coverage_figure(comparison: Comparison, styles: Styles) -> Figure:
-    """Draw mean coverage by step with 95 % bands, up to where little happens any more."""
+    """Draw mean coverage by step with 95 % bands, up to where curves hardly change."""
     figure = sheet(6.3, max(3.1, 0.17 * len(comparison.groups) + 0.4))
     axes = figure.add_subplot()
     steps = sampled_steps(comparison, 400)
@@ -49,7 +49,7 @@ def coverage_figure(comparison: Comparison, styles: Styles) -> Figure:
 def _curve(
     axes: Axes, comparison: Comparison, policy: str, steps: np.ndarray, limit: int, style: PolicyStyle, banded: bool
 ) -> Line2D:
-    """Draw one policy's curve, its markers spread over the visible steps and offset from its neighbours'."""
+    """Draw one policy's curve, with markers at other steps than the other policies'."""
     mean, low, high = curve_band(coverage_at(comparison.groups[policy], steps), maps=comparison.maps(policy))
     if banded and not np.isnan(low).any():
         axes.fill_between(steps, low, high, color=style.hex, alpha=0.16, linewidth=0)
@@ -60,7 +60,7 @@ def _curve(
 
 
 def times_figure(comparison: Comparison, styles: Styles) -> Figure:
-    """Draw mean times of each policy to T90 and the level, best at the top, over the dots of its episodes."""
+    """Draw T90 and the time to the threshold of each policy, best at the top, above the dots of its episodes."""
     ranked = comparison.ranking
     figure = sheet(6.3, 0.9 + 0.3 * len(ranked))
     times = comparison.level.times
@@ -99,7 +99,7 @@ def _rim(dots: dict[str, Any]) -> dict[str, Any]:
 
 
 def _footnote(axes: Axes, comparison: Comparison, more: str = "") -> None:
-    """Write below the axes what the figure is made of."""
+    """Write a note below the axes that says what the figure shows."""
     counts = [len(records) for records in comparison.groups.values()]
     span = f"{min(counts)}" if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
     how = "95 % bootstrap intervals" if min(counts) >= FEWEST else "too few for intervals"

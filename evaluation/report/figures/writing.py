@@ -1,7 +1,7 @@
 """Figures for print as SVG, PNG and PDF: coverage, times, comparison panels and sweeps.
 
 Equal results give equal bytes: no dates, fixed ids. Policies differ by dash and marker as well as by
-colour, so the figures survive a greyscale printer.
+colour, so the figures can be printed in greyscale.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def write_figures(results: Results, folder: Path) -> list[Path]:
 
 @contextmanager
 def _older_objects_uncollected() -> Iterator[None]:
-    """Keep the garbage collector to what figures leave behind; a sixth of their time went into the loaded modules."""
+    """Let the garbage collector skip objects that exist already; scanning them took a sixth of the time."""
     gc.freeze()
     try:
         yield

@@ -1,4 +1,4 @@
-"""Panels of the report that set policies against each other, and scenarios of a sweep beside each other."""
+"""Panels of the page that compare policies with each other, and the scenarios of a sweep."""
 
 from indoor_explorers.evaluation.report.panels.scenario_panels import ScenarioPanels, scenario_panels
 from indoor_explorers.evaluation.report.panels.sweep_panels import sweep_sections

@@ -1,4 +1,4 @@
-"""Failures and early ends, gathered by policy and cause."""
+"""Failures and early ends, grouped by policy and cause."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from indoor_explorers.evaluation.report.analysis.failures import by_cause, endin
 from indoor_explorers.evaluation.report.panels.replay_links import replay_link
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, percent
 
-#: The most seeds that a row lists.
+#: Limit of seeds that a row lists.
 SEEDS = 8
 
 
 class Cause(NamedTuple):
-    """The episodes of one policy that ended for one cause."""
+    """The episodes of one policy that ended early for one cause."""
 
     policy: str
     cause: str
-    """In the words of the first of them."""
+    """The message of the first of them."""
     episodes: int
     flown: int
-    """Episodes of the policy in all."""
+    """All episodes of the policy."""
     coverage: str
-    """When they ended, from least to most."""
+    """At their ends, from lowest to highest."""
     seeds: str
     replay: str
-    """The first of them."""
+    """Link to the replay of the first of them."""
 
 
 def causes(troubles: Sequence[Record], flown: dict[str, int]) -> list[Cause]:

@@ -1,4 +1,4 @@
-"""What thinking buys: the area under the coverage curve against the time of a decision."""
+"""Pareto plot: area under the coverage curve against the time of a decision."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from indoor_explorers.evaluation.statistics import FEWEST, Estimate
 
 
 class ParetoPoint(NamedTuple):
-    """What one policy costs and gives."""
+    """One policy in the plot."""
 
     policy: str
     median: float
-    """Milliseconds: mean over episodes of the median decision."""
+    """Mean over episodes of the median decision time in milliseconds."""
     late: float
-    """Milliseconds: the same of the 99th percentile."""
+    """The same of the 99th percentile."""
     area: Estimate
-    """Of the AUC."""
+    """The AUC."""
     front: bool
-    """True when no other contestant is as fast and as good, and better in one of the two."""
+    """Whether it is on the Pareto front: no other ranked policy is as fast and as good, and better in one of these."""
 
 
 def pareto_points(comparison: Comparison) -> list[ParetoPoint]:
-    """Return the policies whose latency and AUC were measured, fastest first; those that know the map never lead."""
+    """Return the policies whose latency and AUC were measured, fastest first."""
     found = []
     for policy in comparison.ranking:
         median, late = (comparison.estimate(policy, f"latency_{which}_us").mean / 1000 for which in ("p50", "p99"))

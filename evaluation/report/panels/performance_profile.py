@@ -11,12 +11,12 @@ from indoor_explorers.evaluation.report.style.formatting import percent
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
 from indoor_explorers.evaluation.statistics import performance_profile, performance_ratios
 
-#: The most stairs of a policy; more tasks are reduced to this many quantiles.
+#: Limit of steps in the line of a policy; more tasks are reduced to this number.
 STAIRS = 300
 
 
 def profile_plot(task_times: TaskTimes, styles: Styles) -> Plot | None:
-    """Return the profiles over the tasks that all ranked_policies flew; None when there is nothing to compare."""
+    """Return the profiles over the tasks that all ranked policies flew; None when there is nothing to compare."""
     common = task_times.common()
     if len(common.policies) < 2 or not common.reached.any():
         return None
@@ -35,7 +35,7 @@ def profile_plot(task_times: TaskTimes, styles: Styles) -> Plot | None:
 def _stairs(
     name: str, style: PolicyStyle, tau: NDArray[np.float64], share: NDArray[np.float64], end: float
 ) -> PlotSeries:
-    """Return one policy's staircase: only the places where it rises, and the right edge."""
+    """Return the line of one policy: the places where it rises, and the right edge."""
     rises = np.flatnonzero(np.diff(share, prepend=-1.0) > 0)
     if len(rises) > STAIRS:
         rises = rises[np.linspace(0, len(rises) - 1, STAIRS).round().astype(np.int64)]

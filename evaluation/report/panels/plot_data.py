@@ -1,4 +1,4 @@
-"""What an interactive plot shows, as data: the page draws it in its colours, figures for print in theirs."""
+"""The data of a plot, which the page and the figures for print draw."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class PlotAxis:
     high: float
     log: bool = False
     share: bool = False
-    """Whether its numbers are written as percent."""
+    """Whether its numbers are shown as percent."""
     ticks: tuple[tuple[float, str], ...] = ()
-    """Places that are labelled; empty: wherever it styles good."""
+    """Labelled places; empty for automatic ones."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +33,7 @@ class PlotSeries:
     x: list[float]
     y: list[float]
     text: list[str]
-    """Shown for each point under the pointer."""
+    """Text of each point, shown under the pointer."""
     low: list[float] | None = None
     """Lower ends of the intervals of ``y``; None: no interval."""
     high: list[float] | None = None
@@ -45,7 +45,7 @@ class PlotSeries:
     """Points to be drawn hollow."""
     line: bool = True
     step: bool = False
-    """Whether the line is a staircase."""
+    """Whether the line is a step function."""
 
     def data(self) -> dict[str, Any]:
         """Return JSON data; what is not set is left out."""
@@ -56,7 +56,7 @@ class PlotSeries:
 
 @dataclass(frozen=True, kw_only=True)
 class Guide:
-    """A neutral line to judge the points by."""
+    """A reference line."""
 
     name: str
     x: list[float]
@@ -70,7 +70,7 @@ class Plot:
 
     title: str
     label: str
-    """What it shows, for those who do not see it."""
+    """Alternative text."""
     x: PlotAxis
     y: PlotAxis
     series: Sequence[PlotSeries]
@@ -87,7 +87,7 @@ class Plot:
 
 
 def _rounded(values: list[Any]) -> list[Any]:
-    """Keep five significant digits, which is more than a screen shows."""
+    """Round to five significant digits, more than a screen shows."""
     return [float(f"{value:.5g}") if isinstance(value, float) else value for value in values]
 
 

@@ -1,4 +1,4 @@
-"""What the radio's range changes: times, coverage, bytes and overlap against it, a line for each policy."""
+"""Plots of times, AUC, bytes sent and overlap against the range of the radio, a line for each policy."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from indoor_explorers.evaluation.results.coverage_threshold import CoverageThres
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST, Estimate, bootstrap_mean
 
-#: Policies are drawn this share of the axis apart, so that their intervals do not hide each other.
+#: Offset between policies as a share of the axis, so that their intervals do not hide each other.
 APART = 0.012
-#: Factor between lowest and highest from which an axis is logarithmic.
+#: Ratio of highest to lowest value from which an axis is logarithmic.
 WIDE = 4.0
 
 
 class Quantity(NamedTuple):
-    """What one of the plots shows."""
+    """The quantity that a plot shows."""
 
     metric: str
     title: str
@@ -34,7 +34,7 @@ class Quantity(NamedTuple):
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
 
-#: What is shown beside times.
+#: Quantities that are shown besides times.
 OTHERS = (
     Quantity("auc", "AUC", "", 1, 3),
     Quantity("messages_bytes", "messages", "kB", 1000, 2),

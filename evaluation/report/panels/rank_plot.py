@@ -1,4 +1,4 @@
-"""Rank plot: how often a policy beats the one ranked below it, and how often the best one beats it."""
+"""Rank plot: how often a policy is better than the one ranked below it, and than the best one."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Improvement(NamedTuple):
     other: str
     estimate: Estimate
     scores: NDArray[np.float64]
-    """(E,) 1 where better, 0.5 where level, 0 where worse."""
+    """(E,) 1 where better, 0.5 where equal, 0 where worse."""
 
     @property
     def text(self) -> str:
@@ -37,7 +37,7 @@ class Improvement(NamedTuple):
     def reading(self) -> str:
         """What the interval says about which of the two is better on most tasks.
 
-        Where all tasks of each map fall the same way the interval has no width, and nothing is said beyond these tasks.
+        Where the tasks of each map all have the same result the interval has no width, and no claim is made.
         """
         mean, low, high = self.estimate
         if low is None or high is None:
@@ -49,13 +49,13 @@ class Improvement(NamedTuple):
         return "better on most" if low > 0.5 else "worse on most" if high < 0.5 else "not decided"
 
     def dot_plot(self, style: PolicyStyle) -> Markup:
-        """Draw it against one half, in the colour of the policy; without an interval, each task's score."""
+        """Draw it with a line at one half; without an interval, a dot for each task."""
         label = f"{self.policy} better than {self.other}: {self.text}"
         return share_dot_plot(self.scores, self.estimate, style, label)
 
 
 def _clipped(share: float) -> str:
-    """Write the end of an interval, which rounding may have moved past none or all."""
+    """Format the end of an interval, clipped to 0 and 100 %."""
     return percent(min(max(share, 0.0), 1.0))
 
 
@@ -69,7 +69,7 @@ class RankRow(NamedTuple):
     best: Improvement | None
     """Against the best; None for the best itself."""
     tasks: str
-    """Tasks compared on: with the next, with the best."""
+    """Number of common tasks with the next, and with the best."""
 
 
 def improvement(task_times: TaskTimes, policy: str, other: str) -> Improvement | None:

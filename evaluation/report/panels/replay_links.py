@@ -1,4 +1,4 @@
-"""Where a click leads: the episode that a cell or a row of a panel speaks about."""
+"""Links from cells and rows of panels to the replay of an episode."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class RankPlotRow:
 
 @dataclass(frozen=True)
 class ScenarioPanels:
-    """What the template shows; a panel without content is None or empty and is left out."""
+    """The panels of a scenario; one without content is None or empty and is left out."""
 
     duels: list[tuple[str, list[WinCell | None]]]
     ranks: TimesTable | None
@@ -38,9 +38,9 @@ class ScenarioPanels:
     pareto: Plot | None
     profile: Plot | None
     tasks: int
-    """Tasks that all ranked_policies flew."""
+    """Number of tasks that all ranked policies flew."""
     episodes: str
-    """Episodes a policy."""
+    """Number of episodes of each policy."""
     causes: list[Cause]
 
 

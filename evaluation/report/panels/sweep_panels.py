@@ -1,4 +1,4 @@
-"""The sections of the page that compare scenarios: by the radio's range, and by the number of UAVs."""
+"""The sections of the page about sweeps of the radio's range and of the number of UAVs."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ class SweepPanel:
     policies: list[str]
     plots: Sequence[Plot]
     times: list[str]
-    """What the times of its scenarios are called, that to their level last."""
+    """Titles of the times that are shown, that to the threshold last."""
     tasks: str
-    """Episodes a point."""
+    """Number of episodes of a point."""
     few: bool
     hollow: bool
-    """Whether a point is hollow: some of its episodes never reached the threshold."""
+    """Whether a point is hollow because some of its episodes never reached the threshold."""
 
 
 @dataclass(frozen=True)
 class SweepSection:
-    """A section of the page; without panels it is left out."""
+    """The panels of both sections; a section without panels is left out."""
 
     radio: list[SweepPanel]
     team: list[SweepPanel]

@@ -1,4 +1,4 @@
-"""What more UAVs bring: speed-up over one UAV and parallel efficiency, a line for each policy."""
+"""Plots of speed-up and parallel efficiency against the number of UAVs, a line for each policy."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ class SpeedUp(NamedTuple):
 
     team: int
     speedup: Estimate
-    """Mean T(1) / mean T(N) over the maps and seeds that both flew."""
+    """Mean T(1) / mean T(N) over the common maps and seeds."""
     each: list[float]
-    """The ratio on every task, where these are too few for an interval."""
+    """The ratio on every task if these are too few for an interval."""
     censored: bool
     """Whether an episode never reached the threshold and counts as its budget."""
 
     def per_uav(self) -> SpeedUp:
-        """Return the gain divided by the number of UAVs: the parallel efficiency."""
+        """Return the speed-up divided by the number of UAVs: the parallel efficiency."""
         mean, low, high = self.speedup
         share = Estimate(mean / self.team, low and low / self.team, high and high / self.team)
         return self._replace(speedup=share, each=[value / self.team for value in self.each])
 
 
 def speed_ups(results: Results, scaling: TeamScaling, policy: str, metric: str) -> list[SpeedUp]:
-    """Return a policy's gains by team, one UAV first; teams of which no episode reached the threshold are left out."""
+    """Return a policy's speed-ups by team, one UAV first; teams that never reached the threshold are left out."""
     solo = _times(results, scaling.scenarios[0], policy, metric)
     maps = _maps(results, scaling.scenarios[0], policy)
     found = []
@@ -51,7 +51,7 @@ def speed_ups(results: Results, scaling: TeamScaling, policy: str, metric: str) 
 
 
 def _times(results: Results, scenario: str, policy: str, metric: str) -> dict[tuple[int, int], tuple[float, bool]]:
-    """Return (steps, reached) by map and seed; a level that was there at the start counts as one step."""
+    """Return (steps, reached) by map and seed; a threshold reached at the start counts as one step."""
     if (scenario, policy) not in results.groups:
         return {}
     values = np.maximum(results.values(scenario, policy, metric), 1.0).tolist()
@@ -80,7 +80,7 @@ def _gain(team: int, alone: NDArray[np.float64], together: NDArray[np.float64], 
 
 
 def scaling_plots(results: Results, scaling: TeamScaling, styles: Styles) -> list[Plot]:
-    """Return speed-up to 90 % and to the level, and efficiency to the level; empty when no policy was flown in both."""
+    """Return speed-ups to 90 % and to the threshold, and efficiency to the threshold; empty without common policies."""
     plots, judging = [], results.level(scaling.scenarios[0])
     for metric in judging.times:
         level = CoverageThreshold(metric).percent
@@ -131,7 +131,7 @@ def _top(series: list[PlotSeries]) -> float:
 
 
 def _series(found: Mapping[str, list[SpeedUp]], styles: Styles, text_of: Callable[[SpeedUp], str]) -> list[PlotSeries]:
-    """Return each policy's line, drawn a little beside the others' so that intervals do not hide each other."""
+    """Return the line of each policy, with an offset so that intervals do not hide each other."""
     span = max(each.team for gains_of in found.values() for each in gains_of) - 1
     lines = []
     for place, (policy, of_policy) in enumerate(found.items()):

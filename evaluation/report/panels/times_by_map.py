@@ -1,4 +1,4 @@
-"""Which policy was best where: a table by map, or by seed where a scenario has one map or makes them."""
+"""The table of times by map, or by seed where a scenario has one map or generates them."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from indoor_explorers.evaluation.report.panels.replay_links import replay_link
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 
-#: The most maps, and the most seeds, that are shown.
+#: Limits of maps and of seeds that are shown.
 MAPS, SEEDS = 60, 40
-#: Upper ends of the ratios to the best that share a shade, the best's own first.
+#: Upper limits of the ratio to the best policy for each shade.
 SHADES = (1.0, 1.1, 1.25, 1.5, 2.0)
 
 
 class TimesCell(NamedTuple):
-    """How one policy did on one map or task."""
+    """The result of one policy on one map or task."""
 
     text: str
     detail: str
     winner: bool
     shade: int
-    """0 for the best, to 5 for more than twice its steps or never there."""
+    """From 0 for the best to 5 for more than twice its steps or never reached."""
     title: str
     replay: str
 
 
 @dataclass(frozen=True)
 class TimesTable:
-    """A table of places: units, which are maps or seeds, by policies."""
+    """A table of units, which are maps or seeds, by policies."""
 
     unit: str
     """``map`` or ``seed``."""
@@ -43,14 +43,14 @@ class TimesTable:
     rows: list[tuple[str, list[TimesCell]]]
     """By unit; a cell a policy."""
     won: list[tuple[int, int]]
-    """By policy: how many units it won alone, and shared."""
+    """By policy: how many units it won alone, and how many together with others."""
     units: int
-    """In all; ``rows`` holds the first of them."""
+    """Number of units; ``rows`` has the first of them."""
     tasks: int
 
 
 def times_table(comparison: Comparison, task_times: TaskTimes) -> TimesTable | None:
-    """Return the table over the tasks that all ranked_policies flew; None without any or with a single policy."""
+    """Return the table over the tasks that all ranked policies flew; None without any or with a single policy."""
     common = task_times.common()
     if not common.tasks or len(common.policies) < 2:
         return None
@@ -85,7 +85,7 @@ def _won(times: NDArray[np.float64]) -> list[tuple[int, int]]:
 
 
 def _on_map(here: TaskTimes, column: int, name: str) -> TimesCell:
-    """Describe a policy on one map; its episode nearest to its mean is the one to replay."""
+    """Return the cell of a policy on one map; it links to the episode nearest to the mean."""
     estimate = bootstrap_mean(here.times[:, column])
     means = here.times.mean(axis=0)
     ratio, reached = _ratio(means, column), int(here.reached[:, column].sum())
@@ -126,7 +126,7 @@ def _place(
 
 
 def _ratio(times: NDArray[np.float64], column: int) -> float:
-    """Return a policy's steps as a multiple of the best one's; a level that was there at the start counts as 1 step."""
+    """Return a policy's steps as a multiple of the best one's; a threshold reached at the start counts as 1 step."""
     counted_steps = np.maximum(times, 1.0)
     return float(counted_steps[column] / counted_steps.min())
 

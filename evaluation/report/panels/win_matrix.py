@@ -1,4 +1,4 @@
-"""Who beats whom: wins, ties and losses of every policy against every other, task by task."""
+"""Wins, ties and losses of every policy against every other, task by task."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class WinCell(NamedTuple):
 
     tally: WinTieLoss
     shade: int
-    """From -4, all lost, to 4, all won; the colour."""
+    """Colour, from -4 for all lost to 4 for all won."""
     title: str
     replay: str
-    """The task on which the row's policy was furthest ahead."""
+    """Link to the replay of the task on which the row's policy was furthest ahead."""
 
     @property
     def text(self) -> str:

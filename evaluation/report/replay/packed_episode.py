@@ -1,7 +1,7 @@
-"""One recorded episode flown again and packed for the replay.
+"""Simulates a recorded episode again and packs it for the replay.
 
-A replay needs little more than moves and radio contacts. Linked UAVs merge their maps, so that what each of them knows
-follows from what its group saw first and from who was linked when; the page repeats that merging.
+A replay needs moves, radio contacts and new cells. Linked UAVs merge their maps, so that the map of each UAV follows
+from what its group discovered and from the contacts; the page repeats that merging.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.resimulate import resimulate
 from indoor_explorers.evaluation.report.style.packing import Keyed, folded, packed, runs
 
-#: The step at which a cell becomes known that never does.
+#: Step of cells that never become known.
 NEVER = np.iinfo(np.int32).max
 
 
 @dataclass(frozen=True, eq=False)
 class ReplayEpisode:
-    """Who knew what when, over the S steps of one episode by N UAVs on H x W cells."""
+    """What each of N UAVs knew at each of S steps of an episode on H x W cells."""
 
     record: Record
     counted: NDArray[np.bool_]
@@ -33,11 +33,11 @@ class ReplayEpisode:
     linked: NDArray[np.bool_]
     """(S + 1, N, N) which UAVs were in direct radio contact after each step."""
     faithful: bool
-    """Whether it ended as recorded; it need not when another version of the world flew it first."""
+    """Whether it ended as recorded; it may not if another version of the world recorded it."""
 
 
 def resimulated(record: Record, scenario: Scenario) -> ReplayEpisode:
-    """Fly a record's episode again and note what became known when."""
+    """Simulate a record's episode again and note when cells became known."""
     known = np.full((record.team, record.floorplan.truth.size), NEVER, np.int32)
     linked = np.zeros((record.steps + 1, record.team, record.team), np.bool_)
     read = [0] * record.team

@@ -34,7 +34,7 @@ DETAILS = (Detail(6000, True), Detail(1200, True), Detail(1200, False), Detail(3
 
 
 class Pick(NamedTuple):
-    """A task to replay, and what is special about it."""
+    """A task to replay, and why it was chosen."""
 
     label: str
     task: Task
@@ -46,8 +46,8 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
     Args:
         comparison: the scenario's results.
         styles: the look of each policy.
-        limit: about how many bytes the data may take; the most telling episodes come first.
-        count: replay this many episodes instead, whatever their size.
+        limit: approximate limit in bytes; the most interesting episodes come first.
+        count: replay this number of episodes instead, whatever their size.
 
     """
     settings = comparison.results.scenarios[comparison.scenario]
@@ -70,7 +70,7 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
 
 
 def _fitting(comparison: Comparison, limit: int) -> Iterator[dict[str, Any]]:
-    """Yield episodes as long as they fit; those with a special label share the bytes evenly."""
+    """Yield episodes as long as they fit; the notable ones share the bytes evenly."""
     picks = chosen(comparison)
     notable = len(notable_tasks(comparison))
     left = limit
@@ -111,7 +111,7 @@ def notable_tasks(comparison: Comparison) -> list[Pick]:
 
 
 def _by_lateness(comparison: Comparison) -> list[Task]:
-    """Return the tasks that most policies flew, by mean time to the level over the policies, then by falling AUC."""
+    """Return the tasks flown by most policies, by mean time to the threshold over the policies, then falling AUC."""
     flown: dict[Task, list[tuple[float, float]]] = {}
     for records in comparison.groups.values():
         for record in records:
@@ -127,10 +127,9 @@ def _lateness(record: Record, level: CoverageThreshold) -> tuple[float, float]:
 
 
 def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> dict[str, Any] | None:
-    """Return one task's replay as finely as its share of bytes allows.
+    """Return one task's replay in the finest detail that its share of bytes allows.
 
-    Where that is too small even for the coarsest it takes all that is left, and lacks the lowest ranked policies if
-    that is not enough either.
+    If even the coarsest is too large, it may use all bytes left, without the lowest ranked policies if necessary.
     """
     flown = {r.policy: r for r in comparison.records if r.task == pick.task}
     scenario = recorded_scenario(comparison.results.scenarios[comparison.scenario])

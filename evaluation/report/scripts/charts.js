@@ -1,4 +1,4 @@
-/* Coverage charts: mean curves with bands against steps or what else was spent. */
+/* Coverage charts: mean curves with bands against steps, distance, thinking time or bytes sent. */
 "use strict";
 const UNITS = { steps: "", distance: " cells", seconds: " s", bytes: " bytes" };
 

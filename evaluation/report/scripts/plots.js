@@ -14,7 +14,7 @@ function faded(hex, alpha) {
   const [r, g, b] = [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
   return `rgba(${r},${g},${b},${alpha})`;
 }
-/* Plotly reads a little markup and mathematics in names; show them as written. */
+/* Escape names, since Plotly interprets some markup and mathematics. */
 function escaped(name) {
   const entities = { "&": "&amp;", "<": "&lt;", ">": "&gt;", $: "&#36;" };
   return name.replace(/[&<>$]/g, (letter) => entities[letter]);
@@ -91,7 +91,7 @@ class Chart {
     this.draw();
   }
 
-  /* Grey out the choice of a span where the whole is shown anyhow. */
+  /* Disable the choice of a span where both show the same. */
   offerSpan(useful) {
     for (const button of this.controls.querySelectorAll('[data-choice="span"]')) button.disabled = !useful;
   }

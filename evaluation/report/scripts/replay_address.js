@@ -1,4 +1,4 @@
-/* Ways to a moment of a replay: the address, openReplay() and elements that carry data-replay. */
+/* Opens a replay at a step: from the address, openReplay(), or elements with a data-replay attribute. */
 const Address = {
   /* Read ``replay=s1;task=0,7;step=57;panels=pso,dddqn;map=uav-1;layers=truth,trails``; unknown parts are left out. */
   read(hash) {
@@ -40,7 +40,7 @@ const Address = {
     return `#${[...Object.entries(parts).map((part) => part.join("=")), ...theme].join(";")}`;
   },
 
-  /* Browsers allow some hundred changes a minute; the last one counts. */
+  /* Browsers limit how often the address may change, so only the last change is written. */
   write(replay) {
     this.waiting = replay;
     this.timer ??= setTimeout(() => this.flush(), 300);
@@ -59,7 +59,7 @@ const Address = {
       await navigator.clipboard.writeText(location.href);
       replay.say("Link copied.");
     } catch {
-      replay.say("The address of this page is now the link: copy it from there.");
+      replay.say("The link could not be copied; it is now the address of this page.");
     }
   },
 

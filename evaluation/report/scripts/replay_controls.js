@@ -1,4 +1,4 @@
-/* The replay's own controls: what is shown above the panels, and the transport below them. */
+/* The controls of a replay: choices above the panels, playback below them. */
 function choose(title, options, chosen) {
   const select = element("select", { ariaLabel: title });
   select.addEventListener("change", () => chosen(select.value));
@@ -76,7 +76,7 @@ class Controls {
     if (![...this.maps.options].some(({ value }) => value === this.replay.map)) this.replay.map = "team";
     this.maps.value = this.replay.map;
     this.mapLabel.hidden = team === 1;
-    this.maps.title = episode.own ? "" : "Each UAV's own map takes more room than this page has";
+    this.maps.title = episode.own ? "" : "This page has no room for the maps of single UAVs";
     const most = Math.min(MOST_PANELS, episode.flights.length);
     this.counts.replaceChildren(...Array.from({ length: most }, (_, k) => {
       const made = element("button", { type: "button", textContent: k + 1 });
@@ -101,7 +101,7 @@ class Controls {
 
   playing(on) { this.play.textContent = on ? "Pause" : "Play"; }
 
-  /* A frame was drawn; say so once it rests. */
+  /* A frame was drawn; announce it to screen readers once playing stops. */
   drawn() {
     const { step, lastStep, episode } = this.replay;
     this.clock.textContent = `step ${step} of ${lastStep}${episode.stride > 1 ? `, every ${episode.stride}` : ""}`;

@@ -1,4 +1,4 @@
-/* One flight as the page holds it: moves, radio contacts and discoveries, and from these who knew what when. */
+/* Unpacks an episode: moves, radio contacts and discoveries, and from these what each UAV knew at each step. */
 const NEVER = 65535;
 
 /* The whole numbers of a stream: seven bits a byte, lowest first. */
@@ -23,7 +23,7 @@ class Numbers {
   }
 }
 
-/* What each UAV knows; linked ones read each other's journals, as in the world itself. */
+/* What each UAV knows; linked UAVs merge their discoveries, as in the simulation. */
 class Minds {
   constructor(count, size) {
     this.team = new Uint16Array(size).fill(NEVER);
@@ -84,7 +84,7 @@ class Contacts {
   }
 }
 
-/* Coverage counts by frame of a map that came to be known at the given frames. */
+/* Covered cells by frame, given the frame at which each cell became known. */
 function coverage(known, counted, frames) {
   const covered = new Int32Array(frames);
   for (let cell = 0; cell < known.length; cell++) if (counted[cell] && known[cell] !== NEVER) covered[known[cell]]++;

@@ -1,4 +1,4 @@
-/* One panel of the replay: a policy's flight on the map, and where it stands. */
+/* One panel of the replay: a policy's flight on the map, with coverage, steps and outcome. */
 function element(tag, attributes = {}, ...children) {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {

@@ -1,4 +1,4 @@
-/* The scrubber: the coverage curves of the shown flights, and a hand that is dragged along them. */
+/* The timeline: the coverage curves of the shown flights, and a handle that is dragged along them. */
 class Timeline {
   constructor(replay) {
     this.replay = replay;

@@ -1,4 +1,4 @@
-/* The episode viewer: up to four policies side by side on one map and seed, one scrubber for all. */
+/* The episode viewer: up to four policies side by side on one map and seed, one timeline for all. */
 const SPEEDS = [2, 5, 10, 20, 50, 100, 200, 500];
 const MOST_PANELS = 4;
 
@@ -24,7 +24,7 @@ class Replay {
     }).observe(this.controls.grid);
   }
 
-  /* Show an episode at its end, from where playing starts anew. */
+  /* Show an episode at its end; playing starts from its beginning. */
   open(place) {
     this.episode = this.data.episodes[place];
     this.place = place;
@@ -47,7 +47,7 @@ class Replay {
     }
   }
 
-  /* Give each panel a policy: those wanted first, as far as the episode has them. */
+  /* Give each panel a policy: first those the reader chose, if the episode has them. */
   seat() {
     const flights = this.episode.flights, has = (policy) => flights.some((flight) => flight.policy === policy);
     const order = [...new Set([...this.wanted.filter(has), ...flights.map((flight) => flight.policy)])];
@@ -64,7 +64,7 @@ class Replay {
     return flight.maps ? flight : (this.episode.flights[place] = readFlight(flight, this.episode));
   }
 
-  /* Show a policy in a panel; one that another panel shows changes places. */
+  /* Show a policy in a panel; if another panel shows it, the two swap. */
   putPolicy(place, policy) {
     const shown = this.panels.map((panel) => panel.flight.policy), other = shown.indexOf(policy);
     if (other >= 0) shown[other] = shown[place];
@@ -165,7 +165,7 @@ class Replay {
 
   say(words) { this.controls.note.textContent = words; }
 
-  /* Show a task, or the nearest that the page holds, and say so. */
+  /* Return the place of a task, or of the nearest one in the page, with a message. */
   find(task) {
     const { episodes } = this.data, same = (k) => (episode) => episode.task[k] === task[k];
     this.say("");

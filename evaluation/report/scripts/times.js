@@ -1,4 +1,4 @@
-/* How many episodes got to a coverage level by each step, and in a band of its own how many never did. */
+/* Charts of the share of episodes that reached a threshold by each step, and on the right of those that never did. */
 "use strict";
 class TimesChart extends Chart {
   constructor(id) {

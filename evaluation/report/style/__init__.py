@@ -1,1 +1,1 @@
-"""How the page and the figures look: number formats, colours, print sizes, packed arrays."""
+"""Number formats, colours, the style of print figures, and packed arrays."""

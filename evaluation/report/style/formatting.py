@@ -1,4 +1,4 @@
-"""Numbers and intervals as a reader wants to see them."""
+"""Formats of numbers and intervals."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def fixed(value: float | None, decimals: int, *, sign: bool = False) -> str:
 
 
 def decimals_for(largest: float, most: int = 1) -> int:
-    """Return how many decimals a column needs whose largest value is this: three or four digits in all."""
+    """Return the number of decimals of a column with this largest value: three or four digits in all."""
     if largest >= 1000:
         return 0
     return min(most, 1 if largest >= 10 else 2)
 
 
 def percent(share: float, decimals: int = 0) -> str:
-    """Format a share; only all is ``100 %`` and only none is ``0 %``."""
+    """Format a share; only 1 is ``100 %`` and only 0 is ``0 %``."""
     nearly = 100 - 10**-decimals
     value = 100 * share
     if 0 < share < 1:
@@ -36,7 +36,7 @@ def percent(share: float, decimals: int = 0) -> str:
 
 
 def interval(estimate: Estimate, decimals: int, *, sign: bool = False) -> str:
-    """Format ``[low, high]``; empty where there are too few episodes for one."""
+    """Format ``[low, high]``; empty without an interval."""
     if estimate.low is None:
         return ""
     return f"[{fixed(estimate.low, decimals, sign=sign)}, {fixed(estimate.high, decimals, sign=sign)}]"

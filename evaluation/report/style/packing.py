@@ -1,4 +1,4 @@
-"""Numbers packed for the page: variable-length integers, bits and 16-bit shares, as base64 text."""
+"""Packs numbers for the page: variable-length integers, bits and 16-bit shares, as base64 text."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def packed(numbers: ArrayLike) -> bytes:
-    """Pack whole numbers >= 0, seven bits a byte, lowest first, the top bit set where more follow."""
+    """Pack whole numbers >= 0 in bytes of seven bits, lowest first; the top bit says that more follow."""
     values = np.asarray(numbers, np.uint64)
     lengths = np.ones(len(values), np.int64)
     for shift in range(7, 64, 7):
@@ -30,13 +30,13 @@ def folded(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 class Keyed(NamedTuple):
-    """Numbers that belong to rising keys, each key's in their own order."""
+    """Numbers with rising keys; those of one key have an order."""
 
     keys: NDArray[np.int64]
     numbers: NDArray[np.int64]
 
     def then(self, *others: Keyed) -> Keyed:
-        """Return the numbers of all, key by key; within a key in the order of the arguments."""
+        """Return the numbers of all arguments by key; within a key in the order of the arguments."""
         keys = np.concatenate([self.keys, *(other.keys for other in others)])
         numbers = np.concatenate([self.numbers, *(other.numbers for other in others)])
         order = np.argsort(keys, kind="stable")

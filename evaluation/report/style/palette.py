@@ -1,8 +1,8 @@
-"""How policies and UAVs look: colour-blind safe colours, each with its own dash and marker.
+"""The styles of policies: colours that colour-blind readers can tell apart, dashes and markers.
 
-The colours are those of Okabe and Ito (2008), the yellow left out because it vanishes on white, each
-with a lighter twin for dark backgrounds. Colours, dashes and markers run through cycles of different
-length, so that no two of the first 35 policies share colour and dash.
+The colours are those of Okabe and Ito (2008) without the yellow, which is hardly visible on white, each with a
+lighter variant for dark backgrounds. Colours, dashes and markers repeat in cycles of different length, so that no
+two of the first 35 policies share colour and dash.
 """
 
 from __future__ import annotations
@@ -47,12 +47,12 @@ MARKER_PATHS = (
 
 
 def crowded(policies: int) -> bool:
-    """Return whether policies outnumber the colours: bands around their curves would then overlap too much."""
+    """Return whether there are more policies than colours, so that bands of curves would overlap too much."""
     return policies > len(COLOURS)
 
 
 class PolicyStyle(NamedTuple):
-    """The look of one policy, as places in the cycles above."""
+    """The style of one policy, as indices into the cycles above."""
 
     colour: int
     dash: int
@@ -79,7 +79,7 @@ Styles = Mapping[str, PolicyStyle]
 
 
 def policy_styles(policies: Iterable[str]) -> dict[str, PolicyStyle]:
-    """Return the look of each policy, by its place in the experiment."""
+    """Return the style of each policy, by its place in the experiment."""
     return {
         name: PolicyStyle(place % len(COLOURS), place % len(DASHES), place % len(MARKERS))
         for place, name in enumerate(policies)

@@ -1,4 +1,4 @@
-"""How figures for print look and are written: SVG, PNG and PDF, the same bytes for the same figure."""
+"""The style of figures for print, and writing them as SVG, PNG and PDF: equal figures give equal bytes."""
 
 from __future__ import annotations
 
@@ -62,13 +62,13 @@ def save(figure: Figure, folder: Path, stem: str) -> list[Path]:
 
 
 def plain(name: str, most: int = 40) -> str:
-    """Return a name that matplotlib neither reads as mathematics nor hides from a legend."""
+    """Return a name, shortened and escaped so that matplotlib does not parse it as math or hide it in legends."""
     name = name if len(name) <= most else name[: most - 1] + "…"
     return ("\u200a" if name.startswith("_") else "") + name.replace("\\", "\u29f5").replace("$", r"\$")
 
 
 def strokes(style: PolicyStyle) -> dict[str, Any]:
-    """Return a policy's line and marker; they differ in more than colour, so that a greyscale printer will do."""
+    """Return the line and marker of a policy for matplotlib."""
     return {
         "color": style.hex,
         "linewidth": 1.4,

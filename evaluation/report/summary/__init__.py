@@ -1,1 +1,1 @@
-"""The top and the end of the page: findings, comparability, definitions, reproduction."""
+"""Texts at the top and the end of the page: findings, comparability, definitions, reproduction."""

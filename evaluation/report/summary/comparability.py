@@ -1,4 +1,4 @@
-"""Whether the policies may be compared: the same tasks, complete, flown by the same program on the same machine."""
+"""Checks whether the policies are comparable: same tasks, complete, by the same program on the same machine."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from indoor_explorers.evaluation.results.coverage_threshold import shared
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
-#: How many times the cells of the smallest map the largest may have before a mean in steps is doubtful.
+#: Ratio of the largest to the smallest map in cells above which means in steps are doubtful.
 UNLIKE = 3.0
-#: Share of the episodes that may be copies of others by chance.
+#: Share of episodes that may be copies of others without a warning.
 FEW_COPIES = 0.1
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What one glance should tell."""
+    """The result of the checks."""
 
     fine: bool
-    """True when nothing speaks against comparing the policies."""
+    """Whether there is no warning."""
     headline: str
     warnings: list[str]
-    """What speaks against it, or limits it."""
+    """What makes the comparison invalid or limited."""
     notes: list[str]
-    """What a reader should know besides."""
+    """What else a reader should know."""
 
 
 def on_common_tasks(results: Results) -> Results:
-    """Return the results of those tasks that all policies of a scenario flew; all of them where there is none."""
+    """Return the results of the tasks that all policies of a scenario flew; all tasks if there is no common one."""
     kept = {}
     for scenario in results.scenarios:
         common = _common(results, scenario)
@@ -54,8 +54,8 @@ def _common(results: Results, scenario: str) -> set[Task]:
     return set.intersection(*flown) if flown else set()
 
 
-def judged(results: Results) -> Verdict:
-    """Judge all results, before any of them is left out."""
+def verdict_on(results: Results) -> Verdict:
+    """Check all results, including those of tasks that are not common."""
     copies, repeats = _copies(results)
     warnings = [
         *_missing(results), *_unlike(results), *copies, *_failed(results), *_few(results), *_runs(results),
@@ -96,7 +96,7 @@ def _layout(tasks: set[Task], results: Results, scenario: str) -> str:
 
 
 def _missing(results: Results) -> Iterator[str]:
-    """Say which policies lack episodes, and what is compared then."""
+    """Name the policies that lack episodes, and what is compared then."""
     for scenario in results.scenarios:
         everything, flown = results.tasks(scenario), _flown(results, scenario)
         lacking = {name: len(everything) - len(flown.get(name, ())) for name in results.policies}
@@ -132,9 +132,9 @@ def _start(record: Record) -> tuple[object, ...]:
 
 
 def _copies(results: Results) -> tuple[list[str], list[str]]:
-    """Name the policies whose seeds repeat a flight: the same map, the same starts, and nothing drawn.
+    """Name the policies whose episodes repeat each other, as map and starts are the same and nothing is random.
 
-    Returns what speaks against a comparison, as more than :data:`FEW_COPIES` are copies, and what is only to be known.
+    Returns warnings, where more than :data:`FEW_COPIES` are copies, and notes.
     """
     grave: list[str] = []
     slight: list[str] = []
@@ -165,14 +165,14 @@ def _few(results: Results) -> Iterator[str]:
 
 
 def _runs(results: Results) -> Iterator[str]:
-    """Name sources that were changed after their commit, and what differs between the runs."""
+    """Warn of uncommitted changes, and name what differs between the runs."""
     if any("uncommitted" in str(run.get("commit", "")) for run in results.runs):
         yield "The source had uncommitted changes: the commit alone does not identify the code."
     yield from (f"{text[0].upper()}{text[1:]}." for text in results.warnings)
 
 
 def _few_maps(results: Results) -> Iterator[str]:
-    """Name the scenarios whose intervals speak about their own maps alone."""
+    """Name the scenarios whose intervals hold for their own maps alone."""
     for name in results.scenarios:
         comparison = Comparison(results, name)
         if len(_common(results, name)) >= FEWEST and not comparison.over_maps:
@@ -182,7 +182,7 @@ def _few_maps(results: Results) -> Iterator[str]:
 
 
 def _unlike_sizes(results: Results) -> Iterator[str]:
-    """Name the scenarios whose maps are so unlike in size that means in steps are about the large ones."""
+    """Name the scenarios whose maps differ so much in size that the large ones dominate means in steps."""
     for name in results.scenarios:
         sizes = [record.reachable for record in results.records if record.task.scenario == name]
         if sizes and max(sizes) > UNLIKE * min(sizes):
@@ -214,5 +214,5 @@ def _censored(results: Results) -> Iterator[str]:
     if shares:
         listed = ", ".join(f"{name} {percent(share)}" for name, share in sorted(shares.items(), key=lambda s: -s[1]))
         level = shared(results.levels)
-        what = level.percent if level else "the level of their scenario"
+        what = level.percent if level else "the threshold of their scenario"
         yield f"Episodes that never reached {what} count with the whole budget, which is a lower bound: {listed}."

@@ -1,4 +1,4 @@
-"""What the page's terms mean, each printed in the list at the end and beside the figures that it explains."""
+"""Definitions of the page's terms, shown at the end of the page and as tooltips."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ class Definition(NamedTuple):
     text: str
 
 
-#: Terms that are no metrics.
+#: Terms other than metrics.
 TERMS = {
-    "reached": Definition("reached", "", "share of episodes that got to that coverage within the budget"),
+    "reached": Definition("reached", "", "share of episodes that reached that coverage within the budget"),
     "failures": Definition(
         "failed episodes",
         "",
-        "episodes in which the policy raised an error or returned something that is no action; "
-        "what it covered until then counts",
+        "episodes in which the policy raised an error, returned an invalid action, took too long or too much memory, "
+        "or ended its process; what it covered until then counts",
     ),
     "interval": Definition(
         "interval",
         "",
         f"{percent(CONFIDENCE)} percentile bootstrap interval of the mean, in brackets: {RESAMPLES} resamples; maps "
         "are drawn first and then whole episodes on each map drawn, the same for all policies. With fewer than "
-        f"{FEWEST} maps the maps stay and the interval speaks about them alone. Fewer than {FEWEST} episodes get none",
+        f"{FEWEST} maps, these are fixed and the interval holds for them alone. Fewer than {FEWEST} episodes get none",
     ),
     "band": Definition(
         "band",
@@ -43,7 +43,7 @@ TERMS = {
     "difference": Definition(
         "difference",
         "steps",
-        "mean over the tasks both policies flew of one's {time} minus the other's, with its interval",
+        "mean over the common tasks of one policy's {time} minus the other's, with its interval",
     ),
     "better": Definition(
         "P(better)", "", "share of tasks on which the policy needed fewer steps than the other; ties count one half"
@@ -69,7 +69,7 @@ TERMS = {
 
 
 def definitions(level: CoverageThreshold | None) -> dict[str, Definition]:
-    """Return all terms by key, the metrics first, of scenarios judged by a level; None where each has its own."""
+    """Return all definitions by key, metrics first; ``level`` is that of all scenarios, None if they differ."""
     metrics = {
         key: Definition(
             each.title,
@@ -78,6 +78,6 @@ def definitions(level: CoverageThreshold | None) -> dict[str, Definition]:
         )
         for key, each in MEASURES.items()
     }
-    time = level.title if level else "steps to the level of the scenario"
+    time = level.title if level else "steps to the threshold of the scenario"
     difference = TERMS["difference"]
     return metrics | TERMS | {"difference": difference._replace(text=difference.text.format(time=time))}

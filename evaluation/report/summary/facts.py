@@ -1,4 +1,4 @@
-"""A scenario in words: a line about its task, its denominator, and every setting with its meaning."""
+"""Texts about a scenario: a line about its task, its denominator, and the meaning of every setting."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.results.combine import flat
 
-#: What coverage is a share of, by the scenario's setting.
+#: The denominator of coverage in words, by the scenario's setting.
 DENOMINATORS = {
     "reachable": "share of the free cells reachable from the spawns",
     "map": "share of all cells of the map",
@@ -20,7 +20,7 @@ DENOMINATORS = {
 
 
 def denominator(settings: Mapping[str, Any]) -> str:
-    """Say what coverage is a share of in this scenario."""
+    """Return what coverage is a share of in this scenario."""
     return DENOMINATORS[settings.get("denominator", "reachable")]
 
 
@@ -54,7 +54,7 @@ def setting_rows(settings: Mapping[str, Any]) -> list[tuple[str, str, str]]:
 
 
 def shown(value: Any) -> str:
-    """Write a setting's value for people."""
+    """Format a setting's value."""
     if value is None:
         return "not set"
     if isinstance(value, bool):

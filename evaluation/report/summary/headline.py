@@ -1,4 +1,4 @@
-"""The sentence above a scenario: who was first, by how much, and whether that was shown."""
+"""The sentences above a scenario: the best policy, its lead, and whether that is significant."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _steps(comparison: Comparison, policy: str) -> str:
 
 
 def _over(comparison: Comparison, policy: str) -> str:
-    """Return over how many episodes, and in how many of them the level was missed."""
+    """Return the number of episodes, and in how many of them the threshold was missed."""
     records = comparison.groups[policy]
     missed = sum(record.metrics.get(comparison.level.key) is None for record in records)
     text = f"over {counted(len(records), 'episode')}"
@@ -70,7 +70,7 @@ def _lead(comparison: Comparison, first: str) -> Markup:
 
 
 def verdict(contrast: Contrast) -> str:
-    """Say what one contrast claims: the adjusted p-value decides."""
+    """Return the result of a contrast in words; the adjusted p-value decides."""
     if contrast.difference.low is None:
         return "too few episodes for a test"
     p = p_value(contrast.adjusted_p)

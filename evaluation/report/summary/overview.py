@@ -1,4 +1,4 @@
-"""The top of the page: who was first where, a line for each scenario."""
+"""The overview at the top of the page: the best policy of each scenario."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.charts.small_multiples import Panel, scenario_multiples
 from indoor_explorers.evaluation.report.style.formatting import percent, with_interval
 from indoor_explorers.evaluation.report.style.palette import Styles
-from indoor_explorers.evaluation.report.summary.comparability import Verdict, judged
+from indoor_explorers.evaluation.report.summary.comparability import Verdict, verdict_on
 from indoor_explorers.evaluation.report.summary.headline import NAME, headline
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared
 from indoor_explorers.evaluation.results.results import Results
@@ -25,15 +25,15 @@ class OverviewRow:
     id: str
     scenario: str
     first: str
-    """The policy with the lowest mean time among those that do not know the map; empty where nothing was flown."""
+    """The policy with the lowest mean time among those that do not know the map; empty if none was flown."""
     level: CoverageThreshold
-    """What the scenario is judged by."""
+    """The coverage threshold of the scenario."""
     time: str
-    """Its mean steps to the level."""
+    """Its mean steps to the threshold."""
     reached: str
     runner_up: str
     lead: str
-    """The runner-up's steps minus its own."""
+    """The runner-up's steps minus those of the first."""
     shown: bool
     """Whether that difference is significant."""
 
@@ -44,9 +44,9 @@ class Overview:
 
     verdict: Verdict
     lead: Markup
-    """Who was first, in a sentence or two."""
+    """The best policies in a sentence or two."""
     level: CoverageThreshold | None
-    """What all scenarios are judged by; None where each has its own."""
+    """The coverage threshold of all scenarios; None if they differ."""
     rows: list[OverviewRow]
     panels: list[Panel]
     """Small coverage charts, one for each scenario."""
@@ -55,7 +55,7 @@ class Overview:
 def overview(results: Results, comparisons: Mapping[str, Comparison], styles: Styles) -> Overview:
     """Gather the overview of all results; ``comparisons`` are those of their common tasks, by section."""
     return Overview(
-        verdict=judged(results),
+        verdict=verdict_on(results),
         lead=lead(list(comparisons.values())),
         level=shared(results.levels),
         rows=[overview_row(each, section) for section, each in comparisons.items()],
@@ -85,7 +85,7 @@ def overview_row(comparison: Comparison, section_id: str) -> OverviewRow:
 
 
 def lead(comparisons: Sequence[Comparison]) -> Markup:
-    """Say in a sentence or two who was first; for a single scenario its headline."""
+    """Name the best policies in a sentence or two; for a single scenario return its headline."""
     flown = [each for each in comparisons if each.groups]
     if len(flown) < 2:
         return headline(flown[0]) if flown else Markup("")

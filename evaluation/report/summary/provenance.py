@@ -16,17 +16,17 @@ class Provenance:
     """What the page says about where its results come from."""
 
     runs: list[tuple[str, list[tuple[str, str]]]]
-    """Each fact of the runs with its values, and the runs that each value is of where they differ."""
+    """Each fact of the runs with its values, and where they differ the runs of each value."""
     run_count: int
     commands: list[str]
     row_commands: list[tuple[str, str, str]]
-    """(scenario, policy, command) of each row that can be made again by itself."""
+    """(scenario, policy, command) of each row that one command reproduces."""
     experiments: dict[str, str]
     """The experiment files that these commands read, as TOML by name."""
 
 
 def provenance(results: Results) -> Provenance:
-    """Gather where results come from."""
+    """Return where results come from."""
     return Provenance(
         runs=run_rows(results.runs),
         run_count=len(results.runs),

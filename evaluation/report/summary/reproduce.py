@@ -1,4 +1,4 @@
-"""The command that makes one row of a results table again."""
+"""The command that reproduces one row of a results table."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from indoor_explorers.env import PRESETS
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.results.results import Results
 
-#: Names that mean themselves on the command line; all others stand in double quotes.
+#: Names that need no double quotes on the command line.
 PLAIN = re.compile(r"[\w.:][\w.:-]*")
 #: Folder that the commands write to.
 OUT = "again"
 
 
 def experiment_files(results: Results) -> dict[str, str]:
-    """Return the files of TOML that the commands read by their names, one for each store the results come from."""
+    """Return the experiment files that the commands read, as TOML by name: one for each store."""
     if len(results.experiments) == 1:
         return {"experiment.toml": results.experiments[0]}
     return {f"experiment-{number}.toml": text for number, text in enumerate(results.experiments, 1)}
 
 
 def row_command(results: Results, scenario: str, policy: str) -> str:
-    """Return the shell command that flies the episodes of one row again, empty where nothing is recorded about them.
+    """Return the shell command that flies the episodes of one row again; empty if nothing is recorded about them.
 
-    A policy with its default parameters on an unchanged preset is named; anything else is an entry of one of
-    :func:`experiment_files`. A ratio to the policy that knows the map needs that policy's row, too.
+    A policy with default parameters on an unchanged preset is given by name; others are entries of one of
+    :func:`experiment_files`. A ratio to the policy that knows the map also needs that policy's row.
     """
     records = results.groups.get((scenario, policy), [])
     for file, text in experiment_files(results).items():
@@ -64,7 +64,7 @@ def _seeds(records: list[Record]) -> list[str]:
 
 
 def _fewer(experiment: Mapping[str, Any], records: list[Record]) -> list[str]:
-    """Return the words that ask for as many episodes as the row has, where the experiment says another number."""
+    """Return ``--episodes`` with the row's number of episodes if the experiment has another number."""
     count = _episodes(records)
     return [] if count == experiment["episodes"] else ["--episodes", str(count)]
 
@@ -75,7 +75,7 @@ def _episodes(records: list[Record]) -> int:
 
 
 def quoted(name: str) -> str:
-    """Write a name as ``--policies`` and ``--scenario`` read it: in double quotes unless it is plain."""
+    """Return a name as ``--policies`` and ``--scenario`` expect it, in double quotes if necessary."""
     if PLAIN.fullmatch(name):
         return name
     line = io.StringIO()

@@ -1,4 +1,4 @@
-"""The table of steps to the scenario's level against the best-ranked policy, all comparisons as one family."""
+"""The table of steps to the threshold compared with the best-ranked policy."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from indoor_explorers.evaluation.statistics import Contrast, Estimate, WinTieLos
 
 @dataclass(frozen=True)
 class ContrastRow:
-    """One policy against the best-ranked."""
+    """One policy compared with the best-ranked one."""
 
     policy: str
     difference: str
@@ -70,7 +70,7 @@ def _percents(estimate: Estimate) -> str:
 
 
 def reading(contrast: Contrast) -> str:
-    """Say in a few words what a contrast shows, and where nothing, what it could have shown."""
+    """Return the result in a few words; if not significant, with the detectable difference."""
     if contrast.difference.low is None:
         return "too few episodes"
     if contrast.shown:

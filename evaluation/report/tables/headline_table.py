@@ -1,4 +1,4 @@
-"""The results in short, for a terminal."""
+"""The terminal's table of results."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from indoor_explorers.evaluation.results.coverage_threshold import CoverageThres
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Estimate
 
-#: Characters of a line from which on all columns fit beside a name.
+#: Width in characters from which all columns are shown.
 WIDE = 110
-#: The same with the ratio to a policy that knows the map.
+#: The same with a column for the ratio to a policy that knows the map.
 WIDEST = 135
-#: Characters of one more time.
-A_TIME = 22
+#: Width of an additional time.
+TIME_WIDTH = 22
 
 
 def headings(levels: Sequence[CoverageThreshold]) -> list[str]:
-    """Return what the columns of scenarios judged by these levels hold: times, success, failures, AUC and latency."""
+    """Return the columns of scenarios with these thresholds: times, success, failures, AUC and decision time."""
     times = [f"{CoverageThreshold(key).title} [steps]" for key in tabled(levels)]
     level = shared(levels)
     return [*times, f"{level.percent} reached" if level else "reached", "failed", "AUC", "decision p50"]
 
 
-def narrow(levels: Sequence[CoverageThreshold]) -> list[str]:
-    """Return the first of :func:`headings`, shorter: times and success."""
+def short_headings(levels: Sequence[CoverageThreshold]) -> list[str]:
+    """Return the short headings of a narrow table: times and success."""
     level = shared(levels)
     return [*(CoverageThreshold(key).title for key in tabled(levels)), level.percent if level else "reached"]
 
@@ -42,13 +42,13 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
     """Return one row per scenario and policy: T90 and T99 with interval, success; failures, AUC and latency.
 
     The last three are left out where lines have less than :data:`WIDE` characters. Where a policy that knows the map
-    flew the same tasks, the mean ratio of steps to it comes last. Success and ratio are of the level that a scenario
-    is judged by, which has a column too; times that a scenario does not ask for are a dash.
+    flew the same tasks, the last column is the mean ratio of steps to it. Success and ratio are about the threshold of
+    the scenario, which has a column too; times above the goal of a scenario are a dash.
     """
-    known, levels = knowing(results), results.levels
+    known, levels = reference_of(results), results.levels
     level, times = shared(levels), tabled(levels)
-    wide = (WIDEST if known else WIDE) + A_TIME * (len(times) - 2)
-    shown = headings(levels) if width >= wide else narrow(levels)
+    wide = (WIDEST if known else WIDE) + TIME_WIDTH * (len(times) - 2)
+    shown = headings(levels) if width >= wide else short_headings(levels)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("policy", overflow="fold", min_width=min(24, max(map(len, results.policies), default=0)))
     for heading in shown:
@@ -68,8 +68,8 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
     return table
 
 
-def knowing(results: Results) -> str | None:
-    """Return the policy that ratios of steps are taken to: the first one that knows the map and flew any task."""
+def reference_of(results: Results) -> str | None:
+    """Return the first policy that knows the map and flew a task: the baseline of ratios of steps."""
     return next(
         (name for name in results.privileged_policies if any(policy == name for _, policy in results.groups)), None
     )
@@ -90,7 +90,7 @@ def _row(comparison: Comparison, policy: str, times: Sequence[str]) -> list[Text
 
 
 def decision_time(comparison: Comparison, policy: str) -> str:
-    """Return the median time of a policy's decisions; says so where it is a share of a batch's."""
+    """Return the median decision time of a policy, marked if it is a share of a batch's."""
     shown = latency(comparison.estimate(policy, "latency_p50_us").mean)
     return f"{shown} ({BATCH_SHARE})" if policy in comparison.results.batched_policies else shown
 
@@ -107,7 +107,7 @@ def _steps(estimate: Estimate) -> str:
 
 
 def latency(microseconds: float) -> str:
-    """Format a time in the unit that suits it."""
+    """Format a time with a suitable unit."""
     if math.isnan(microseconds):
         return fixed(None, 0)
     for unit, size in (("s", 1e6), ("ms", 1e3)):

@@ -1,4 +1,4 @@
-"""All measures that the results table has no room for: a row for each, a column for each policy."""
+"""The table of the measures that the results table leaves out: a row for each, a column for each policy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from indoor_explorers.evaluation.statistics import Estimate
 
 #: Decimals of ratios.
 DECIMALS = {"t99_to_bound": 2, "t99_to_reference": 2}
-#: Measures that say nothing about a UAV alone.
+#: Measures that are only about teams.
 OF_TEAMS = {"auc_worst", "auc_mean", "path_max", "balance", "blocked"}
 
 
@@ -27,11 +27,11 @@ class MeasureRow:
     unit: str
     cells: list[TableCell]
     tallied: bool
-    """Whether the policies' pilots kept it, so that it has no definition here."""
+    """Whether it is a pilot statistic, which has no definition here."""
 
 
 def measures_table(comparison: Comparison) -> list[MeasureRow]:
-    """Return the measures with a value that the results table leaves out, then what the pilots tallied."""
+    """Return the measures that the results table leaves out and that have a value, then pilot statistics."""
     return [row for row in _rows(comparison) if any(cell.value is not None for cell in row.cells)]
 
 

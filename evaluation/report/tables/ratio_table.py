@@ -1,4 +1,4 @@
-"""Steps as a ratio to another policy's: policies by scenarios, for the page, for Markdown and for a terminal."""
+"""Tables of steps as ratios to a baseline's, policies by scenarios, for the page, Markdown and the terminal."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from indoor_explorers.evaluation.results.ratios import POOLED, RatioRow, Ratios
 
 #: Decimals of a ratio.
 DECIMALS = 3
-#: How far from 1, as a power of 2, ratios get the next shade; four shades each way.
+#: Width of a shade as a power of 2 of the ratio; there are four shades on each side of 1.
 SHADE = 0.15
 
 
@@ -33,28 +33,28 @@ class RatioCell:
     of_means: str
     """Ratio of the means with its interval."""
     shade: int
-    """From -4, many more steps, to 4, much fewer; 0 where the interval holds 1 or there is none."""
+    """From -4 for many more steps to 4 for many fewer; 0 if the interval contains 1 or there is none."""
 
 
 @dataclass(frozen=True)
 class RatioTable:
-    """One level against one policy."""
+    """The ratios of one time to one baseline."""
 
     to: str
     metric: str
     scenarios: list[tuple[str, str]]
-    """Names of the columns with the tasks they are about; all together last where there are several."""
+    """Names of the columns with their number of tasks; all scenarios together last if there are several."""
     rows: list[tuple[str, list[RatioCell | None]]]
-    """By policy; a cell a scenario, None where it was not flown."""
+    """By policy; a cell for each scenario, None where it was not flown."""
 
     @property
     def title(self) -> str:
-        """What is divided by what."""
+        """The heading of the table."""
         return f"{MEASURES[self.metric].title} as a ratio to {self.to}"
 
 
 def ratio_tables(ratios: Ratios) -> list[RatioTable]:
-    """Return a table for each baseline and level, highest first; empty when no two policies can be compared."""
+    """Return a table for each baseline and time, highest threshold first; empty if no two policies can be compared."""
     tables = [_table(ratios, to, metric) for to in ratios.to for metric in reversed(ratios.metrics)]
     return [table for table in tables if table.rows]
 
@@ -77,7 +77,7 @@ def _cell(row: RatioRow) -> RatioCell:
 
 
 def ratio_lines(ratios: Ratios) -> Iterator[RenderableType]:
-    """Yield what a terminal shows: a table for each baseline, a line for each scenario and policy."""
+    """Yield the parts of the terminal's output: a table for each baseline, with a line for each scenario and policy."""
     for to in ratios.to:
         rows = [row for row in ratios.rows if row.to == to]
         if rows:

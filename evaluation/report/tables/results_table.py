@@ -33,7 +33,7 @@ class Column:
 
     @property
     def kind(self) -> str:
-        """``reached`` and ``dots`` for what is drawn from a time, such as ``t99_dots``; empty for a metric."""
+        """``reached`` or ``dots`` for columns made from a time, such as ``t99_dots``; empty for a metric."""
         time, _, kind = self.key.partition("_")
         return kind if time in LEVELS and kind in ("reached", "dots") else ""
 
@@ -44,7 +44,7 @@ class Column:
 
     @property
     def term(self) -> str:
-        """The definition that explains the column."""
+        """The key of the definition that explains the column."""
         return "reached" if self.kind == "reached" else self.metric
 
 
@@ -60,7 +60,7 @@ class TableCell:
     bad: bool = False
 
 
-#: The columns after those of times to a level.
+#: The columns after those of times.
 OTHERS = (
     Column("auc", "AUC", "", False),
     Column("path_length", "path length", "cells"),
@@ -73,15 +73,15 @@ OTHERS = (
     Column("latency_p50_us", "decision p50", "ms"),
     Column("latency_p99_us", "decision p99", "ms"),
 )
-#: What a stored unit is divided by for the table.
+#: Divisors from the stored unit to that of the table.
 DIVISOR = {"messages_bytes": 1000.0, "latency_p50_us": 1000.0, "latency_p99_us": 1000.0}
-#: Decimals of columns whose size is known.
+#: Decimals of columns with a fixed number of them.
 DECIMALS = {"auc": 3, "overlap": 2, "collisions": 2}
 WITH_INTERVAL = (*LEVELS, "auc", "path_length")
 
 
 def columns_of(level: CoverageThreshold) -> tuple[Column, ...]:
-    """Return the columns of a scenario judged by a level; levels above it have a time, a dash, and no more."""
+    """Return the columns of a scenario with this threshold; thresholds above it only have a time, which is a dash."""
     times = (column for key in tabled([level]) for column in _time_columns(CoverageThreshold(key), key in level.times))
     return (*times, Column(f"{level.key}_dots", f"{level.title} by episode", "steps", ranked=False), *OTHERS)
 
@@ -129,7 +129,7 @@ def _figure(estimate: Estimate, metric: str, divisor: float, decimals: int) -> T
 
 
 def _needed(value: float) -> int:
-    """Return how many decimals keep two significant digits, three at most."""
+    """Return the number of decimals for two significant digits, at most three."""
     return 0 if value >= 10 or value == 0 else min(3, 1 - math.floor(math.log10(value)))
 
 
@@ -151,7 +151,7 @@ def _dot_plots(comparison: Comparison, metric: str, styles: Styles) -> dict[str,
 
 
 def _wasted(comparison: Comparison, metric: str) -> dict[str, TableCell]:
-    """Return the mean over episodes and the most of any of them, which styles bad where it has no excuse."""
+    """Return the mean over episodes and the maximum; marked as bad if that is more than :func:`excused`."""
     cells = {}
     for policy, records in comparison.groups.items():
         values = comparison.results.values(comparison.scenario, policy, metric)
@@ -169,7 +169,7 @@ def _failures(comparison: Comparison) -> dict[str, TableCell]:
 
 
 def emphasised(comparison: Comparison, column: Column, cells: dict[str, TableCell]) -> dict[str, TableCell]:
-    """Mark the best cells among the policies that do not know the map; none when all are the same."""
+    """Mark the best cells among the policies that do not know the map; none if all are equal."""
     rated = {policy: value for policy in comparison.ranked_policies if (value := cells[policy].value) is not None}
     if len(rated) < 2:
         return cells

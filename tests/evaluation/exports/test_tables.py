@@ -77,7 +77,11 @@ def test_too_few_episodes_have_no_interval():
 
 def test_a_caption_says_what_the_figures_are(held):
     text = " ".join(caption(Comparison(held, SCENARIO)))
-    for words in ("6 episodes a policy on 6 maps", "bootstrap intervals over maps like these", "reachable from the"):
+    for words in (
+        "6 episodes of each policy on 6 maps",
+        "bootstrap intervals over maps like these",
+        "reachable from the",
+    ):
         assert words in text
     assert "counts as its budget of 60 steps" in text
 

@@ -1,4 +1,4 @@
-"""Results of scenarios that ask for less than 99 % coverage: judged by the level that they ask for."""
+"""Results of scenarios that ask for less than 99 % coverage: compared by the threshold that they ask for."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from indoor_explorers.evaluation.report.panels.radio_ranges import range_plots
 from indoor_explorers.evaluation.report.panels.team_scaling import scaling_plots
 from indoor_explorers.evaluation.report.replay.selection import notable_tasks
 from indoor_explorers.evaluation.report.style.palette import policy_styles
-from indoor_explorers.evaluation.report.summary.comparability import judged
+from indoor_explorers.evaluation.report.summary.comparability import verdict_on
 from indoor_explorers.evaluation.report.summary.headline import headline
 from indoor_explorers.evaluation.report.summary.overview import lead, overview_row
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
@@ -119,10 +119,10 @@ def test_no_text_of_the_page_is_about_a_level_that_was_not_asked_for(near: Resul
     assert shown.count("T99") == 1  # the column of dashes
     page = Page(text)
     assert "99\u202f%" not in page.text
-    assert "one's T90 minus the other's" in page.text
+    assert "one policy's T90 minus the other's" in page.text
     assert page.figures["quick", "t90"][0] == pytest.approx(_times("quick").mean())
     assert ("quick", "t99") not in page.figures
-    assert any(note.startswith("Episodes that never reached 90 % count") for note in judged(near).notes)
+    assert any(note.startswith("Episodes that never reached 90 % count") for note in verdict_on(near).notes)
 
 
 def test_a_table_has_a_dash_for_what_was_not_asked_for(near: Results) -> None:
@@ -185,8 +185,8 @@ def test_scenarios_of_several_levels_are_told_apart(mixed: Results) -> None:
     text = render(mixed)
     assert "99 %" not in _section(text, 1)
     assert "quick reached 99 % coverage first" in _section(text, 2)
-    assert any("never reached the level of their scenario" in note for note in judged(mixed).notes)
-    assert "one's steps to the level of the scenario minus" in Page(text).text
+    assert any("never reached the threshold of their scenario" in note for note in verdict_on(mixed).notes)
+    assert "one policy's steps to the threshold of the scenario minus" in Page(text).text
 
 
 def test_ratios_to_a_policy_that_knows_the_map_are_empty_where_99_was_not_asked_for(

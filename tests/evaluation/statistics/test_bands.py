@@ -53,7 +53,7 @@ def test_curves_that_are_all_alike_have_a_band_without_width():
 
 def test_blocks_of_steps_make_no_difference(monkeypatch):
     whole = curve_band(curves())
-    monkeypatch.setattr("indoor_explorers.evaluation.statistics.bands.HELD", 2000 * 7)
+    monkeypatch.setattr("indoor_explorers.evaluation.statistics.bands.IN_MEMORY", 2000 * 7)
     assert np.stack(curve_band(curves())) == pytest.approx(np.stack(whole))
 
 

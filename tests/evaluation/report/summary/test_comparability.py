@@ -8,7 +8,7 @@ import pytest
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.summary.comparability import judged, on_common_tasks
+from indoor_explorers.evaluation.report.summary.comparability import on_common_tasks, verdict_on
 from indoor_explorers.evaluation.report.summary.overview import lead, overview_row
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.report.reports import Page
@@ -21,7 +21,7 @@ def sound(results: Results) -> Results:
 
 
 def test_sound_results_may_be_compared(sound: Results) -> None:
-    verdict = judged(sound)
+    verdict = verdict_on(sound)
     assert verdict.fine
     assert (
         verdict.headline
@@ -34,7 +34,7 @@ def test_sound_results_may_be_compared(sound: Results) -> None:
 def test_missing_episodes_leave_only_common_tasks(sound: Results) -> None:
     held = [r for r in sound.records if not (r.policy == "wavy" and r.task.scenario == "rooms" and r.task.seed == 2)]
     partial = replace(sound, records=held)
-    verdict = judged(partial)
+    verdict = verdict_on(partial)
     assert not verdict.fine
     assert "11 tasks of 12 in common" in verdict.headline
     assert "wavy lacks 1 of 6; only the 5 tasks" in verdict.warnings[0]
@@ -47,7 +47,7 @@ def test_missing_episodes_leave_only_common_tasks(sound: Results) -> None:
 def test_policies_without_a_common_task_keep_theirs_and_are_told_apart(sound: Results) -> None:
     odd = replace(sound, records=[r for r in sound.records if (r.task.seed % 2 == 0) == (r.policy == "wavy")])
     assert len(on_common_tasks(odd).records) == len(odd.records)
-    assert any("no task was flown by all" in text for text in judged(odd).warnings)
+    assert any("no task was flown by all" in text for text in verdict_on(odd).warnings)
     assert '"banner doubt"' in render(odd)
 
 
@@ -59,7 +59,7 @@ def _elsewhere(record: Record) -> Record:
 
 def test_tasks_that_only_look_alike_are_found_out(sound: Results) -> None:
     moved = [_elsewhere(r) if r.policy == "wavy" and r.task.seed == 0 else r for r in sound.records]
-    warnings = judged(replace(sound, records=moved)).warnings
+    warnings = verdict_on(replace(sound, records=moved)).warnings
     assert [text.partition(",")[0] for text in warnings] == ["In rooms", "In four"]
 
 
@@ -74,24 +74,24 @@ def test_tasks_that_only_look_alike_are_found_out(sound: Results) -> None:
 )
 def test_unlike_runs_are_named(sound: Results, facts: dict[str, str], words: str) -> None:
     run = {"command": "a", "commit": "abc", "numpy version": "2.0", "processor": "one"}
-    assert judged(replace(sound, runs=[run, run | {"command": "b"}])).fine
-    verdict = judged(replace(sound, runs=[run, run | facts]))
+    assert verdict_on(replace(sound, runs=[run, run | {"command": "b"}])).fine
+    verdict = verdict_on(replace(sound, runs=[run, run | facts]))
     assert not verdict.fine
     assert any(words in text for text in verdict.warnings)
 
 
 def test_failures_few_episodes_and_spent_budgets_are_told(results: Results, hostile: Results) -> None:
-    assert any(text.startswith("Failed policies: broken in 12 episodes") for text in judged(results).warnings)
-    assert any("Fewer than 5 episodes" in text for text in judged(hostile).warnings)
+    assert any(text.startswith("Failed policies: broken in 12 episodes") for text in verdict_on(results).warnings)
+    assert any("Fewer than 5 episodes" in text for text in verdict_on(hostile).warnings)
     never = [replace(r, metrics=r.metrics | {"t99": None}) for r in hostile.records]
-    assert sum(text.count("100\u202f%") for text in judged(replace(hostile, records=never)).notes) == 3
+    assert sum(text.count("100\u202f%") for text in verdict_on(replace(hostile, records=never)).notes) == 3
 
 
 def test_few_maps_are_said_to_speak_for_themselves_alone(sound: Results) -> None:
     plans = {r.task.seed % 3: r.floorplan for r in sound.records if r.task.scenario == "rooms"}
     records = [replace(r, floorplan=plans[r.task.seed % 3]) for r in sound.records if r.task.scenario == "rooms"]
     three = Results(sound.policies, {"rooms": sound.scenarios["rooms"]}, [], records)
-    assert any("its 3 maps alone" in text for text in judged(three).notes)
+    assert any("its 3 maps alone" in text for text in verdict_on(three).notes)
     assert "on these 3 maps" in lead([Comparison(three, "rooms")])
 
 
@@ -116,14 +116,15 @@ def test_exact_copies_of_flights_are_found_out(sound: Results) -> None:
         else r
         for r in sound.records
     ]
-    told = judged(replace(sound, records=copies)).warnings
+    told = verdict_on(replace(sound, records=copies)).warnings
     assert any("the 6 episodes of straight are only 1 different flight:" in text for text in told)
-    assert not any("repeated them exactly" in text for text in judged(sound).warnings)
+    assert not any("repeated them exactly" in text for text in verdict_on(sound).warnings)
 
 
 def test_maps_of_unlike_sizes_are_named(sound: Results) -> None:
     large = [replace(r, reachable=4 * r.reachable) if r.task.seed == 0 else r for r in sound.records]
     assert any(
-        "cells to cover: the large ones dominate means" in note for note in judged(replace(sound, records=large)).notes
+        "cells to cover: the large ones dominate means" in note
+        for note in verdict_on(replace(sound, records=large)).notes
     )
-    assert not any("cells to cover" in note for note in judged(sound).notes)
+    assert not any("cells to cover" in note for note in verdict_on(sound).notes)
