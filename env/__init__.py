@@ -1,6 +1,6 @@
-"""The shared world: scenarios, the simulator, what a UAV may know, and the policy interface.
+"""The shared world: scenarios, the simulator, views and briefings of a UAV, and the policy interface.
 
-A name is imported when it is first asked for, so that a program pays only for what it uses.
+A name is imported on first use, so that a program loads only what it needs.
 """
 
 from typing import TYPE_CHECKING

@@ -23,7 +23,7 @@ class RunError(RuntimeError):
 
 
 def did_you_mean(word: str, known: Iterable[str], prefix: str = "") -> str:
-    """Return ``"; did you mean 'x'?"`` for the closest known word, else the list of what is known.
+    """Return ``"; did you mean 'x'?"`` for the closest known word, else the list of known words.
 
     ``prefix`` is what stands before the words in a dotted key, such as ``"radio."``.
     """

@@ -1,4 +1,4 @@
-"""Where results and weights come from: the source's commit and the versions they depend on."""
+"""Provenance of results and weights: the source's commit and the versions of packages."""
 
 from __future__ import annotations
 

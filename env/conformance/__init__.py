@@ -1,4 +1,4 @@
-"""The conformance suite: what a policy must keep to, as checks that name the likely cause of a failure."""
+"""The conformance suite: the contract of a policy as checks that name the likely cause of a failure."""
 
 from indoor_explorers.env.conformance.findings import Finding, Violation, shown
 from indoor_explorers.env.conformance.flying import is_privileged

@@ -1,4 +1,4 @@
-"""Checks of what a policy answers: decisions, actions, messages, tallies."""
+"""Checks of a policy's answers: decisions, actions, messages, tallies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Check what a policy answers: the first violation of each kind is noted, and a stay or no message replaces it."""
+"""Check a policy's answers: the first violation of each kind is noted, and a stay or no message replaces it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Message
 
 
 def checked_action(answer: object, trace: Trace) -> int:
-    """Return an action, to stay in place of what is none."""
+    """Return an action, or to stay if the answer is no action."""
     if is_action(answer):
         return int(answer)
     found = f"expected an action from 0 to 4 (down, left, up, right, stay), got {shown(answer)}"
@@ -24,7 +24,7 @@ def checked_action(answer: object, trace: Trace) -> int:
 
 
 def checked_message(said: Any, trace: Trace) -> Message:
-    """Return a message, None in place of what is none."""
+    """Return a message, or None if the answer is no message."""
     if said is None:
         return None
     if isinstance(said, tuple) and len(said) <= MESSAGE_LIMIT and all(map(_is_number, said)):

@@ -56,7 +56,7 @@ def check_order(harness: Harness) -> str:
         for found, expected in zip(harness.fly(TEAM, [FIRST, OTHER], ask=ask), harness.beside, strict=True):
             fix = "let no choice depend on the place in the batch or on the other views of it"
             fix += ", as batch normalisation in training mode makes it do" if harness.batched else ""
-            _must_be_same(found, expected, f"UAVs asked {way} chose otherwise", fix + _perhaps(harness))
+            _must_be_same(found, expected, f"UAVs asked {way} chose differently", fix + _perhaps(harness))
     return f"the same {' and '.join(way for way, _ in ways)}"
 
 

@@ -78,12 +78,12 @@ class CheckedFlight:
         """Start the episodes of ``setups``.
 
         Args:
-            policy: what flies.
-            scenario: the task.
-            setups: seeds, maps and spawns, one for each episode.
-            ask: divides the UAVs to be asked into calls.
-            changed: a UAV whose actions are replaced.
-            told: what briefings say about where maps come from instead of the truth.
+            policy: The policy to check.
+            scenario: The task.
+            setups: Seeds, maps and spawns, one for each episode.
+            ask: Divides the UAVs to be asked into calls.
+            changed: A UAV whose actions are replaced.
+            told: False source of maps in the briefings.
 
         """
         self._policy = policy
@@ -118,7 +118,7 @@ class CheckedFlight:
         return pilot
 
     def fly(self, steps: int) -> list[Trace]:
-        """Fly at most ``steps`` steps and return what each episode was.
+        """Fly at most ``steps`` steps and return the trace of each episode.
 
         Raises:
             CannotFly: the policy raises, answers for another number of UAVs, or changes a view.

@@ -21,7 +21,7 @@ from indoor_explorers.env.simulation.world import World
 
 #: Steps up to which unseen cells are changed.
 MOMENTS = (1, 5, 15, 30)
-#: What briefings say about where maps come from instead of the truth.
+#: False sources of maps in the briefings.
 TOLD: tuple[MapSource, ...] = (OfficeMap(), ThesisMaps(obstacles=0), ThesisMaps(obstacles=60, obstacle_size=(1, 1)))
 #: How to fix a policy that depends on that.
 DECLARE = "read briefing.generator alone and declare uses_generator = True, or do without briefing.scenario.map"
@@ -47,7 +47,7 @@ def check_unseen(harness: Harness) -> str:
             if found.differs is not None:
                 agent, when = found.differs
                 raise Differs(
-                    f"UAV {agent} chose otherwise at step {when} when only cells that no UAV had seen were changed",
+                    f"UAV {agent} chose differently at step {when} when only cells that no UAV had seen were changed",
                     "use the view and the briefing only, never the world or the scenario's map source",
                 )
     return f"{changes} changes of unseen cells, {decisions} decisions: changed nothing"
@@ -66,7 +66,7 @@ def changed_where_unseen(scenario: Scenario, trace: Trace, step: int) -> Setup |
 
 
 def check_generator(harness: Harness) -> str:
-    """Describe the maps falsely in the briefing: a policy that does not declare to use that must choose the same."""
+    """Give a false source of maps in the briefing: a policy that does not declare its use must choose the same."""
     if harness.policy.uses_generator:
         return "not checked: the policy declares that it uses the generator's settings"
     decisions = 0
@@ -75,12 +75,16 @@ def check_generator(harness: Harness) -> str:
             try:
                 (again,) = harness.fly(scenario, [trace.setup], told=maps)
             except CannotFly as error:
-                raise Violation(f"the policy fails when it is told of other maps ({error.found})", DECLARE) from error
+                raise Violation(
+                    f"the policy fails when its briefing describes other maps ({error.found})", DECLARE
+                ) from error
             found = compare(again, trace, range(scenario.team))
             decisions += found.compared
             if found.differs is not None:
                 agent, step = found.differs
-                raise Differs(f"UAV {agent} chose otherwise at step {step} when it was told of other maps", DECLARE)
+                raise Differs(
+                    f"UAV {agent} chose differently at step {step} when its briefing described other maps", DECLARE
+                )
     return f"{len(TOLD)} false descriptions of the maps, {decisions} decisions: changed nothing"
 
 
@@ -98,7 +102,7 @@ def check_unlinked(harness: Harness) -> str:
                 fix = "let pilots share nothing but messages, no list, dict or counter of the class, module or policy"
                 fix += ", and in a batched act let no row look at another" if harness.batched else ""
                 raise Differs(
-                    f"UAV {agent} chose otherwise at step {step} when only UAV {changed.agent} acted differently, of "
+                    f"UAV {agent} chose differently at step {step} when only UAV {changed.agent} acted differently, of "
                     f"which it had seen and heard nothing (radio {scenario.radio.model})",
                     fix + shared_things(harness.policy, harness.pilot),
                 )

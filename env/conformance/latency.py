@@ -30,7 +30,7 @@ def report_large_latency(harness: Harness) -> str:
 
 
 def _timed(harness: Harness, scenario: Scenario, steps: int) -> list[float]:
-    """Time decisions as the harness does, in seconds; earlier flights have loaded and compiled what there is to."""
+    """Time decisions as the harness does, in seconds; earlier flights have loaded and compiled everything."""
     (trace,) = harness.fly(scenario, [FIRST], steps, ask=together if harness.policy.batched else one_by_one)
     return trace.seconds
 

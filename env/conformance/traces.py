@@ -1,4 +1,4 @@
-"""What a checked episode was: who decided what, and from which knowledge."""
+"""The trace of a checked episode: each UAV's decisions, and the knowledge that they were based on."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Decision(NamedTuple):
 
     @property
     def choice(self) -> tuple[int, Message]:
-        """What the policy answered."""
+        """The policy's answer."""
         return self.action, self.message
 
 
@@ -73,19 +73,18 @@ def first_difference(found: Trace, expected: Trace) -> int | None:
 
 
 class TraceComparison(NamedTuple):
-    """What comparing two episodes by what each UAV knew has shown."""
+    """Result of comparing the decisions in two episodes of UAVs with the same views."""
 
     compared: int
-    """Decisions of UAVs that had had the same views in both episodes up to then."""
+    """Number of compared decisions: those of UAVs whose views were the same in both episodes so far."""
     differs: tuple[int, int] | None
-    """The first such decision that is another one, as (UAV, step); None when all are the same."""
+    """(UAV, step) of the first of them that differs; None if all are the same."""
 
 
 def compare(changed: Trace, recorded: Trace, agents: Sequence[int]) -> TraceComparison:
-    """Demand that UAVs which knew the same up to a step choose the same at that step.
+    """Compare the decisions of ``agents`` in two episodes.
 
-    Each of ``agents`` is followed until its own view differs for the first time or it has ended in one of the
-    episodes.
+    Each agent is compared until its own view differs for the first time, or it has ended in one of the episodes.
     """
     alike, compared = set(agents), 0
     for step, (now, then) in enumerate(zip(changed.steps, recorded.steps, strict=False)):

@@ -1,6 +1,6 @@
 """The world as a Gymnasium, PettingZoo or Stable-Baselines3 environment.
 
-Each interface is imported, with the library it needs, when its name is first asked for.
+Each interface, with the library that it needs, is imported on first use.
 """
 
 from typing import TYPE_CHECKING

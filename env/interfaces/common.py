@@ -1,4 +1,4 @@
-"""What the Gymnasium and PettingZoo interfaces of the world share."""
+"""Shared parts of the Gymnasium and PettingZoo interfaces of the world."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from indoor_explorers.env.simulation.world import World
 RENDER_MODES = ("human", "rgb_array")
 #: How an interface with many episodes renders: one image for each.
 VECTOR_RENDER_MODES = ("rgb_array",)
-#: Frames a second that a window shows, and that a recording is meant to be shown at.
+#: Frames per second of a window and of a recording.
 RENDER_FPS = 8
-#: The first seed that a reset without one never draws.
+#: Exclusive upper bound of the seeds that a reset without a seed draws.
 SEED_LIMIT = 2**31
 
 
@@ -75,7 +75,7 @@ def is_terminated(end: int) -> bool:
 
 
 def info_of(world: World, episode: int, agent: int) -> dict[str, Any]:
-    """Return what goes beside an observation.
+    """Return the info dict of an observation.
 
     ``action_mask`` (5,) int8: 1 for actions that end neither in a wall nor off the map; ``coverage``: the
     share of the denominator that the UAV knows; ``step``: steps flown; ``end``: an :class:`End`.

@@ -53,14 +53,14 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
 
         Args:
             scenario: The task; its team is one UAV.
-            observation: Name of an encoder, or what makes one, see :mod:`indoor_explorers.env.observations`.
+            observation: Name of an encoder, or a factory of one, see :mod:`indoor_explorers.env.observations`.
             render_mode: ``rgb_array``, ``human`` (a window that shows every step; extra ``render``) or None.
             settings: Dotted settings to replace in the scenario, such as ``{"lidar.range": 5}``.
             index: Which map of a scenario with several map files.
             copy: Whether each observation is new; else the next call overwrites it, which is faster.
 
         Raises:
-            InputError: something of these cannot be used, or the scenario has a larger team.
+            InputError: an argument is invalid, or the scenario has a larger team.
 
         """
         self.render_mode = find_render_mode(render_mode)
@@ -84,7 +84,7 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         return self._observe(), info_of(self.world, 0, 0)
 
     def step(self, action: np.int64 | int) -> tuple[Arrays, float, bool, bool, dict[str, Any]]:
-        """Fly one step; once the episode has ended, nothing changes and nothing is paid."""
+        """Fly one step; after the end of the episode nothing changes, and rewards are 0."""
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
         self.world.step(np.array([[action]]))

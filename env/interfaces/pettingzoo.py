@@ -30,12 +30,12 @@ def parallel_env(
     Args:
         scenario: A scenario, the name of a preset or a .toml file.
         render_mode: ``rgb_array``, ``human`` (a window that shows every step; extra ``render``) or None.
-        observation: Name of an encoder, or what makes one, see :mod:`indoor_explorers.env.observations`.
+        observation: Name of an encoder, or a factory of one, see :mod:`indoor_explorers.env.observations`.
         settings: Dotted settings to replace in the scenario, such as ``{"team": 3}``.
         index: Which map of a scenario with several map files.
 
     Raises:
-        InputError: PettingZoo is not installed, or something of these cannot be used.
+        InputError: PettingZoo is not installed, or an argument is invalid.
 
     """
     _need_pettingzoo()

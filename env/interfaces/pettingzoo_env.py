@@ -32,7 +32,7 @@ from indoor_explorers.env.simulation.state import End
 
 
 class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
-    """Explore with a team; made by :func:`indoor_explorers.env.parallel_env`, which says what it takes."""
+    """Explore with a team; made by :func:`indoor_explorers.env.parallel_env`, which documents the arguments."""
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (declared so by the base class)
         "name": "indoor_explorers_v0",

@@ -22,11 +22,11 @@ Indices = int | Iterable[int] | None
 
 
 class StableBaselinesVecEnv(VecEnv):
-    """Fly ``num_envs`` lone UAVs in one batched world, for Stable-Baselines3 and sb3-contrib.
+    """Fly ``num_envs`` single UAVs in one batched world, for Stable-Baselines3 and sb3-contrib.
 
-    Equals SB3's ``DummyVecEnv`` of ``num_envs`` single environments, observation for observation, without its cost
-    per environment. Infos hold ``coverage``, ``step``, ``end``, ``action_mask``, ``TimeLimit.truncated`` and,
-    where an episode ended, ``terminal_observation``; ``env_method("action_masks")`` serves MaskablePPO.
+    Its observations equal those of SB3's ``DummyVecEnv`` of ``num_envs`` single environments, without the overhead per
+    environment. Infos hold ``coverage``, ``step``, ``end``, ``action_mask``, ``TimeLimit.truncated`` and, where an
+    episode ended, ``terminal_observation``; ``env_method("action_masks")`` is used by MaskablePPO.
     """
 
     def __init__(self, num_envs: int = 16, **settings: Any) -> None:
@@ -37,7 +37,7 @@ class StableBaselinesVecEnv(VecEnv):
         super().__init__(num_envs, self.envs.single_observation_space, self.envs.single_action_space)
 
     def reset(self) -> Arrays:
-        """Start all episodes, with the seeds that :meth:`seed` left for them."""
+        """Start all episodes, with the seeds that :meth:`seed` has set."""
         observations, infos = self.envs.reset(seed=self._seeds)
         self.reset_infos = _rows(infos, self.num_envs)
         self._reset_seeds()

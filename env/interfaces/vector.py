@@ -1,4 +1,4 @@
-"""The vectorised Gymnasium interface: many lone UAVs, each in its own episode, in one batched world."""
+"""The vectorised Gymnasium interface: many single UAVs, each in its own episode, in one batched world."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
     Each episode equals one of :class:`~indoor_explorers.env.interfaces.gymnasium_env.IndoorExplorersEnv`.
 
     Autoreset is one of Gymnasium's modes. ``NEXT_STEP``: the step after an episode's last one ignores its action,
-    pays nothing and returns the first observation of its next episode. ``SAME_STEP``: the last step returns it,
+    has reward 0 and returns the first observation of its next episode. ``SAME_STEP``: the last step returns it,
     and infos hold the last observation and info as ``final_obs`` and ``final_info``. ``DISABLED``: the caller
     resets the episodes that ended, with ``options["reset_mask"]``.
 
@@ -70,9 +70,9 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         threads: int = 1,
         first_seed: int = 0,
     ) -> None:
-        """Prepare ``num_envs`` episodes, shared out among ``threads``; the rest as for the single environment.
+        """Prepare ``num_envs`` episodes, divided among ``threads``; other arguments are as for the single environment.
 
-        Episodes that draw their seeds draw them from ``first_seed`` on, to keep a training's apart from others.
+        Episodes that draw their seeds draw them from ``first_seed`` on, which separates a training's from others.
         """
         if num_envs < 1:
             raise InputError(f"expected num_envs to be at least 1, got {num_envs}")
@@ -111,7 +111,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         return self._given(), self._infos(chosen)
 
     def step(self, actions: NDArray[np.integer[Any]]) -> tuple[Arrays, NDArray[np.float64], Mask, Mask, dict[str, Any]]:
-        """Fly one step in every episode, or start the next one, as the autoreset mode has it.
+        """Fly one step in every episode, or start the next one, depending on the autoreset mode.
 
         Raises:
             InputError: the next episode cannot be started; nothing was flown. Where it was to start in the same step as

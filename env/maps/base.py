@@ -1,4 +1,4 @@
-"""What every source of maps has in common, and what every generator has."""
+"""The base classes of map sources and of map generators."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class BaseMaps(BaseModel):
 
     @property
     def count(self) -> int:
-        """Maps to be explored with every seed; a generator counts as one, its seeds make the maps."""
+        """Number of maps that are explored with every seed; 1 for a generator, whose maps come from the seeds."""
         return 1
 
     @property

@@ -1,6 +1,6 @@
-"""From a source's pixels to a map's cells: coarser by any factor, doors open, walls closed.
+"""From a source's pixels to a map's cells: coarser by any factor, with doors open and walls closed.
 
-What cannot be reached from the largest connected free part can never be explored, so it becomes solid.
+Cells outside of the largest connected free part can never be explored, so they become solid.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from indoor_explorers.env.search.connected_parts import largest_part
 if TYPE_CHECKING:
     from scipy import sparse
 
-#: Occupied shares that make a cell solid, most careful first; 0 stands for any occupied pixel at all.
-LADDER = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
-#: A rung of the ladder will do when this share of the source's connected floor stays connected.
+#: Thresholds of the occupied share that makes a cell solid, in the order of trial; 0 means any occupied pixel.
+THRESHOLDS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
+#: A threshold is good enough if this share of the source's connected floor stays connected.
 ENOUGH = 0.95
 #: A cell is free only when at least this share of it is.
 FREE_SHARE = 0.5
@@ -34,7 +34,7 @@ _SLACK = 1e-9
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Source:
-    """Hold the pixels of a map and what is known about them."""
+    """The pixels of a map and their description."""
 
     name: str
     """Names the map in tables."""
@@ -53,11 +53,11 @@ def reduced(source: Source, resolution: float | None) -> Floorplan:
 
     Only the largest connected free part stays free; unknown pixels count as solid. A cell is solid when the
     occupied share of its area reaches a threshold, or when less than half of it is connected floor. The
-    threshold is the first of :data:`LADDER` that keeps :data:`ENOUGH` of the floor connected, else the one
+    threshold is the first of :data:`THRESHOLDS` that keeps :data:`ENOUGH` of the floor connected, else the one
     that keeps most: a small one keeps thin walls closed, a larger one keeps doors open. ``Floorplan.kept``
-    is the share of all the source's free area that is still reached: in free cells, or in the solid ones
-    right beside them, where the rounding at walls leaves it. The start becomes the cell that its pixel lies in, or
-    the nearest free one.
+    is the share of the source's free area that is still reachable: in free cells, or, because of rounding at
+    walls, in the solid ones right beside them. The start becomes the cell that its pixel lies in, or the nearest
+    free one.
 
     Raises :class:`InputError` when the resolution is finer than the source's, or so coarse that no floor is left.
     """
@@ -98,7 +98,7 @@ def settled(start: Cell | None, free: Mask, factor: float = 1.0) -> Cell | None:
 def checked_factor(where: str, shape: tuple[int, ...], metres: float, resolution: float | None) -> float:
     """Return pixels a cell along each side, at least 1 and enough for :data:`MAX_CELLS`; whole numbers are exact.
 
-    A reader that knows the (H, W) ``shape`` and the ``metres`` a pixel from a header asks before it decodes the rest.
+    A reader that knows the (H, W) ``shape`` and the ``metres`` a pixel from a header calls it before decoding the rest.
 
     Raises :class:`InputError` when cells of ``resolution`` metres, None for one a pixel, are too many, too fine or too
     coarse; ``where`` names the file.
@@ -143,9 +143,9 @@ def check_resolution(where: str, resolution: float) -> None:
 
 
 def _best(occupied: NDArray[np.float64], floor: NDArray[np.float64]) -> tuple[Mask, float]:
-    """Return the free cells of the first threshold that will do, or of the best, and the share it keeps."""
+    """Return the free cells of the first threshold that is good enough, or of the best, and the share that it keeps."""
     results = []
-    for threshold in LADDER:
+    for threshold in THRESHOLDS:
         solid = occupied >= threshold - _SLACK if threshold else occupied > _SLACK
         results.append(_connected(~solid & (floor >= FREE_SHARE - _SLACK), floor))
         if results[-1][1] >= ENOUGH:

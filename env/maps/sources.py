@@ -56,7 +56,7 @@ class FileMaps(BaseMaps):
         return replace(plan, name=f"{path.parent.name}/{path.stem}") if alike else plan
 
     def holding(self, plans: Mapping[int, Floorplan]) -> FileMaps:
-        """Return the same maps with some floor plans at hand by index: for where their files cannot be read."""
+        """Return the same maps with some floor plans in memory, by index, for machines that cannot read their files."""
         held = self.model_copy()
         held._held = dict(plans)
         return held

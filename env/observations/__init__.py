@@ -10,9 +10,9 @@ nothing else. An observation is chosen by name:
   the same on maps of any size; ``egocentric-flat``: the same as one vector;
 
 or by an object with parameters: :class:`Channels`, :class:`Crop`, :class:`Coarse`, :class:`Status`,
-:class:`Egocentric`, and, made of others or of their names, :class:`Parts`, :class:`Masked`, :class:`Flat` and
-:class:`Stacked`, such as ``Flat(Stacked(Egocentric(side=21), 4))``. Those are plain data: they can be pickled
-and compared. Anything else that takes a briefing and returns an :class:`Encoder` serves as well.
+:class:`Egocentric`, and, composed of others or of their names, :class:`Parts`, :class:`Masked`, :class:`Flat` and
+:class:`Stacked`, such as ``Flat(Stacked(Egocentric(side=21), 4))``. These are plain data: they can be pickled
+and compared. Any other callable that takes a briefing and returns an :class:`Encoder` works as well.
 """
 
 from indoor_explorers.env.observations.base import Encoder, Observation, Views

@@ -1,4 +1,4 @@
-"""What an encoder is: one UAV's view in, arrays of a Gymnasium space out."""
+"""The interface of encoders, which turn one UAV's view into arrays of a Gymnasium space."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Arrays: TypeAlias = NDArray[Any] | dict[str, NDArray[Any]]
 
 
 class Views(NamedTuple):
-    """What UAVs that fly alone know, one in each of B episodes: the fields of a view with a leading axis."""
+    """Views of single UAVs in B episodes: the fields of a view with a leading axis."""
 
     belief: NDArray[np.uint8]
     """(B, H, W)."""
@@ -43,14 +43,14 @@ class Views(NamedTuple):
 class Encoder(ABC):
     """Turn one UAV's view into an observation. Made for one UAV; reads its view and its briefing, nothing else.
 
-    An encoder is asked once a step, and :meth:`reset` before each episode's first view; between those it may
-    remember what it was shown. One that remembers nothing says so with ``stateless = True``, and then one
-    encoder serves all episodes of a batch; otherwise each episode has an encoder of its own.
+    An encoder is called once per step, and :meth:`reset` before each episode's first view; between these calls it may
+    store earlier views. One without a memory sets ``stateless = True``; it is then shared by all episodes of a batch.
+    Otherwise each episode has an encoder of its own.
     """
 
     #: What :meth:`encode` fills, a Box or a Dict of them; the same object for the encoder's whole life.
     space: Space[Any]
-    #: Whether nothing that was shown before matters.
+    #: Whether observations do not depend on earlier views.
     stateless: bool = False
 
     @abstractmethod
@@ -63,7 +63,7 @@ class Encoder(ABC):
             self.encode(views.view(b), row_of(out, b))
 
     def reset(self) -> None:  # noqa: B027 (most have nothing to forget)
-        """Forget the episode before."""
+        """Prepare for a new episode."""
 
     def observation(self, view: View) -> Any:
         """Return the encoded view in new arrays."""
@@ -72,7 +72,7 @@ class Encoder(ABC):
         return out
 
 
-#: How an observation is chosen: by name, or by what makes an encoder for a briefing.
+#: An observation: its name, or a factory that makes an encoder for a briefing.
 Observation: TypeAlias = str | Callable[[Briefing], Encoder]
 
 

@@ -20,7 +20,7 @@ class BatchedEncoder:
         self._own = [first] + [make_encoder(observation, briefing) for _ in range(0 if first.stateless else count - 1)]
 
     def reset(self, b: int) -> None:
-        """Forget the episode before in place ``b`` of the batch."""
+        """Prepare for a new episode in place ``b`` of the batch."""
         if self.shared is None:
             self._own[b].reset()
 

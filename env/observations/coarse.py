@@ -30,8 +30,8 @@ SHARES = ("unknown", "free", "frontier")
 class Coarse:
     """The share of each zone that is of each plane, (C, zones, zones) float32, 0 to 1.
 
-    What is off the map is an obstacle. ``self`` and ``mates`` mark the zones that they are in with no share but
-    their full value, teammates with less as the news of them grows old.
+    Cells off the map are obstacles. ``self`` and ``mates`` mark the UAVs' zones with their full value instead of a
+    share; teammates fade with the age of their last received position.
     """
 
     zones: int = 12

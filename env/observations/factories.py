@@ -1,4 +1,4 @@
-"""Observations by name, and those that are made of others."""
+"""Observations by name, and compositions of observations."""
 
 from __future__ import annotations
 
@@ -64,12 +64,12 @@ class Egocentric:
 
 @dataclass(frozen=True)
 class Masked:
-    """A dict observation with the action mask in it, beside the observation or beside its parts."""
+    """A dict observation that also contains the action mask, beside the observation or beside its parts."""
 
     of: Observation
     """The observation without a mask."""
     name: str = "observation"
-    """What to call it when it is no dict: PettingZoo says ``observation``, RLlib's masking ``observations``."""
+    """Its key if it is no dict: PettingZoo uses ``observation``, RLlib's masking ``observations``."""
 
     def __call__(self, briefing: Briefing) -> PartsEncoder:
         """Make the encoder of one UAV."""
@@ -93,9 +93,9 @@ class Stacked:
     """The last few observations of an episode, oldest first, see :class:`StackedEncoder`."""
 
     of: Observation
-    """The observation to remember."""
+    """The observation to stack."""
     depth: int = 4
-    """How many of them."""
+    """Number of stacked observations."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.depth, int) or self.depth < 1:
@@ -121,10 +121,10 @@ OBSERVATIONS: Mapping[str, Callable[[Briefing], Encoder]] = {
 
 
 def make_encoder(observation: Observation, briefing: Briefing) -> Encoder:
-    """Return the encoder of that name, or what a given function makes, for one UAV.
+    """Return the encoder of an observation, given by name or factory, for one UAV.
 
     Raises:
-        InputError: no observation or plane has that name, or it is neither a name nor makes an encoder.
+        InputError: no observation or plane has that name, or it is neither a name nor a factory of encoders.
 
     """
     if not isinstance(observation, str):

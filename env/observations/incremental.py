@@ -1,6 +1,6 @@
-"""The planes of ``channels`` for a whole batch, kept up to date in place: a step paints what it changed.
+"""The planes of ``channels`` for a whole batch, updated in place: a step repaints only what has changed.
 
-A world's discovery logs say which cells became known, so that an observation costs what is new and not the map.
+A world's discovery logs list the newly known cells, so the time of an update depends on these and not on the map.
 The planes are those of :mod:`indoor_explorers.env.observations.planes`, cell for cell.
 """
 
@@ -22,26 +22,26 @@ from indoor_explorers.env.simulation.world import World
 
 
 class PlaneBuffers(NamedTuple):
-    """What the planes show so far."""
+    """The planes and the state that they show."""
 
     planes: NDArray[np.uint8]
     """(B, N, C, H, W)."""
     place: NDArray[np.int64]
-    """(7,) where each of :data:`PLANES` is among the C, -1 for nowhere."""
+    """(7,) index of each of :data:`PLANES` among the C planes, -1 for none."""
     begun: NDArray[np.int64]
     """(B,) the world's count of episodes begun, see :attr:`World.begun`."""
     step: NDArray[np.int64]
     """(B,) of that episode."""
     known: NDArray[np.int64]
-    """(B, N) entries of the agent's discovery log."""
+    """(B, N) painted entries of the agent's discovery log."""
     cell: NDArray[np.int64]
-    """(B, N, 2) where the agent itself is marked."""
+    """(B, N, 2) cell in which the agent itself is marked."""
     mates: NDArray[np.int64]
-    """(B, N, N) flat index at which each teammate is marked, -1 for nowhere."""
+    """(B, N, N) flat cell in which each teammate is marked, -1 for none."""
 
 
 class LivePlanes:
-    """Observations of all agents of a world, (B, N, C, H, W) uint8, brought up to date by :meth:`update`."""
+    """Observations of all agents of a world, (B, N, C, H, W) uint8; :meth:`update` repaints them."""
 
     def __init__(self, world: World, planes: Sequence[str] = PLANES) -> None:
         """Prepare for a world with episodes in it; ``planes`` are as for ``channels``."""
@@ -61,7 +61,7 @@ class LivePlanes:
 
     @property
     def planes(self) -> NDArray[np.uint8]:
-        """(B, N, C, H, W) what the agents know; the same array at each call, so copy it to keep it."""
+        """(B, N, C, H, W) the agents' planes; the same array at each call, so copy it to keep it."""
         return self._buffers.planes
 
     def update(self) -> NDArray[np.uint8]:
@@ -70,7 +70,7 @@ class LivePlanes:
         return self.planes
 
     def step(self, actions: NDArray[np.integer[Any]]) -> NDArray[np.uint8]:
-        """Step the world and update in one go, which threads do faster than one after the other."""
+        """Step the world and update together, which is faster with threads than one after the other."""
         self._world.step(actions, self._refresh)
         return self.planes
 
@@ -96,7 +96,7 @@ def _refresh(engine: Engine, begun: np.ndarray, buffers: PlaneBuffers, first: in
 
 @inner()
 def _blank(state: State, buffers: PlaneBuffers, b: int, n: int) -> None:
-    """Paint what an agent knows that knows nothing, and the cells that it has been in."""
+    """Paint an empty map, and the cells that the agent has been in."""
     height, width = state.truth.shape[1], state.truth.shape[2]
     buffers.known[b, n] = 0
     buffers.mates[b, n, :] = -1
@@ -144,7 +144,7 @@ def _show_self(state: State, buffers: PlaneBuffers, b: int, n: int) -> None:
 
 @inner()
 def _show_mates(state: State, buffers: PlaneBuffers, b: int, n: int) -> None:
-    """Mark each teammate where it was last heard, with :data:`FULL` less the age of that news, at least 1."""
+    """Mark each teammate in its last received cell, with :data:`FULL` minus the age of that position, at least 1."""
     width, place = state.truth.shape[2], buffers.place[MATES]
     if place < 0:
         return

@@ -16,14 +16,14 @@ from indoor_explorers.env.observations.base import Encoder, Views
 from indoor_explorers.env.policies.view import Briefing, Mate, View
 from indoor_explorers.env.search.frontiers import touches_unknown
 
-#: The planes in the order of ``channels``. Each is full where its name holds and 0 elsewhere. ``mates`` marks where
-#: each teammate was last heard, full less the age of that news in steps but never 0; ``visited`` the cells that the
-#: UAV itself has been in; ``frontier`` the known free cells with an unknown neighbour.
+#: The planes in the order of ``channels``. Each is full where its name holds and 0 elsewhere. ``mates`` marks the last
+#: received cell of each teammate, with full minus the age in steps, at least 1; ``visited`` the cells that the UAV
+#: itself has been in; ``frontier`` the known free cells with an unknown neighbour.
 PLANES = ("unknown", "free", "obstacle", "self", "mates", "visited", "frontier")
 SELF, MATES, VISITED, FRONTIER = (PLANES.index(plane) for plane in ("self", "mates", "visited", "frontier"))
 #: A plane's full value in ``channels``.
 FULL = 255
-#: What the thesis paints unknown, free and occupied cells with (Table 3.1).
+#: The thesis's grey levels of unknown, free and occupied cells (Table 3.1).
 THESIS_LEVELS = np.array([0.0, 0.3, 0.5], np.float32)
 
 
@@ -69,7 +69,7 @@ class ChannelsEncoder(Encoder):
 class ThesisImage:
     """One (H, W) float32 image: 0 unknown, 0.3 free, 0.5 obstacle, UAVs by number + 1 (Table 3.1).
 
-    Teammates stand where they were last heard; the UAV itself is painted last.
+    Teammates are drawn in their last received cells; the UAV itself is drawn last.
     """
 
     def __call__(self, briefing: Briefing) -> ThesisEncoder:
@@ -115,7 +115,7 @@ def codes_of(planes: Sequence[str]) -> NDArray[np.int64]:
 
 
 def freshness(mate: Mate) -> int:
-    """Return how strongly a teammate is marked where it was last heard: :data:`FULL` less the age, at least 1."""
+    """Return the value of a teammate's mark: :data:`FULL` minus the age of its last position, at least 1."""
     return max(FULL - mate.age, 1)
 
 

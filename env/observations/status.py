@@ -1,4 +1,4 @@
-"""What a UAV knows besides maps: a few numbers, and which moves are legal."""
+"""The knowledge of a UAV besides maps: a few numbers, and which moves are legal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Encoders made of encoders: named parts, one flat vector, the last few observations."""
+"""Encoders composed of encoders: named parts, one flat vector, the last few observations."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class FlatEncoder(Encoder):
             np.multiply(part.reshape(count, -1), scale, out=out[:, span], casting="unsafe")
 
     def reset(self) -> None:
-        """Reset what is inside."""
+        """Reset the inner encoder."""
         self._inner.reset()
 
 
@@ -117,12 +117,12 @@ class StackedEncoder(Encoder):
         self._step: int | None = None
 
     def reset(self) -> None:
-        """Forget the observations of the episode before."""
+        """Drop the observations of the last episode."""
         self._step = None
         self._inner.reset()
 
     def encode(self, view: View, out: Any) -> None:
-        """Add the newest observation, and give the last ones."""
+        """Add the newest observation, and write the last ones."""
         self._inner.encode(view, self._newest)
         for name, frames in self._frames.items():
             newest, target = (self._newest[name], out[name]) if self._named else (self._newest, out)

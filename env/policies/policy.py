@@ -12,7 +12,7 @@ from indoor_explorers.env.policies.view import Briefing, Message, View
 
 
 def is_action(action: object) -> TypeGuard[int]:
-    """Tell whether something a pilot returned is one of the five actions: a whole number, and no bool."""
+    """Tell whether a pilot's answer is one of the five actions: an integer from 0 to 4, and no bool."""
     return isinstance(action, (int, np.integer)) and not isinstance(action, bool) and bool(0 <= action <= 4)
 
 
@@ -34,19 +34,18 @@ class Pilot(ABC):
 class Policy(ABC):
     """Hold what all UAVs share: parameters and weights. Immutable and picklable.
 
-    Make subclasses frozen keyword-only dataclasses: their fields then are the provenance that results
-    carry.
+    Make subclasses frozen keyword-only dataclasses: their fields are then stored with the results.
     """
 
-    #: True for a yardstick that is given the true map; it is marked so wherever it appears.
+    #: True for a reference policy that gets the true map; results mark it.
     privileged: ClassVar[bool] = False
 
     #: True for a policy that reads ``briefing.generator``, which any policy may; results mark it.
     uses_generator: ClassVar[bool] = False
 
-    #: True where :meth:`act` chooses for many UAVs at less cost than one by one, such as with one forward pass. Such a
-    #: policy is asked for all UAVs of a batch at once, and a decision's time is its share of the batch's; any other
-    #: is asked, and timed, for one UAV after the other.
+    #: True if :meth:`act` is faster for many UAVs at once than one by one, such as with one forward pass. It is then
+    #: called for all UAVs of a batch at once, and a decision's time is its share of the batch's; otherwise it is
+    #: called, and timed, for one UAV after the other.
     batched: ClassVar[bool] = False
 
     @abstractmethod
@@ -54,12 +53,12 @@ class Policy(ABC):
         """Make the pilot of one UAV for one episode."""
 
     def provenance(self) -> dict[str, str]:
-        """Return facts for results about where this policy comes from besides its parameters, such as its weights."""
+        """Return facts about this policy besides its parameters, such as a hash of its weights, for the results."""
         return {}
 
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> Sequence[int]:
-        """Choose for one UAV, or for many at once where the policy is ``batched``; each as it would be chosen alone.
+        """Return the actions of one UAV, or of many if the policy is ``batched``; each must be the same as alone.
 
-        Pilots may belong to different episodes; nothing may pass between them.
+        Pilots may belong to different episodes and must not exchange information.
         """
         return [pilot.act(view) for pilot, view in zip(pilots, views, strict=True)]

@@ -1,4 +1,4 @@
-"""Names to policies: declared names, ``NAME:PATH`` for what was trained, or ``module:Class``.
+"""Names to policies: declared names, ``NAME:PATH`` for trained policies, or ``module:Class``.
 
 Policies, the project's own and plug-ins, are declared in the entry-point group ``indoor_explorers.policies``. Openers
 are declared in ``indoor_explorers.openers``: they make a policy from a path, such as ``sb3`` in ``sb3:results/ppo``.

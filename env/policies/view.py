@@ -1,4 +1,4 @@
-"""What one UAV may know: the briefing before an episode and the view at each step. Nothing else, ever."""
+"""All knowledge of one UAV: the briefing before an episode and the view at each step."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ if TYPE_CHECKING:
     from indoor_explorers.env.maps.sources import MapSource
     from indoor_explorers.env.scenarios.scenario import Scenario
 
-#: What a pilot sends to the teammates in radio range: nothing, or a few numbers.
+#: A message to the teammates in radio range: None, or a few numbers.
 Message = tuple[float, ...] | None
 #: The most numbers one message may hold.
 MESSAGE_LIMIT = 16
 
 
 class Mate(NamedTuple):
-    """What was last heard from one teammate."""
+    """The last message and position received from one teammate."""
 
     agent: int
     """Number of the teammate, 0 to team - 1."""
     cell: Cell
-    """Where it was when it was last heard."""
+    """Its last received cell (row, column)."""
     age: int
     """Steps since then; 0 while linked."""
     message: Message
-    """What its pilot said then."""
+    """Its last received message."""
 
 
 class View(NamedTuple):
-    """What one UAV knows at a step."""
+    """The knowledge of one UAV at a step."""
 
     belief: Belief
     """(H, W) uint8, 0 unknown, 1 free, 2 occupied. Read-only and live: copy it to keep it."""
@@ -46,14 +46,14 @@ class View(NamedTuple):
     budget: int
     """Steps of the whole episode."""
     mates: tuple[Mate, ...]
-    """Every teammate ever heard, by number."""
+    """All teammates heard so far, by number."""
     visited: Mask
     """(H, W) bool: cells the UAV itself has been in, its own included. Read-only and live."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Briefing:
-    """What one UAV's pilot knows before the episode."""
+    """The knowledge of one UAV's pilot before the episode."""
 
     agent: int
     """The UAV's own number, 0 to team - 1."""
@@ -74,10 +74,11 @@ class Briefing:
 
     @property
     def generator(self) -> MapSource | None:
-        """The settings of the random generator that draws the maps; None where maps come from files.
+        """The settings of the random generator that draws the maps; None if maps come from files.
 
-        Any policy may read them: they say what maps are like, such as how many obstacles a room has, and never which
-        map is flown. A policy that does declares :attr:`~indoor_explorers.env.policies.policy.Policy.uses_generator`.
-        Other policies must not depend on where maps come from, ``scenario.map`` included.
+        Any policy may read them: they describe the distribution of maps, such as the number of obstacles in a room, and
+        never the map of the episode. A policy that reads them must declare
+        :attr:`~indoor_explorers.env.policies.policy.Policy.uses_generator`. Other policies must not depend on the
+        source of the maps, ``scenario.map`` included.
         """
         return self.scenario.map if self.scenario.map.generated else None

@@ -1,4 +1,4 @@
-"""Pictures of an episode: what to draw, how it looks, a window to see it in, and files to keep it in."""
+"""Pictures of an episode: their content and style, a window, and files."""
 
 from indoor_explorers.env.rendering.painter import paint, percent
 from indoor_explorers.env.rendering.scene import Scene, Trails, scene_of

@@ -1,4 +1,4 @@
-"""Where things stand in a picture: a caption, the team's map, and a panel for each UAV's own map beside or below.
+"""The layout of a picture: a caption, the team's map, and a panel for each UAV's own map beside or below.
 
 A layout depends on the size of the map and of the team alone, so every frame of an episode has the same size.
 """

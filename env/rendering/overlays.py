@@ -1,4 +1,4 @@
-"""Overlays of a map: UAVs and where they were last heard, trails, links, reach. Places are in cells."""
+"""Overlays of a map: UAVs, last received positions, trails, links, ranges. Places are in cells."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def uav(chart: Chart, cell: Cells, colour: Colour, agent: int) -> None:
 
 
 def mate(chart: Chart, cell: Cells, colour: Colour, agent: int, age: int, *, small: bool) -> None:
-    """Mark where a teammate was last heard: a hollow disc, fainter the longer ago."""
+    """Mark the last received cell of a teammate: a hollow disc that fades with age."""
     place, radius = chart.outer(cell), chart.radius * (0.6 if small else 1.0)
     strength = max(MATE_STAYS, 1.0 - age / MATE_FADES)
     disc(chart.around, place, radius, PAGE, 0.9)

@@ -1,4 +1,4 @@
-"""Paint a scene: the team's map with all that goes on in it, and each UAV's own map beside it."""
+"""Paint a scene: the team's map with all UAVs, and each UAV's own map beside it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ TINT = 0.25
 OUTLINED, NUMBERED, LABELLED = 6, 8, 16
 #: Least pixels of a cell for hairlines between cells.
 RULED = 12
-#: What became of a UAV, in words.
+#: How a UAV's episode ended, in words.
 ENDS = {
     End.GOAL: "goal",
     End.COLLISION: "collision",
@@ -122,7 +122,7 @@ def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]
 
 
 def _own_map(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[np.uint8]) -> None:
-    """Paint what one UAV knows: nothing in it comes from anything else than its own map, flight and radio."""
+    """Paint the knowledge of one UAV: only its own map, trail and received positions."""
     few = scene.team <= NUMBERED
     chart = _lay(canvas, box, np.take(KNOWN, scene.beliefs[agent], axis=0), 7.0 if few else 6.0)
     overlays.trail(chart, scene.trails[:, agent], colour, _lane(scene, agent))

@@ -1,4 +1,4 @@
-"""Cells to pixels: a pixel gets the mean colour of the cells under it, so that no scale makes patterns of its own.
+"""Cells to pixels: a pixel gets the mean colour of the cells under it, so that no scale causes aliasing.
 
 Compiled: at scales that are no whole number, numpy's cumulative sums need 5 to 14 times as long.
 """

@@ -1,4 +1,4 @@
-"""What a picture of an episode shows, as plain arrays that know nothing of the world they came from."""
+"""The content of a picture of an episode, as plain arrays that are independent of the world they came from."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Scene:
     truth: NDArray[np.uint8]
     """(H, W) the true map: 1 free, 2 occupied."""
     union: NDArray[np.uint8]
-    """(H, W) what the team knows together: 0 unknown, 1 free, 2 occupied."""
+    """(H, W) the union of the team's maps: 0 unknown, 1 free, 2 occupied."""
     beliefs: NDArray[np.uint8]
-    """(N, H, W) what each UAV knows."""
+    """(N, H, W) the map of each UAV."""
     in_view: Mask
     """(N, H, W) cells each UAV's lidar sees now; none once the UAV has ended."""
     trails: NDArray[np.int64]
@@ -37,9 +37,9 @@ class Scene:
     linked: Mask
     """(N, N) UAVs in direct radio contact."""
     heard_cell: NDArray[np.int64]
-    """(N, N, 2) where UAV i last heard UAV j."""
+    """(N, N, 2) the cell of UAV j that UAV i last received."""
     heard_age: NDArray[np.int64]
-    """(N, N) how many steps ago that was; -1 for never."""
+    """(N, N) its age in steps; -1 for never."""
     step: int
     """Steps flown."""
     budget: int
@@ -70,19 +70,19 @@ class Scene:
 
 
 class Trails:
-    """Remember where the UAVs of one episode have been in its last steps."""
+    """Keep the cells of the UAVs of one episode in its last steps."""
 
     def __init__(self, shape: tuple[int, int]) -> None:
         least, most = TRAIL_LENGTHS
         self._cells: deque[NDArray[np.int64]] = deque(maxlen=min(max(2 * sum(shape), least), most))
 
     def restart(self, cells: NDArray[np.int64]) -> None:
-        """Forget everything and start at ``cells`` (N, 2)."""
+        """Remove everything and start at ``cells`` (N, 2)."""
         self._cells.clear()
         self.add(cells)
 
     def add(self, cells: NDArray[np.int64]) -> None:
-        """Note where the UAVs are after a step, (N, 2)."""
+        """Add the cells of the UAVs after a step, (N, 2)."""
         self._cells.append(cells.copy())
 
     @property

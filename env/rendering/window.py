@@ -90,7 +90,7 @@ class Window:
         self._clock = pygame.time.Clock()
 
     def _heed(self) -> None:
-        """Close when the user asks for it."""
+        """Handle events: close when the user asks for it."""
         pygame = self._pygame
         for event in pygame.event.get() if self._clock is not None else ():
             if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):

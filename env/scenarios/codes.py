@@ -19,7 +19,7 @@ class _Code(IntEnum):
 
 
 class RadioModel(_Code):
-    """Who can talk to whom, see :class:`~indoor_explorers.env.scenarios.scenario.Radio`."""
+    """Which UAVs are in radio contact, see :class:`~indoor_explorers.env.scenarios.scenario.Radio`."""
 
     NONE = 0
     SQUARE = 1
@@ -30,7 +30,7 @@ class RadioModel(_Code):
 
 
 class StuckRule(_Code):
-    """When an agent is ended for going nowhere, see :class:`~indoor_explorers.env.scenarios.scenario.Stuck`."""
+    """When an agent without progress is ended, see :class:`~indoor_explorers.env.scenarios.scenario.Stuck`."""
 
     OFF = 0
     NO_DISCOVERY = 1

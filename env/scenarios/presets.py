@@ -1,4 +1,4 @@
-"""Scenarios with a name: the thesis's experiments, buildings, and what files of maps are explored with."""
+"""Scenarios with a name: the thesis's experiments, buildings, and the default scenario of map files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from indoor_explorers.env.scenarios.scenario import Lidar, Radio, Rewards, Scena
 
 
 def _old_rewards(step: float, cell: float, crash: float, stuck: float, goal: float) -> Rewards:
-    """Rewards as the thesis paid them: received cells like discovered ones."""
+    """Rewards as in the thesis, with received cells like discovered ones."""
     return Rewards(
         step=step, discovered=cell, received=cell, collision=crash, out_of_bounds=crash, stuck=stuck, goal=goal
     )
@@ -60,7 +60,7 @@ def _thesis(
 
 
 def _building(name: str, maps: MapSource, budget: int) -> Scenario:
-    """A building for two: lidar 10, radio 15, 99 % of what can be reached, known together; obstacles block."""
+    """A building for two UAVs: lidar 10, radio 15, a team goal of 99 % of the reachable cells; obstacles block."""
     return Scenario(
         name=name,
         map=maps,
@@ -121,7 +121,7 @@ def _second_phase() -> Iterator[Scenario]:
 
 
 def _always_linked() -> Iterator[Scenario]:
-    """Yield its teams with a radio that reaches everywhere, as a bound of what communication is worth."""
+    """Yield its teams with unlimited radio, as a bound on the value of communication."""
     for team in (2, 4):
         room = _thesis(f"thesis-team-{team}-radio-unlimited", obstacles=5, team=team)
         yield room.model_copy(update={"radio": Radio(model="unlimited")})
@@ -144,7 +144,7 @@ PRESETS: dict[str, Scenario] = {
 
 
 def on_files(paths: tuple[str, ...], resolution: float | None) -> Scenario:
-    """Return the scenario for maps from files when none is named: office-like sensing, a budget by map size."""
+    """Return the default scenario for maps from files: sensing as in offices, a budget by map size."""
     return PRESETS["office"].model_copy(
         update={
             "name": Path(paths[0]).stem if len(paths) == 1 else f"{len(paths)} maps",

@@ -48,7 +48,7 @@ class Lidar(_Part):
 
 
 class Radio(_Part):
-    """Who can talk to whom; linked UAVs merge their maps and exchange positions and messages."""
+    """Which UAVs are in radio contact; linked UAVs merge their maps and exchange positions and messages."""
 
     model: RadioModelName = "none"
     """``square``: Chebyshev distance at most ``range`` (the thesis); ``disc``: Euclidean; ``line-of-sight``: the same
@@ -65,14 +65,14 @@ class Radio(_Part):
 
 
 class Rewards(_Part):
-    """What an agent is paid; a step's reward is the sum of what applies (thesis, Table 4.2, scenario 1)."""
+    """The rewards of an agent; a step's reward is the sum of those that apply (thesis, Table 4.2, scenario 1)."""
 
     step: float = -0.5
     """Each step flown."""
     discovered: float = 1.0
-    """Each cell that the agent's own lidar was the first to tell it about."""
+    """Each cell that the agent first saw with its own lidar."""
     received: float = 0.0
-    """Each cell first heard of by radio; the thesis paid these like discoveries."""
+    """Each cell that the agent first received by radio; the thesis rewarded these like discoveries."""
     collision: float = -400.0
     """A move into an obstacle."""
     out_of_bounds: float = -400.0
@@ -84,12 +84,12 @@ class Rewards(_Part):
 
 
 class Stuck(_Part):
-    """When an agent is ended for going nowhere."""
+    """When an agent without progress is ended."""
 
     rule: StuckRuleName = "off"
-    """``no-discovery``: no new cell for H*W steps; ``oscillation``: one cell too often among the last ones."""
+    """``no-discovery``: no new cell for H*W steps; ``oscillation``: one cell too often among the last positions."""
     window: int = Field(50, ge=2, le=10_000)
-    """Positions that ``oscillation`` looks back on."""
+    """Number of last positions that ``oscillation`` considers."""
     repeats: int = Field(20, ge=2)
     """How often the most frequent of them must appear (the thesis's text: 20, its settings file: 10)."""
 
@@ -104,7 +104,7 @@ class Scenario(_Part):
     team: int = Field(1, ge=1, le=256)
     """UAVs."""
     spawn: Literal["random", "clustered"] | tuple[tuple[int, int], ...] = "random"
-    """Where UAVs start: anywhere, next to each other (at the map's start mark when it has one), or at listed (row,
+    """Where UAVs start: in random cells, next to each other (at the map's start mark if it has one), or in listed (row,
     column) cells."""
     lidar: Lidar = Lidar()
     radio: Radio = Radio()
@@ -115,11 +115,11 @@ class Scenario(_Part):
     goal: float = Field(0.9, gt=0.0, le=1.0)
     """Coverage that ends the episode, as a share of the denominator."""
     goal_of: Literal["agent", "team"] = "agent"
-    """Whose coverage: each agent's own map (the thesis), or the union of the team's; a team goal pays everyone."""
+    """Whose coverage: each agent's own map (the thesis), or the team's union; a team goal rewards every agent."""
     denominator: Literal["reachable", "map"] = "reachable"
     """Coverage counts free cells reachable from the spawns, or all cells of the map (the thesis)."""
     budget: int | None = Field(None, ge=1, le=10_000_000)
-    """Steps before the episode is cut; None: one for each reachable cell of the map, at least 200."""
+    """Steps after which the episode is truncated; None: one for each reachable cell of the map, at least 200."""
 
     @field_validator("spawn", mode="wrap")
     @classmethod

@@ -1,4 +1,4 @@
-"""Settings that a user wrote: read, checked, and one clear line for what is wrong with them."""
+"""Read and validate settings written by a user; errors are one clear line."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The lidar: what a scan shows, by exact line of sight or by the ancestor's rays."""
+"""The lidar: the cells that a scan shows, by exact line of sight or by MarsExplorer's rays."""

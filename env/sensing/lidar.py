@@ -1,8 +1,8 @@
 """The lidar: which cells a scan shows, by one of two models.
 
-``exact`` is line of sight, see :mod:`indoor_explorers.env.sensing.shadowcasting`; ``marsexplorer`` is the ancestor's
-rule, see :mod:`indoor_explorers.env.sensing.marsexplorer`. Ranges are in cells, Euclidean to a cell's centre, and only
-``OCCUPIED`` blocks: on a belief map, unknown cells are transparent.
+``exact`` is line of sight, see :mod:`indoor_explorers.env.sensing.shadowcasting`; ``marsexplorer`` is the rule of
+MarsExplorer, see :mod:`indoor_explorers.env.sensing.marsexplorer`. Ranges are in cells, Euclidean to a cell's centre,
+and only ``OCCUPIED`` blocks: on a belief map, unknown cells are transparent.
 """
 
 from __future__ import annotations

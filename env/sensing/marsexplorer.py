@@ -1,4 +1,4 @@
-"""The ancestor's lidar (MarsExplorer, Koutras et al. 2021, doi:10.3390/electronics10222751), kept for comparison.
+"""MarsExplorer's lidar (Koutras et al. 2021, doi:10.3390/electronics10222751), for comparison with old results.
 
 32 rays leave the sensor at equal angles. Each is sampled at 200 points from the sensor to the range, and each
 point belongs to the nearest cell. A ray ends at the nearest obstacle cell that it meets, half a cell beyond

@@ -1,6 +1,6 @@
-"""How an episode starts, compiled: a drawn room, the spawns, the cells that count, and a state set back to zero.
+"""The start of an episode, compiled: a random room, the spawns, the cells that coverage counts, and a cleared state.
 
-A start is prepared first, without touching any episode, and then carried out, which cannot fail.
+A start is first prepared without changing any episode, and then carried out, which cannot fail.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def place_team(
 
 @inner()
 def _clear(state: State, b: int) -> None:
-    """Set back all that an episode changes, but the true map and the cells."""
+    """Reset everything that an episode changes, except the true map and the cells."""
     state.step[b] = 0
     state.team_covered[b] = 0
     state.union[b, :, :] = 0
@@ -150,7 +150,7 @@ def _place(state: State, starts: Starts, k: int, b: int) -> None:
 
 @inner()
 def _count(rules: Rules, state: State, starts: Starts, k: int, b: int) -> None:
-    """Fix what coverage counts, the goal and the budget, from the cells that can be reached."""
+    """Set the cells that coverage counts, the goal and the budget, from the reachable cells."""
     height, width = state.counts.shape[1], state.counts.shape[2]
     for row in range(height):
         for col in range(width):
@@ -198,7 +198,7 @@ def _mark(reachable: np.ndarray, part: np.ndarray) -> None:
 
 
 class RoomTask(NamedTuple):
-    """What a random room must fit."""
+    """The task that a random room must be suitable for."""
 
     room: Room
     clustered: bool

@@ -1,4 +1,4 @@
-"""The run loop of everything that flies episodes: ask the pilots, post their messages, step the world, yield."""
+"""The loop that flies episodes: ask the pilots, post their messages, step the world, yield."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def make_pilots(policy: Policy, world: World) -> dict[Uav, Pilot]:
 
 
 def ask_pilots(policy: Policy, pilots: Mapping[Uav, Pilot], world: World) -> Ask:
-    """Return the plain way to ask: one UAV after the other, or all at once where a policy is ``batched``."""
+    """Return a function that asks one UAV after the other, or all at once if the policy is ``batched``."""
 
     def ask(flying: list[Uav]) -> Iterator[tuple[Uav, int]]:
         for group in [flying] if policy.batched else [[uav] for uav in flying]:

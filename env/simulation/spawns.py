@@ -1,4 +1,4 @@
-"""What an episode's seed draws before the first step: the map and the spawns."""
+"""The map and the spawns that an episode's seed determines."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from indoor_explorers.env.simulation.state import rules_of
 
 
 def draw_floorplan(scenario: Scenario, seed: int, index: int = 0) -> Floorplan:
-    """Return the map of an episode seed, drawn again when the goal could not be reached on it."""
+    """Return the map of an episode seed, drawn again if the goal is not attainable on it."""
     rules = rules_of(scenario)
     for attempt in range(MAX_ATTEMPTS if scenario.map.generated else 1):
         floorplan = scenario.map.floorplan(index, seed, attempt)

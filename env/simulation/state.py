@@ -82,7 +82,7 @@ def rules_of(scenario: Scenario) -> Rules:
 
 
 class State(NamedTuple):
-    """Everything that changes in a batch of episodes."""
+    """The state of a batch of episodes."""
 
     truth: NDArray[np.uint8]
     """(B, H, W) 1 free, 2 occupied."""
@@ -113,7 +113,7 @@ class State(NamedTuple):
     visited: NDArray[np.bool_]
     """(B, N, H, W) cells the agent has been in."""
     union: NDArray[np.uint8]
-    """(B, H, W) what the team knows together."""
+    """(B, H, W) union of the team's beliefs."""
     covered: NDArray[np.int64]
     """(B, N) counted cells in the agent's belief."""
     team_covered: NDArray[np.int64]
@@ -145,9 +145,9 @@ class State(NamedTuple):
     last_received_step: NDArray[np.int64]
     """(B, N, N) step at which i last received from j, -1 for never."""
     last_received_cell: NDArray[np.int64]
-    """(B, N, N, 2) where j was then."""
+    """(B, N, N, 2) j's cell at that step."""
     last_received: NDArray[np.float64]
-    """(B, N, N, 16) j's message then."""
+    """(B, N, N, 16) j's message at that step."""
     last_received_size: NDArray[np.int64]
     """(B, N, N) numbers in it, -1 for no message."""
     path_length: NDArray[np.int64]
@@ -155,7 +155,7 @@ class State(NamedTuple):
     collisions: NDArray[np.int64]
     """(B, N) moves into obstacles or off the map."""
     blocked: NDArray[np.int64]
-    """(B, N) moves that a teammate was in the way of."""
+    """(B, N) moves blocked by a teammate."""
     sent_bytes: NDArray[np.int64]
     """(B, N) bytes the agent's radio sent: see :mod:`indoor_explorers.env.simulation.radio`."""
 

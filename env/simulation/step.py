@@ -20,7 +20,7 @@ NO_RADIO = int(RadioModel.NONE)
 
 @inner()
 def sense(state: State, lidar: LidarModel, b: int, agent: int, scan: Scan) -> None:
-    """Scan from the agent's cell into its belief and the team's union; a cell it has been in shows nothing new."""
+    """Scan from the agent's cell into its belief and the team's union; a revisited cell shows nothing new."""
     row, col = state.cell[b, agent, 0], state.cell[b, agent, 1]
     if state.visited[b, agent, row, col]:
         return
@@ -85,7 +85,7 @@ def _is_stuck(rules: Rules, state: State, b: int, agent: int) -> bool:
 
 @inner()
 def _settle(rules: Rules, state: State, b: int) -> None:
-    """Pay the flying agents for the step and end those that are done."""
+    """Compute the flying agents' rewards of the step, and end those that are done."""
     team_done = rules.goal_of_team and state.team_covered[b] >= state.needed[b]
     width, window = state.truth.shape[2], state.history.shape[2]
     for n in range(state.end.shape[1]):

@@ -1,4 +1,4 @@
-"""Shares of a batch, worked on side by side in threads."""
+"""Shares of a batch that threads work on in parallel."""
 
 from __future__ import annotations
 

@@ -169,7 +169,7 @@ class World:
         self._threads.share(lambda thread, first, last: work(self._engines[thread], first, last), self.batch)
 
     def post(self, episode: int, agent: int, message: Message) -> None:
-        """Put what an agent says into its outbox; it is sent after each move until it is replaced."""
+        """Put an agent's message into its outbox; it is sent after each move until it is replaced."""
         state = self.state
         if message is None:
             state.outbox_size[episode, agent] = -1
@@ -180,7 +180,7 @@ class World:
         state.outbox_size[episode, agent] = len(message)
 
     def view(self, episode: int, agent: int) -> View:
-        """Return what one agent knows now."""
+        """Return the current view of one agent."""
         state = self.state
         return View(
             belief=self._beliefs[episode][agent],
@@ -224,10 +224,10 @@ class World:
 
     @property
     def team_coverage(self) -> NDArray[np.float64]:
-        """(B,) share of the denominator that the team knows together."""
+        """(B,) coverage of the union of the team's maps, as a share of the denominator."""
         return np.asarray(self.state.team_covered / self.state.total)
 
     @property
     def coverage(self) -> NDArray[np.float64]:
-        """(B, N) share of the denominator that each agent knows."""
+        """(B, N) coverage of each agent's map, as a share of the denominator."""
         return np.asarray(self.state.covered / self.state.total[:, None])

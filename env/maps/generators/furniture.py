@@ -1,4 +1,4 @@
-"""Furniture for rooms: solid pieces along the walls and on the floor that never cut a way off."""
+"""Furniture for rooms: solid pieces along the walls and on the floor that never disconnect free cells."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LONGEST, DEEPEST = 5, 2
 def furnish(free: NDArray[np.bool_], rooms: NDArray[np.int64], share: float, key: np.uint64) -> None:
     """Put furniture on about a ``share`` of the floor of every room of ``free`` (H, W) bool, in place.
 
-    ``rooms`` (n, 4) holds top, left, height and width; walls stand all around. What is connected stays connected.
+    ``rooms`` (n, 4) holds top, left, height and width; walls are all around. Connected cells stay connected.
     """
     counter = np.uint64(0)
     for n in range(rooms.shape[0]):
@@ -48,10 +48,10 @@ def furnish(free: NDArray[np.bool_], rooms: NDArray[np.int64], share: float, key
 
 @kernel()
 def spares_the_way(free: NDArray[np.bool_], top: int, left: int, tall: int, wide: int) -> bool:
-    """Tell whether a free rectangle can become solid and leave what is connected connected.
+    """Tell whether a free rectangle can become solid without disconnecting other free cells.
 
-    It can when the free cells of the ring around it are one run: every way through the rectangle enters and leaves
-    by the ring, and can go along the run instead. The ring must lie inside the map.
+    It can if the free cells of the ring around it are one run: every path through the rectangle enters and leaves
+    through the ring, and can follow the run instead. The ring must lie inside the map.
     """
     around = 2 * (tall + wide) + 4
     starts = frees = 0

@@ -1,4 +1,4 @@
-"""Pictures of maps: grey levels and colours from PNG, PGM and BMP files, however broken or hostile the file is."""
+"""Pictures of maps: grey levels and colours from PNG, PGM and BMP files; damaged and malicious files are refused."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.maps.readers.opening import Fits, check_file, one_line
 
-#: The most pixels a picture may have (6,000 x 6,000), so that it is never decoded into trouble with memory.
+#: The most pixels a picture may have (6,000 x 6,000), so that decoding it cannot exhaust the memory.
 MAX_PIXELS = 36_000_000
 
 #: The most bytes of a PNM picture in text (P1 to P3), and the most comments in it.
@@ -50,7 +50,7 @@ class Picture:
 def read_picture(path: Path, fits: Fits | None = None, metres: float = 1.0) -> Picture:
     """Decode a PNG, PGM (PNM) or BMP file of at most :data:`MAX_PIXELS` pixels.
 
-    ``fits`` is asked about its size, at ``metres`` a pixel, before any pixel is decoded.
+    ``fits`` checks its size, at ``metres`` a pixel, before any pixel is decoded.
 
     Raises :class:`InputError` with one line for a file that is missing, truncated, too large or no picture.
     """
@@ -76,7 +76,7 @@ def read_picture(path: Path, fits: Fits | None = None, metres: float = 1.0) -> P
 
 
 def _check_pnm(path: Path) -> None:
-    """Raise for a PNM picture whose header or text Pillow, which reads them byte by byte, would take minutes over."""
+    """Refuse a PNM picture with so long a header or text that Pillow, which reads them bytewise, would take minutes."""
     with path.open("rb") as file:
         head = file.read(MAX_HEADER)
         words = re.sub(rb"#[^\r\n]*", b"", head).split(maxsplit=4)

@@ -38,7 +38,7 @@ def read_npy(path: Path, fits: Fits | None = None) -> Belief:
     - floats: occupancies from 0 to 1, or -1 for unknown.
 
     An occupancy is free below :data:`FREE_BELOW`, occupied above :data:`OCCUPIED_ABOVE` and unknown between.
-    ``fits`` is asked about the size, an element counting as a metre, before the data is read.
+    ``fits`` checks the size, an element counting as a metre, before the data is read.
 
     Raises :class:`InputError` with one line that says what is wrong with the file. Nothing is ever unpickled.
     """
@@ -82,7 +82,7 @@ def _parse_header(path: Path, file: BinaryIO) -> tuple[tuple[int, ...], np.dtype
 
 
 def _check(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> None:
-    """Raise unless the array is a grid of numbers of a bearable size."""
+    """Raise unless the array is a grid of numbers that is not too large."""
     if dtype.kind not in "biuf":
         raise InputError(f"{path}: expected bools, integers or floats, got {str(dtype)[:40]}; save one of these")
     if len(shape) != 2 or min(shape) < 1:

@@ -10,8 +10,8 @@ from typing import TypeAlias
 from indoor_explorers.env.errors import InputError
 
 Fits: TypeAlias = Callable[[tuple[int, int], float], object]
-"""What a reader asks of a map's (H, W) pixels and the metres a pixel, as soon as a header has told: it raises
-:class:`InputError` where they make no map that can be used, so that nothing is decoded in vain."""
+"""A check of a map's (H, W) in pixels and metres a pixel, which a reader calls as soon as it has read the header: it
+raises :class:`InputError` if they make no usable map, before anything is decoded."""
 
 
 def check_file(path: Path) -> None:

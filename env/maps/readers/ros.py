@@ -58,9 +58,9 @@ def read_ros(path: Path, fits: Fits | None = None) -> tuple[Belief, float]:
     """Read a map_server map; return its (H, W) uint8 cells (0 unknown, 1 free, 2 occupied) and metres a pixel.
 
     The thresholds act as in map_server's mode ``trinary``. Mode ``scale`` differs in transparent pixels
-    alone, which are unknown: the shades it tells apart between the thresholds are neither free nor occupied.
-    Mode ``raw`` is refused, since its values are not occupancies. The origin is checked and ignored. ``fits`` is
-    asked about the picture's size before it is decoded.
+    only, which are unknown: its shades between the thresholds are neither free nor occupied. Mode ``raw`` is refused,
+    since its values are not occupancies. The origin is checked and ignored. ``fits`` checks the picture's size before
+    it is decoded.
     """
     facts = parse_ros(path)
     try:

@@ -54,7 +54,7 @@ class Declares(Flying):
 
 
 @pytest.mark.parametrize(
-    ("kind", "message"), [(ReadsMapSettings, "chose otherwise at step 0"), (ReadsGenerator, "has no attribute")]
+    ("kind", "message"), [(ReadsMapSettings, "chose differently at step 0"), (ReadsGenerator, "has no attribute")]
 )
 def test_a_policy_declares_that_it_reads_the_settings_of_the_maps_generator(kind, message):
     found = findings(kind)
@@ -399,7 +399,7 @@ def test_pilots_that_share_within_an_episode_are_caught_when_a_mate_out_of_conta
     found = findings(PoolsByEpisode)
     assert failures(found) == {"unlinked teammates"}
     finding = found["unlinked teammates"]
-    assert "chose otherwise at step 2 when only UAV 0 acted differently" in finding.text
+    assert "chose differently at step 2 when only UAV 0 acted differently" in finding.text
     assert "seen and heard nothing (radio none)" in finding.text
     assert "share nothing but messages" in finding.fix
     assert "perhaps the dict Pools.boards" in finding.fix
