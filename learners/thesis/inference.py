@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.learners.dddqn.network.inference import linear, relu
 
 Array = NDArray[np.float32]
 
@@ -70,18 +71,6 @@ def _convolved(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, stride: int)
     return out
 
 
-@kernel(entry=False)
-def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray) -> np.ndarray:
-    """Return x W + b; zero inputs are skipped."""
-    out = bias.copy()
-    for i in range(x.shape[0]):
-        value = x[i]
-        if value != 0.0:
-            for j in range(out.shape[0]):
-                out[j] += value * weight[i, j]
-    return out
-
-
 @kernel()
 def q_values(images: np.ndarray, levels: np.ndarray, weights: ThesisWeights, q: np.ndarray) -> None:
     """Write the values ``q`` (B, 4) of images (B, K, H, W) of codes; ``levels`` (256,) are the codes' grey levels.
@@ -91,6 +80,8 @@ def q_values(images: np.ndarray, levels: np.ndarray, weights: ThesisWeights, q: 
     """
     frames, height, width = images.shape[1:]
     x = np.empty((height, width, frames), np.float32)
+    first, second = np.empty_like(weights.first_bias), np.empty_like(weights.second_bias)
+    value, advantage = np.empty(1, np.float32), np.empty(4, np.float32)
     for b in range(images.shape[0]):
         for k in range(frames):
             for r in range(height):
@@ -99,10 +90,12 @@ def q_values(images: np.ndarray, levels: np.ndarray, weights: ThesisWeights, q: 
         near = _convolved(x, weights.near, weights.near_bias, 1)
         middle = _convolved(near, weights.middle, weights.middle_bias, 2)
         far = _convolved(middle, weights.far, weights.far_bias, 4)
-        first = np.maximum(_linear(far.ravel(), weights.first, weights.first_bias), np.float32(0.0))
-        second = np.maximum(_linear(first, weights.second, weights.second_bias), np.float32(0.0))
-        value = _linear(second, weights.value, weights.value_bias)[0]
-        advantage = _linear(second, weights.advantage, weights.advantage_bias)
+        linear(far.ravel(), weights.first, weights.first_bias, first)
+        relu(first)
+        linear(first, weights.second, weights.second_bias, second)
+        relu(second)
+        linear(second, weights.value, weights.value_bias, value)
+        linear(second, weights.advantage, weights.advantage_bias, advantage)
         mean = (advantage[0] + advantage[1] + advantage[2] + advantage[3]) / np.float32(4.0)
         for k in range(4):
-            q[b, k] = value + advantage[k] - mean
+            q[b, k] = value[0] + advantage[k] - mean

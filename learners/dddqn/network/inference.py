@@ -86,7 +86,7 @@ def _tours(arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config
 
 
 @kernel(entry=False)
-def _linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray) -> None:
+def linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray) -> None:
     """Write x W + b; zero inputs are skipped."""
     for j in range(out.shape[0]):
         out[j] = bias[j]
@@ -112,7 +112,8 @@ def _norm(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
 
 
 @kernel(entry=False)
-def _relu(x: np.ndarray) -> None:
+def relu(x: np.ndarray) -> None:
+    """Apply max(x, 0) in place."""
     for j in range(x.shape[0]):
         x[j] = max(x[j], np.float32(0.0))
 
@@ -122,7 +123,7 @@ def _own_values(moves: np.ndarray, weights: NetworkWeights, out: np.ndarray) -> 
     """Add the output of the network that the moves share, and of the linear weights of their features."""
     hidden = np.empty(weights.move_hidden.shape[1], np.float32)
     for k in range(4):
-        _linear(moves[k], weights.move_hidden, weights.move_hidden_bias, hidden)
+        linear(moves[k], weights.move_hidden, weights.move_hidden_bias, hidden)
         total = weights.move_out_bias[0]
         for j in range(hidden.shape[0]):
             total += max(hidden[j], np.float32(0.0)) * weights.move_out[j, 0]
@@ -142,23 +143,23 @@ def q_values(scenes: np.ndarray, moves: np.ndarray, weights: NetworkWeights, q: 
     for b in range(scenes.shape[0]):
         for i in range(pixels.shape[0]):
             pixels[i] = scenes[b, i] * np.float32(1.0 / 255.0)
-        _linear(pixels, weights.look, weights.look_bias, look)
+        linear(pixels, weights.look, weights.look_bias, look)
         if weights.layer_norm:
             _norm(look, weights.look_scale, weights.look_shift)
-        _relu(look)
+        relu(look)
         for i in range(width):
             joined[i] = look[i]
         for k in range(4):
             for i in range(features):
                 joined[width + k * features + i] = moves[b, k, i]
-        _linear(joined, weights.think, weights.think_bias, think)
+        linear(joined, weights.think, weights.think_bias, think)
         if weights.layer_norm:
             _norm(think, weights.think_scale, weights.think_shift)
-        _relu(think)
-        _linear(think, weights.advantage, weights.advantage_bias, q[b])
+        relu(think)
+        linear(think, weights.advantage, weights.advantage_bias, q[b])
         _own_values(moves[b], weights, q[b])
         if weights.dueling:
-            _linear(think, weights.value, weights.value_bias, value)
+            linear(think, weights.value, weights.value_bias, value)
             mean = (q[b, 0] + q[b, 1] + q[b, 2] + q[b, 3]) / np.float32(4.0)
             for k in range(4):
                 q[b, k] += value[0] - mean
