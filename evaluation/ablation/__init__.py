@@ -1,4 +1,4 @@
-"""What each ingredient of a learner is worth: train it without, several times, and compare on unseen maps."""
+"""Ablation: train a learner without each of its ingredients, several times, and compare on unseen maps."""
 
 from indoor_explorers.evaluation.ablation.ablation import run_ablation
 

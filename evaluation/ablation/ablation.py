@@ -1,4 +1,4 @@
-"""The ablate command: train what is missing, score what is finished, write the table and the figure."""
+"""The ablate command: train missing variants, score finished ones, write the table and the figure."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def run_ablation(
     """Train the variants of a learner that match ``patterns``, and the full one, and compare them on unseen maps.
 
     Writes ``out/VARIANT/seed-S/`` for each training, ``judged/results.db``, ``ablation.csv`` and
-    ``figures/ablation.{svg,png,pdf}``. What is finished is neither trained nor flown again. After a Ctrl-C, table and
-    figure are written from what is finished. Returns the trainings that failed.
+    ``figures/ablation.{svg,png,pdf}``. Finished trainings and episodes are not repeated. After a Ctrl-C, table and
+    figure are written from the finished ones. Returns the trainings that failed.
 
     Raises:
         InputError: there is no such learner, variant, scenario or setting, or ``out`` holds other trainings.
@@ -47,7 +47,7 @@ def run_ablation(
         try:
             failures = train_all(runs, jobs, lambda line: console.print(line, highlight=False, soft_wrap=True))
         except KeyboardInterrupt:
-            console.print("interrupted; scoring what is finished, Ctrl-C again leaves that out")
+            console.print("interrupted; scoring the finished trainings, which another Ctrl-C skips")
             _conclude(runs, scenario, out, console, episodes, jobs, command)
             raise
         _conclude(runs, scenario, out, console, episodes, jobs, command)
@@ -67,10 +67,10 @@ def _conclude(
     workers: int,
     command: str,
 ) -> None:
-    """Score what is finished, and write and print what came out."""
+    """Score the finished trainings, and write and print the results."""
     found = score(runs, scenario, out, episodes=episodes, workers=workers, command=command)
     if not found:
-        console.print(f"no training of {runs[0].variant!r} is finished yet, with which all others are compared")
+        console.print(f"no training of {runs[0].variant!r}, which all others are compared with, is finished yet")
         return
     write_table(found, out / "ablation.csv")
     figure = write_figure(found, scenario.name, out / "figures")

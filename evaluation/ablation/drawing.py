@@ -1,4 +1,4 @@
-"""The figure of an ablation: what each variant costs against the full one, and how some of them learn."""
+"""The figure of an ablation: differences of the variants to the full one, and some learning curves."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from indoor_explorers.evaluation.ablation.scoring import VariantScore
 from indoor_explorers.evaluation.report.style.palette import COLOURS, PolicyStyle, policy_styles
 from indoor_explorers.evaluation.report.style.print_style import LOOK, plain, save, sheet, strokes
 
-#: Variants whose learning is drawn beside the full one's: those that differ most.
+#: Number of learning curves besides the full one's: those of the variants that differ most.
 CURVES = 4
-#: Differences in steps up to which an axis is linear where some are more than this many times as far away.
+#: An axis is linear up to NEAR steps, and logarithmic beyond if a difference is larger than FAR x NEAR.
 NEAR, FAR = 10.0, 8.0
-#: Where such an axis has its ticks, on both sides of 0.
+#: Ticks of such an axis, on both sides of 0.
 TICKS = (5, 10, 30, 100, 300, 1000)
-#: Inches of the learning curves, and between them and what is above.
+#: Height of the learning curves and of the gap above them, in inches.
 LEARNING, GAP = 2.0, 0.95
 GREY, DOT = "#666666", "#222222"
 
 
 def write_figure(found: Sequence[VariantScore], scenario: str, folder: Path) -> Path:
-    """Write the figure as SVG, PNG and PDF, and return the path of the picture."""
+    """Write the figure as SVG, PNG and PDF, and return the path of the PNG."""
     folder.mkdir(parents=True, exist_ok=True)
     with mpl.rc_context(LOOK):
         paths = save(ablation_figure(found, scenario), folder, "ablation")
@@ -36,7 +36,7 @@ def write_figure(found: Sequence[VariantScore], scenario: str, folder: Path) -> 
 
 
 def ablation_figure(found: Sequence[VariantScore], scenario: str) -> Figure:
-    """Draw differences in T99 and T90, the least T99 on top, and below them learning curves."""
+    """Draw differences in T99 and T90, the smallest T99 on top, and learning curves below."""
     full = found[0]
     ranked = sorted(found, key=lambda each: each.against(full, "t99").mean)
     heights = [0.22 * len(found) + 0.3, LEARNING]
@@ -98,7 +98,7 @@ def _differences(axes: Axes, ranked: Sequence[VariantScore], full: VariantScore,
 
 
 def _scale(axes: Axes, ranked: Sequence[VariantScore], full: VariantScore, metric: str) -> None:
-    """Make an axis logarithmic far from 0 where some variants are very far away."""
+    """Make an axis logarithmic far from 0 if a variant differs very much."""
     far = max(abs(variant.against(full, name).mean) for variant in ranked for name in ("t99", "t90"))
     if far > FAR * NEAR:
         low, high = axes.dataLim.intervalx
@@ -110,14 +110,14 @@ def _scale(axes: Axes, ranked: Sequence[VariantScore], full: VariantScore, metri
 
 
 def _hue(low: float | None, high: float | None) -> str:
-    """Return vermillion for more steps than the full one, blue for fewer, grey where the interval holds 0."""
+    """Return vermillion for more steps than the full one, blue for fewer, grey if the interval contains 0."""
     if low is None or high is None or low <= 0.0 <= high:
         return GREY
     return COLOURS[1 if low > 0 else 0][0]
 
 
 def _far_apart(ranked: Sequence[VariantScore], full: VariantScore) -> list[VariantScore]:
-    """Return the variants that differ most from the full one, in their rank."""
+    """Return the variants that differ most from the full one, in the order given."""
     others = [variant for variant in ranked if variant is not full]
     most = sorted(others, key=lambda each: -abs(each.against(full, "t99").mean))[:CURVES]
     return [variant for variant in others if variant in most]
@@ -151,7 +151,7 @@ def _curve(axes: Axes, variant: VariantScore, style: PolicyStyle) -> None:
 
 
 def on_one_grid(curves: Sequence[NDArray[np.float64]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return moves (K,) and values (S, K) at these of S curves (2, K'), drawn out between their own points."""
+    """Return moves (K,) and values (S, K) of S curves (2, K'), interpolated linearly."""
     first, last = max(curve[0, 0] for curve in curves), min(curve[0, -1] for curve in curves)
     moves = np.unique(np.concatenate([curve[0] for curve in curves]).clip(first, last))
     return moves, np.stack([np.interp(moves, curve[0], curve[1]) for curve in curves])

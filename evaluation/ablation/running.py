@@ -1,4 +1,4 @@
-"""Trainings in processes of their own, some at once; one that fails does not end the others."""
+"""Runs trainings in processes of their own, several at a time; a failure does not end the others."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ import time
 from collections.abc import Callable, Sequence
 from typing import IO, NamedTuple
 
-from indoor_explorers.evaluation.ablation.runs import TrainingRun, read_note
+from indoor_explorers.evaluation.ablation.runs import TrainingRun, read_state
 
-#: Seconds between two looks at the processes.
-PAUSE = 0.2
-#: Every process learns on one thread; ``--jobs`` says how many there are.
+#: Seconds between two checks of the processes.
+CHECK_INTERVAL = 0.2
+#: Environment variables of the number of threads; every process uses one.
 THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 COMMAND = (sys.executable, "-P", "-m", "indoor_explorers.evaluation.ablation.worker")
 
 
 class Failure(NamedTuple):
-    """A training that did not end well."""
+    """A training that failed."""
 
     run: TrainingRun
     reason: str
@@ -48,11 +48,11 @@ class TrainingProcess:
 
     @property
     def over(self) -> bool:
-        """Tell whether the process has ended."""
+        """Whether the process has ended."""
         return self._process.poll() is not None
 
     def failure(self) -> Failure | None:
-        """Return why the training failed, None when it did not; the process has ended."""
+        """Return why the training failed, None if it did not; only after the process has ended."""
         self._errors.seek(0)
         lines = self._errors.read().decode(errors="replace").strip().splitlines()
         self._errors.close()
@@ -76,8 +76,8 @@ class TrainingProcess:
 
 
 def train_all(runs: Sequence[TrainingRun], jobs: int, tell: Callable[[str], None]) -> list[Failure]:
-    """Train what is not finished, ``jobs`` at once, and return what failed; Ctrl-C writes checkpoints first."""
-    waiting = [run for run in runs if "weights" not in read_note(run)][::-1]
+    """Train the unfinished runs, ``jobs`` at a time, and return failures; Ctrl-C lets them write checkpoints."""
+    waiting = [run for run in runs if "weights" not in read_state(run)][::-1]
     running: list[TrainingProcess] = []
     failures: list[Failure] = []
     try:
@@ -85,7 +85,7 @@ def train_all(runs: Sequence[TrainingRun], jobs: int, tell: Callable[[str], None
             while waiting and len(running) < jobs:
                 running.append(TrainingProcess(waiting.pop()))
                 tell(f"{running[-1].run.title}: training, {len(waiting)} more to go")
-            time.sleep(PAUSE)
+            time.sleep(CHECK_INTERVAL)
             for process in [process for process in running if process.over]:
                 running.remove(process)
                 failure = process.failure()
@@ -97,7 +97,7 @@ def train_all(runs: Sequence[TrainingRun], jobs: int, tell: Callable[[str], None
 
 
 def _stop(running: Sequence[TrainingProcess]) -> None:
-    """Let trainings write their checkpoints and end; a Ctrl-C meanwhile ends them at once."""
+    """Let trainings write their checkpoints and end; another Ctrl-C kills them."""
     for process in running:
         process.interrupt()
     try:
@@ -110,4 +110,4 @@ def _stop(running: Sequence[TrainingProcess]) -> None:
 
 
 def _took(run: TrainingRun) -> str:
-    return f"trained in {read_note(run)['minutes']:.1f} min"
+    return f"trained in {read_state(run)['minutes']:.1f} min"

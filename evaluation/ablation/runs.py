@@ -1,4 +1,4 @@
-"""Which trainings an ablation is made of: every variant that a learner declares, with every seed."""
+"""The trainings of an ablation: every variant that a learner declares, with every seed."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.training import find_learner, nested
 
-#: What is known of a training, in its folder.
-NOTE = "ablation.json"
+#: File with the state of a training, in its folder.
+STATE = "ablation.json"
 
 
 class TrainingRun(NamedTuple):
@@ -26,38 +26,38 @@ class TrainingRun(NamedTuple):
     variant: str
     seed: int
     settings: dict[str, Any]
-    """All that differs from the learner's defaults, by dotted keys."""
+    """Settings that differ from the learner's defaults, by dotted keys."""
     folder: str
-    """Where the training lives."""
+    """The folder of the training."""
 
     @property
     def title(self) -> str:
-        """The training in words."""
+        """Its name in tables and messages."""
         return f"{self.variant}, seed {self.seed}"
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What makes the training, as a note of it is written."""
+        """What identifies the training, as its state file stores it."""
         made: dict[str, Any] = json.loads(json.dumps(self._asdict()))
         return {key: value for key, value in made.items() if key != "folder"}
 
 
-def read_note(run: TrainingRun) -> dict[str, Any]:
-    """Return what is known of a training: ``weights`` once it is finished, ``minutes``; empty when it never began.
+def read_state(run: TrainingRun) -> dict[str, Any]:
+    """Return the state of a training: its ``minutes``, and ``weights`` once it is finished; empty before it began.
 
     Raises:
-        InputError: the folder holds another training, or its note is damaged.
+        InputError: the folder holds another training, or its state file is damaged.
 
     """
-    path = Path(run.folder) / NOTE
+    path = Path(run.folder) / STATE
     if not path.exists():
         return {}
     try:
-        note: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        found = note["order"]
+        state: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        found = state["order"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(
-            f"{path}: expected the note of a training, got something else ({error!r}); delete it"
+            f"{path}: expected the state of a training, got something else ({error!r}); delete it"
         ) from error
     for key, mine in run.identity.items():
         if found.get(key) != mine:
@@ -65,7 +65,7 @@ def read_note(run: TrainingRun) -> dict[str, Any]:
                 f"{run.folder} holds a training with {key} {found.get(key)}, expected {mine}; give the same as then, "
                 "or another --out"
             )
-    return note
+    return state
 
 
 def runs_of(
@@ -78,11 +78,11 @@ def runs_of(
     seeds: int,
     out: Path,
 ) -> list[TrainingRun]:
-    """Return the trainings of the variants whose names match any of the patterns, and of the first, all seeds 1 first.
+    """Return the trainings of the matching variants and of the full one, ordered by seed.
 
     Raises:
-        InputError: the learner has no variants, a pattern matches none, a setting is none of the learner's, or a
-            folder holds another training.
+        InputError: the learner has no variants, a pattern matches none, a setting is invalid, or a folder holds
+            another training.
 
     """
     module = find_learner(learner)
@@ -95,7 +95,7 @@ def runs_of(
     ]
     for run in runs:
         validated(module.TrainingConfig, nested(run.settings), f"settings of learner {learner!r}")
-        read_note(run)
+        read_state(run)
     return runs
 
 

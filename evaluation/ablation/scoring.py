@@ -1,4 +1,4 @@
-"""Scores of the trainings on the same unseen maps, and the difference that each variant makes."""
+"""Evaluates the trainings on the same unseen maps, and compares the variants."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Scenario
-from indoor_explorers.evaluation.ablation.runs import TrainingRun, read_note
+from indoor_explorers.evaluation.ablation.runs import TrainingRun, read_state
 from indoor_explorers.evaluation.driver import fly_missing
 from indoor_explorers.evaluation.experiment.experiment import build_experiment
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
@@ -20,11 +20,11 @@ from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Estimate, difference_of_seeds, mean_of_seeds
 from indoor_explorers.evaluation.training import find_learner
 
-#: Where in the folder of an ablation its flights are.
+#: Folder of the evaluation episodes inside that of the ablation.
 FLIGHTS = "judged"
-#: The first seed of the flights: those of trainings begin at 2^40, those of comparisons at 0.
+#: First seed of the evaluation episodes: trainings begin at 2^40, comparisons at 0.
 FIRST_SEED = 2**39
-#: What a training writes down, its evaluations among it.
+#: File that a training writes, with its evaluations.
 RECORD = "training.json"
 
 
@@ -34,39 +34,39 @@ class VariantScore:
 
     variant: str
     settings: dict[str, Any]
-    """What differs from the learner's defaults, by dotted keys."""
+    """Settings that differ from the learner's defaults, by dotted keys."""
     seeds: list[int]
-    """Those of its S trainings."""
+    """Seeds of its S trainings."""
     times: dict[str, NDArray[np.float64]]
-    """(S, E) steps to 90 and 99 %, ``t90`` and ``t99``, the budget where these were never reached."""
+    """(S, E) ``t90`` and ``t99``: steps to 90 and 99 %, the budget where these were never reached."""
     never: float
-    """Share of the episodes that never got to 99 %."""
+    """Share of the episodes that never reached 99 %."""
     minutes: float
-    """Mean of the trainings."""
+    """Mean training time."""
     curves: list[NDArray[np.float64]]
-    """For each training (2, K): moves made, and the mean steps to the goal that its evaluation then found."""
+    """For each training (2, K): moves made, and mean steps to the goal in the evaluation at that time."""
 
     def mean(self, metric: str) -> Estimate:
         """Return the mean of a time over trainings and episodes."""
         return mean_of_seeds(self.times[metric])
 
     def against(self, full: VariantScore, metric: str) -> Estimate:
-        """Return how much more steps it takes than another variant."""
+        """Return the mean difference in steps to another variant."""
         return difference_of_seeds(self.times[metric], full.times[metric])
 
     def dots(self, full: VariantScore, metric: str) -> NDArray[np.float64]:
-        """Return (S,) how much more steps each training takes than the other variant's do in the mean."""
+        """Return (S,) the differences of each training's mean to the mean of the other variant."""
         return np.asarray(self.times[metric].mean(axis=1) - full.times[metric].mean())
 
 
 def score(
     runs: Sequence[TrainingRun], scenario: Scenario, out: Path, *, episodes: int, workers: int, command: str
 ) -> list[VariantScore]:
-    """Fly what was not flown yet of the finished trainings; return the variants in order, the first leading.
+    """Fly the missing episodes of the finished trainings; return the variants in order, the full one first.
 
-    Nothing is returned while no training of the first variant is finished, as there is nothing to compare with.
+    The list is empty while no training of the full variant is finished.
     """
-    finished = [run for run in runs if "weights" in read_note(run)]
+    finished = [run for run in runs if "weights" in read_state(run)]
     if not runs or not any(run.variant == runs[0].variant for run in finished):
         return []
     module, task = find_learner(runs[0].learner), scenario.for_evaluation()
@@ -80,7 +80,7 @@ def score(
 
 
 def _weights(run: TrainingRun) -> Path:
-    return Path(run.folder) / str(read_note(run)["weights"])
+    return Path(run.folder) / str(read_state(run)["weights"])
 
 
 def _score(runs: Sequence[TrainingRun], results: Results, scenario: str, episodes: int) -> VariantScore:
@@ -95,7 +95,7 @@ def _score(runs: Sequence[TrainingRun], results: Results, scenario: str, episode
             for metric in ("t90", "t99")
         },
         never=float(np.mean([record.metrics.get("t99") is None for records in groups for record in records])),
-        minutes=float(np.mean([read_note(run)["minutes"] for run in runs])),
+        minutes=float(np.mean([read_state(run)["minutes"] for run in runs])),
         curves=[_curve(run) for run in runs],
     )
 

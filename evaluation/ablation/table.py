@@ -1,4 +1,4 @@
-"""The ablation as a table: one row a variant, for files and for the terminal."""
+"""The table of an ablation, one row for each variant, as a file and for the terminal."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ COLUMNS = (
 
 
 def row(variant: VariantScore, full: VariantScore) -> dict[str, Any]:
-    """Return a variant's row; differences of the full one to itself are empty."""
+    """Return the row of a variant; for the full one, differences are empty."""
     cells: dict[str, Any] = {"variant": variant.variant, "seeds": len(variant.seeds)}
     for metric in METRICS:
         cells |= _cells(metric, variant.mean(metric))

@@ -1,4 +1,4 @@
-"""A training in a process of its own, which reads its run as JSON from stdin."""
+"""The process of one training; it reads the run as JSON from stdin."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.validation import validated
-from indoor_explorers.evaluation.ablation.runs import NOTE, TrainingRun, read_note
+from indoor_explorers.evaluation.ablation.runs import STATE, TrainingRun, read_state
 from indoor_explorers.evaluation.training import find_learner, nested
 
 
 def train_one(run: TrainingRun) -> None:
-    """Train, or go on with what is there; note the minutes in the folder, and the weights at the end."""
+    """Train or resume; write the minutes, and at the end the weights, to the state file."""
     module = find_learner(run.learner)
     config = validated(module.TrainingConfig, nested(run.settings), f"settings of learner {run.learner!r}")
-    before = read_note(run).get("minutes", 0.0)
+    before = read_state(run).get("minutes", 0.0)
     folder, began = Path(run.folder), time.monotonic()
     weights: Path | None = None
     try:
         weights = module.train(config, named_scenario(run.scenario), folder, seed=run.seed, resume=True)
     finally:
         if folder.is_dir():
-            note: dict[str, Any] = {"order": run.identity, "minutes": before + (time.monotonic() - began) / 60}
-            _write(folder / NOTE, note if weights is None else note | {"weights": weights.name})
+            state: dict[str, Any] = {"order": run.identity, "minutes": before + (time.monotonic() - began) / 60}
+            _write(folder / STATE, state if weights is None else state | {"weights": weights.name})
 
 
-def _write(path: Path, note: dict[str, Any]) -> None:
+def _write(path: Path, state: dict[str, Any]) -> None:
     with written_whole(path) as partial:
-        partial.write_text(json.dumps(note, indent=1) + "\n", encoding="utf-8")
+        partial.write_text(json.dumps(state, indent=1) + "\n", encoding="utf-8")
 
 
 def main() -> int:

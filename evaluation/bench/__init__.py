@@ -1,7 +1,7 @@
-"""The speed figures: what a step of the world, a decision and a comparison cost on this machine.
+"""Benchmarks: the time of a step of the world, of a decision and of a comparison on this machine.
 
-Every speed is a median over repetitions in one run. Machines are shared and noisy: compare figures of one
-run with each other, not with those of another day.
+Every speed is a median over repetitions. Machines are shared and noisy: compare figures of one run, not of
+different days.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
-"""The ancestors' step in plain Python and numpy: what the compiled world is compared with.
+"""The step of the predecessors in plain Python and numpy, which the compiled world is compared with.
 
-This is written anew from the descriptions of MarsExplorer (Koutras et al. 2021, doi:10.3390/electronics10222751) and of
-IndoorExplorers, the thesis that this project grew out of; it holds no line of theirs. It works as they do: one
-episode, Python loops over UAVs, a lidar of 32 rays with 200 samples each at every step, whole maps copied to find out
-what is new, and the maps of UAVs in radio contact merged whole. What they do beyond is left out: drawing, images as
-observations, the stuck rule, prompts. It is therefore faster than they are, and a ratio to it is no exaggeration.
-Walls cost a step, as in the worlds it is compared with; the order of moves is the caller's.
+It is written from the descriptions of MarsExplorer (Koutras et al. 2021, doi:10.3390/electronics10222751) and of
+IndoorExplorers, the thesis that this project grew out of, and has no code of theirs. It works as they do: one episode,
+Python loops over UAVs, a lidar of 32 rays with 200 samples each at every step, copies of whole maps to find new cells,
+and whole maps merged between UAVs in radio contact. Drawing, image observations, the stuck rule and prompts are left
+out, so it is faster than they are, and ratios to it are not exaggerated. Walls cost a step, as in the worlds that it
+is compared with; the caller gives the order of moves.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ Map = NDArray[np.float64]
 
 
 class Ancestor:
-    """Explore one room with a team.
+    """One room that a team explores.
 
     Args:
         solid: (H, W) bool, where obstacles are.
-        cells: where the UAVs start.
+        cells: start cells of the UAVs.
         lidar_range: in cells.
         radio_range: in cells, the half side of a square around a UAV; None for no radio.
         goal: share of all cells that a UAV must know.
@@ -63,7 +63,7 @@ class Ancestor:
         self._merge()
 
     def step(self, actions: Sequence[int], order: Sequence[int]) -> tuple[list[Map], list[float], list[bool]]:
-        """Move the UAVs in an order, scan, merge; return the observations, rewards and ends of all."""
+        """Move the UAVs in an order, scan, merge; return the observations, rewards and ends of all UAVs."""
         before = [explored.copy() for explored in self.explored]
         rewards = [STEP] * len(self.cells)
         for agent in order:
@@ -101,7 +101,7 @@ class Ancestor:
         return cells.astype(np.int64).transpose(1, 0, 2)
 
     def _scan(self, agent: int) -> None:
-        """Write what the lidar of a UAV shows into its map; rays end half a cell behind the first obstacle."""
+        """Add the lidar scan of a UAV to its map; rays end half a cell behind the first obstacle."""
         origin = np.array(self.cells[agent])
         lengths = np.full(RAYS, float(self.lidar_range))
         for ray, way in enumerate(self._cells_along(origin, lengths)):
@@ -142,7 +142,7 @@ class Ancestor:
 
 
 def of_world(world: World) -> Ancestor:
-    """Return the ancestor in the room and at the cells of a world's only episode."""
+    """Return an ancestor with the room and the start cells of a world's only episode."""
     task, state = world.scenario, world.state
     cells = [(row, col) for row, col in state.cell[0].tolist()]
     radio_range = task.radio.range if task.radio.model == "square" else None
@@ -151,7 +151,7 @@ def of_world(world: World) -> Ancestor:
 
 
 def ancestor_speed(task: Scenario, steps: int = 64) -> float:
-    """Return the ancestor's agent-steps a second under random moves, starts of episodes left out."""
+    """Return the ancestor's agent-steps a second under random moves, without starts of episodes."""
     world, rng = World(task), np.random.default_rng(0)
     world.reset([0])
     actions = random_moves(1, task.team, steps)[:, 0].tolist()

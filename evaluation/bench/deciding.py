@@ -1,7 +1,7 @@
-"""How long the decisions of a policy take: each UAV's asked for and timed by itself, one core.
+"""Decision times of the policies: one UAV at a time, on one core.
 
-Most decisions follow a plan. Those that make one are told apart by what pilots tally as ``plans``; where a pilot
-does not count them, every decision is taken to make one.
+Most decisions follow a plan. Those that make a plan are recognised by the pilot statistic ``plans``; if a pilot does
+not count plans, every decision is assumed to make one.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from indoor_explorers.env.scenarios.scenario import Radio
 from indoor_explorers.env.simulation.rollout import Uav, make_pilots, rollout
 from indoor_explorers.evaluation.bench.worlds import square
 
-#: Steps of the flight that warms up.
+#: Steps of the warm-up episode.
 WARM_UP = 10
-#: Maps of the growth figures are known except for squares this many lidar ranges wide and apart.
+#: Maps of the growth figures are known except for squares whose side and distance are this many lidar ranges.
 POCKET = 2
-#: Lidar range in cells, steps and flights of the growth figures.
+#: Lidar range in cells, steps and episodes of the growth figures.
 GROWTH_LIDAR, GROWTH_STEPS, GROWTH_FLIGHTS = 5.0, 8, 2
-#: Sides of maps, with one UAV, and sizes of teams, on maps of ``TEAM_SIDE``, whose decisions are measured.
+#: Sides of the maps with one UAV; sizes of the teams on maps with side ``TEAM_SIDE``.
 SIDES, TEAMS, TEAM_SIDE = (16, 32, 64, 128, 256, 512), (1, 2, 4, 8, 16), 128
 
 
 class Decisions(NamedTuple):
-    """D decisions."""
+    """Times of D decisions."""
 
     seconds: NDArray[np.float64]
-    """(D,) what each took."""
+    """(D,) seconds of each decision."""
     planned: NDArray[np.bool_]
-    """(D,) whether it was one that makes a plan."""
+    """(D,) whether it made a plan."""
 
     def median(self) -> float:
         """Return the median in microseconds."""
@@ -48,14 +48,14 @@ class Decisions(NamedTuple):
         return float(np.percentile(self.seconds, 99)) * 1e6
 
     def planning(self) -> float:
-        """Return the median of those that make a plan in microseconds."""
+        """Return the median of the decisions that made a plan, in microseconds."""
         return float(np.median(self.seconds[self.planned])) * 1e6
 
 
 def flown(policy: str, task: Scenario, seeds: Sequence[int], *, pockets: bool = False) -> Decisions:
-    """Return all decisions of some episodes after a short one that does not count.
+    """Return the decisions of the episodes with these seeds, after a short warm-up episode.
 
-    With ``pockets`` three quarters of the map are known from the start.
+    With ``pockets``, three quarters of the map are known from the start.
     """
     _flight(policy, task.with_settings({"budget": WARM_UP}), seeds[0], pockets)
     timed = [pair for seed in seeds for pair in _flight(policy, task, seed, pockets)]
@@ -64,7 +64,7 @@ def flown(policy: str, task: Scenario, seeds: Sequence[int], *, pockets: bool = 
 
 
 def _flight(name: str, task: Scenario, seed: int, pockets: bool) -> list[tuple[float, bool]]:
-    """Return what each decision of an episode took and whether it made a plan."""
+    """Return the seconds of each decision of an episode, and whether it made a plan."""
     world, policy = World(task), make_policy(name)
     world.reset([seed])
     if pockets:
@@ -88,7 +88,7 @@ def _flight(name: str, task: Scenario, seed: int, pockets: bool) -> list[tuple[f
 
 
 def _reveal(world: World) -> None:
-    """Reveal the map to all UAVs, except for squares."""
+    """Reveal the map to all UAVs, except for some squares."""
     width = int(POCKET * GROWTH_LIDAR)
     rows, cols = np.indices(world.state.truth.shape[1:]) // width
     hidden = (rows % 2 == 1) & (cols % 2 == 1)
@@ -98,14 +98,14 @@ def _reveal(world: World) -> None:
 
 @cache
 def decisions(policy: str, side: int, lidar_range: float, team: int, steps: int, flights: int) -> Decisions:
-    """Return the decisions of a team with radio, from the start, on a square map."""
+    """Return the decisions of a team with radio on a square map."""
     radio = Radio(model="square", range=3 * lidar_range)
     task = square(side, lidar_range, team, radio).with_settings({"budget": steps})
     return flown(policy, task, range(flights))
 
 
 def figures() -> dict[str, Callable[[], float]]:
-    """Return what measures each figure, by its name; those of one policy and map are of the same flights."""
+    """Return a function that measures each figure, by name; those of a policy and map share their episodes."""
     found: dict[str, Callable[[], float]] = {}
     for side, cells, team, steps, flights in ((16, 3.0, 2, 200, 5), (250, 10.0, 2, 200, 5), (250, 10.0, 4, 400, 2)):
         for policy in policy_entry_points():
@@ -122,16 +122,16 @@ def _figure(of: Callable[[Decisions], float], take: Callable[[], Decisions]) -> 
 
 @cache
 def planning(policy: str, side: int, team: int) -> float:
-    """Return the microseconds of a decision that makes a plan on a square map of which three quarters are known."""
+    """Return the microseconds of a decision that makes a plan, on a square map of which three quarters are known."""
     radio = Radio(model="unlimited") if team > 1 else Radio()
     task = square(side, GROWTH_LIDAR, team, radio).with_settings({"budget": GROWTH_STEPS})
     return flown(policy, task, range(GROWTH_FLIGHTS), pockets=True).planning()
 
 
 def growth() -> dict[str, Callable[[], float]]:
-    """Return what measures how planning costs more on larger maps and in larger teams, by the figures' names.
+    """Return a function that measures each figure of planning time against map size and team size, by name.
 
-    Policies that know the map are left out: they plan once an episode, for the whole team.
+    Policies that know the map are left out: they plan once in an episode, for the whole team.
     """
     found: dict[str, Callable[[], float]] = {}
     for policy in (name for name in policy_entry_points() if not make_policy(name).privileged):

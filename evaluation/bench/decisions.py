@@ -1,4 +1,4 @@
-"""What flying costs beside the decisions, and what a whole comparison and a training take."""
+"""Benchmarks of the overhead besides decisions, of a whole comparison, and of a training."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from indoor_explorers.evaluation.experiment.planning import plan
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.training import find_learner, nested
 
-#: Moves of an episode that the DDDQN learns from, on average and rounded up.
+#: Average number of moves in an episode that the DDDQN learns from, rounded up.
 TRAINING_STEPS = 52
 
 
 def overhead(policy: str) -> float:
-    """Return what flying costs beside a policy's own decisions, as a percentage of their time, on ``thesis-obstacles``.
+    """Return the time of flying besides a policy's decisions, in percent of these, on ``thesis-obstacles``.
 
-    Views, checks, the step of the world with its scan, and the log, in batches as comparisons fly them.
+    It is made up of views, checks, the steps of the world with their scans, and the log, in batches as in comparisons.
     """
     task, pilot = scenario("thesis-obstacles").for_evaluation(), make_policy(policy)
 
@@ -50,22 +50,22 @@ def comparison_time(episodes: int) -> float:
 
 
 class TrainingCost(NamedTuple):
-    """What came of a training."""
+    """The results of a training."""
 
     seconds: float
-    """What the asked number of episodes takes, evaluations included."""
+    """Seconds for the requested number of episodes, evaluations included."""
     t90: float
-    """Mean steps to 90 % at the last evaluation: greedy, no guard, on maps kept apart from training."""
+    """Mean steps to 90 % at the last evaluation: greedy, without guard, on maps not used in training."""
 
 
 def trained(part: Literal["seconds", "t90"], preset: str, episodes: int) -> float:
-    """Return a figure of a training of the DDDQN as one of its presets does, on about this many episodes."""
+    """Return one result of training the DDDQN with a preset on about this number of episodes."""
     return float(getattr(_trained(preset, episodes), part))
 
 
 @lru_cache(maxsize=2)
 def _trained(name: str, episodes: int) -> TrainingCost:
-    """Train the DDDQN as one of its presets does, on about this many episodes."""
+    """Train the DDDQN with a preset on about this number of episodes."""
     learner = find_learner("dddqn")
     preset = learner.PRESETS[name]
     settings = {**preset.settings, "total_steps": TRAINING_STEPS * episodes}

@@ -1,4 +1,4 @@
-"""The figures of growth, on logarithmic axes: the speed of the world, and what decisions cost."""
+"""Figures of speed and decision time against map size, lidar range, team size and batch size."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from indoor_explorers.evaluation.bench.growth import SERIES, GrowthSeries
 from indoor_explorers.evaluation.report.style.palette import COLOURS
 from indoor_explorers.evaluation.report.style.print_style import FORMATS, LOOK
 
-#: Share of the value by which the highest and lowest point stay clear of the frame.
+#: Factor between the highest and lowest point and the frame.
 ROOM = 2.5
 
 
@@ -44,7 +44,7 @@ def write_growth(measured: Iterable[Figure], folder: Path) -> list[Path]:
 
 
 def growth_figure(values: dict[str, float]) -> Picture:
-    """Draw four panels of agent-steps a second; ``values`` are by the figures' names, missing ones are left out."""
+    """Draw four panels of agent-steps a second; ``values`` are by name, missing ones are left out."""
     picture = Picture(figsize=(7.2, 5.6), layout=ConstrainedLayoutEngine(hspace=0.06, wspace=0.03))
     FigureCanvasAgg(picture)
     picture.suptitle("Speed of the world while UAVs explore", x=0.01, ha="left", fontsize=10.5, fontweight="bold")
@@ -79,7 +79,7 @@ def _panel(axes: Axes, series: GrowthSeries, points: list[tuple[int, float]], co
 
 
 def decisions_figure(values: dict[str, float]) -> Picture:
-    """Draw what a decision that makes a plan costs against the map's side and the team; one line a policy."""
+    """Draw the time of a decision that makes a plan against map size and team size; one line for each policy."""
     picture = Picture(figsize=(7.2, 4.2), layout=ConstrainedLayoutEngine(wspace=0.03))
     FigureCanvasAgg(picture)
     picture.suptitle("Decisions that make a plan, three quarters of the map known", x=0.01, ha="left", fontsize=10.5)
@@ -95,7 +95,7 @@ def decisions_figure(values: dict[str, float]) -> Picture:
 
 
 def _lines(axes: Axes, quantity: str, rest: str, starts: dict[int, str], values: dict[str, float]) -> None:
-    """Draw the figures whose names are one of the starts, by what grows, and a policy."""
+    """Draw one line for each policy; ``starts`` are the beginnings of the figures' names, by size."""
     axes.set(xscale="log", yscale="log", xlabel=quantity)
     axes.set_title(rest, fontsize=8.5, fontweight="normal", color="#444444")
     axes.set_xticks(list(starts), [f"{size}" for size in starts])
@@ -113,12 +113,12 @@ def _lines(axes: Axes, quantity: str, rest: str, starts: dict[int, str], values:
 
 
 def human_time(microseconds: float) -> str:
-    """Return microseconds as an axis shows them: 30 us, 4 ms."""
+    """Format microseconds for an axis: 30 us, 4 ms."""
     return " ".join((short(microseconds / 1e3), "ms") if microseconds >= 1e3 else (short(microseconds), "us"))
 
 
 def short(value: float, digits: int = 1) -> str:
-    """Return a number as an axis shows it: 250k, 1.3M."""
+    """Format a number for an axis: 250k, 1.3M."""
     for by, prefix in ((1e6, "M"), (1e3, "k")):
         if value >= by:
             return f"{float(f'{value / by:.{digits}g}'):g}{prefix}"

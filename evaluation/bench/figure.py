@@ -1,4 +1,4 @@
-"""What a figure is, how it is timed and how figures are written."""
+"""Figures, how they are timed, and how they are written."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
 
-#: Repetitions that a median is taken of, after one that does not count.
+#: Repetitions of which the median is taken, after a warm-up.
 REPEATS = 5
 
 
@@ -26,7 +26,7 @@ class Figure(NamedTuple):
 
 
 class Benchmark(NamedTuple):
-    """One figure to be measured; ``take`` measures it, in seconds to minutes."""
+    """One figure to be measured; ``take`` measures it, which takes seconds to minutes."""
 
     group: str
     name: str
@@ -35,7 +35,7 @@ class Benchmark(NamedTuple):
 
 
 def median_of(measure: Callable[[], float], repeats: int = REPEATS) -> float:
-    """Return the median of ``repeats`` measurements, after one that warms up."""
+    """Return the median of ``repeats`` measurements, after a warm-up."""
     measure()
     return float(np.median([measure() for _ in range(repeats)]))
 

@@ -1,7 +1,7 @@
-"""How the speed of the world changes with the map's area, the lidar's range, the team and the batch.
+"""Benchmarks of the speed of the world against map size, lidar range, team size and batch size.
 
-UAVs explore steadily (:mod:`indoor_explorers.evaluation.bench.exploring`). Area, range and team are measured on one
-core without the starts of episodes, which cost as much as the map is large; the batch on all cores with them.
+UAVs explore steadily (:mod:`indoor_explorers.evaluation.bench.exploring`). Map size, range and team are measured on
+one core without the starts of episodes, whose cost grows with the map; the batch on all cores with them.
 """
 
 from __future__ import annotations
@@ -16,26 +16,26 @@ from indoor_explorers.evaluation.bench.worlds import WORLDS, cores, square, worl
 
 #: Steps of a repetition.
 STEPS = 100
-#: Episodes in a batch where the batch is not what grows.
+#: Episodes in a batch of fixed size.
 BATCH = 16
 
 
 class GrowthSeries(NamedTuple):
-    """One quantity that grows, and what the rest is."""
+    """One quantity that varies."""
 
     name: str
-    """Of its figures, before the quantity."""
+    """Beginning of the names of its figures."""
     quantity: str
     rest: str
     sizes: tuple[int, ...]
     label: Callable[[int], str]
-    """What a figure's name says of a size."""
+    """The size in the name of a figure."""
     speed: Callable[[int], float]
     """Agent-steps a second at a size."""
 
 
 def _steady(task: Scenario) -> float:
-    """Return agent-steps a second on one core, starts of episodes left out."""
+    """Return agent-steps a second on one core, without starts of episodes."""
     moves = exploring_moves(task, BATCH, STEPS)
     return world_speed(task, BATCH, STEPS, moves=moves, resets=False)
 
@@ -79,7 +79,7 @@ SERIES = (
 
 
 def growth() -> dict[str, Callable[[], float]]:
-    """Return what measures each figure, by its name."""
+    """Return a function that measures each figure, by name."""
     return {
         f"{series.name}-{series.label(size)}": partial(series.speed, size) for series in SERIES for size in series.sizes
     }

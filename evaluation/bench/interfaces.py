@@ -1,4 +1,4 @@
-"""What a step costs through the environment interfaces: Gymnasium, PettingZoo and the vector environment."""
+"""Benchmarks of a step through the interfaces: Gymnasium, PettingZoo and the vector environment."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ UNENDING = {"on_collision": "block", "stuck.rule": "off", "goal": 1.0, "denomina
 
 
 def gymnasium_step(steps: int = 2000) -> float:
-    """Return the microseconds of a step of the Gymnasium environment with its default observation, resets left out."""
+    """Return the microseconds of a step of the Gymnasium environment with its default observation, without resets."""
     import gymnasium
 
     env = gymnasium.make("indoor_explorers.env:IndoorExplorers-v0", settings=UNENDING)
@@ -32,7 +32,7 @@ def gymnasium_step(steps: int = 2000) -> float:
 
 
 def pettingzoo_step(steps: int = 2000) -> float:
-    """Return the microseconds of a step of four UAVs in the PettingZoo environment, resets left out."""
+    """Return the microseconds of a step of four UAVs in the PettingZoo environment, without resets."""
     env = parallel_env(scenario="thesis-team-4", settings=UNENDING)
     rng, seconds = np.random.default_rng(0), []
     env.reset(seed=0)

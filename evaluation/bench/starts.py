@@ -1,4 +1,4 @@
-"""What a new process waits for: compiling at first, and starting at every other time."""
+"""Benchmarks of the start of a process, with an empty and with a filled compile cache."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FIRST_EPISODE = (
     "task = scenario('thesis-obstacles').for_evaluation();"
     "list(fly(make_policy('frontier-nearest'), 'frontier-nearest', task, [Task(task.name, 0, 0)]))"
 )
-#: Names the folder of the compile cache.
+#: Environment variable with the folder of the compile cache.
 CACHE = "NUMBA_CACHE_DIR"
 
 
@@ -31,11 +31,11 @@ def first_compile() -> float:
 
 
 def first_step() -> float:
-    """Return the seconds of a new process to its first step of a world when everything is compiled."""
+    """Return the seconds from the start of a process to the first step of a world when everything is compiled."""
     return median_of(lambda: _seconds(FIRST_STEP, {}))
 
 
 def _seconds(program: str, variables: dict[str, str]) -> float:
-    """Return the seconds that a process takes for a program, its own start included."""
+    """Return the seconds that a new process takes for a program, including its start."""
     command, variables = [sys.executable, "-P", "-c", program], os.environ | variables
     return seconds_of(lambda: subprocess.run(command, check=True, env=variables, capture_output=True))

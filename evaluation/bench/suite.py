@@ -1,4 +1,4 @@
-"""All figures: their names, units and order."""
+"""All benchmarks: their names, units and order."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SPEED = "agent-steps/s"
 
 
 def measures(*, everything: bool = False, growing: bool = False) -> list[Benchmark]:
-    """Return what ``bench`` measures; ``growing`` adds how speeds grow, ``everything`` that and what takes minutes."""
+    """Return the benchmarks; ``growing`` adds those of growth, ``everything`` also those that take minutes."""
     found = [*_world(), *_memory(), *_starts(), *_interfaces(), *_lidar(), *_decisions(), *_harness(everything)]
     if growing or everything:
         found += [Benchmark("Growth", name, SPEED, take) for name, take in growth.growth().items()]
@@ -38,7 +38,7 @@ def measures(*, everything: bool = False, growing: bool = False) -> list[Benchma
 
 
 def chosen(among: Sequence[Benchmark], patterns: Sequence[str]) -> list[Benchmark]:
-    """Return the measures whose names match one of the patterns, as file names do."""
+    """Return the benchmarks whose names match one of the file name patterns."""
     found = [measure for measure in among if any(fnmatchcase(measure.name, pattern) for pattern in patterns)]
     if not found:
         groups = ", ".join(dict.fromkeys(f"{measure.name.split('-')[0]}-*" for measure in among))
@@ -47,7 +47,7 @@ def chosen(among: Sequence[Benchmark], patterns: Sequence[str]) -> list[Benchmar
 
 
 def _world() -> Iterator[Benchmark]:
-    """Yield the worlds' speeds, and two of them next to the ancestor's, each measured once."""
+    """Yield the speeds of the worlds, and the ratios of two of them to the ancestor; each speed is measured once."""
     takes = {name: cache(take) for base in WORLDS for name, take in _variants(base)}
     yield from (Benchmark("World", name, SPEED, take) for name, take in takes.items())
     for team in (1, 4):
@@ -60,7 +60,7 @@ def _world() -> Iterator[Benchmark]:
 
 
 def _variants(name: str) -> Iterator[tuple[str, Callable[[], float]]]:
-    """Yield a world under random moves and such that explore, each with all cores and with one."""
+    """Yield a world under random and exploring moves, each with all cores and with one."""
     task, batch = WORLDS[name]
     recorded = cache(partial(exploring.exploring_moves, task, batch, STEPS))
     for kind, moves in (("", lambda: None), ("-exploring", recorded)):

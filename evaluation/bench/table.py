@@ -1,4 +1,4 @@
-"""The figures as lines of text, printed as they come: grouped, aligned, in units that a reader can take in."""
+"""Prints figures as they are measured: grouped, aligned, in readable units."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from indoor_explorers.evaluation.bench.figure import REPEATS, Benchmark, Figure
 from indoor_explorers.evaluation.bench.worlds import cores
 
 NAME_WIDTH = 44
-#: Units with the larger ones of their kind: from which value on, what to divide by, how it is called.
+#: Larger units of a unit: from which value on, divisor, name.
 LARGER = {
     "us": ((1e6, 1e6, "s"), (1e3, 1e3, "ms")),
     "bytes": ((2**20, 2**20, "MiB"), (2**10, 2**10, "KiB")),
@@ -19,7 +19,7 @@ PREFIXES = ((1e6, 1e6, "M "), (1e4, 1e3, "k "))
 
 
 def measured(measures: Iterable[Benchmark], console: Console) -> Iterator[Figure]:
-    """Benchmark and yield one figure after the other, printing each."""
+    """Measure, print and yield one figure after the other."""
     group = None
     for measure in measures:
         if measure.group != group:
@@ -30,7 +30,7 @@ def measured(measures: Iterable[Benchmark], console: Console) -> Iterator[Figure
         yield figure
     many = f"{cores()} core{'s' if cores() > 1 else ''}"
     console.print(
-        f"Speeds are medians of {REPEATS} repetitions on {many}; machines differ, and so do days on one.",
+        f"Speeds are medians of {REPEATS} repetitions on {many}; compare only figures of one run.",
         style="dim",
         highlight=False,
         soft_wrap=True,
@@ -38,13 +38,13 @@ def measured(measures: Iterable[Benchmark], console: Console) -> Iterator[Figure
 
 
 def line_of(figure: Figure) -> str:
-    """Return a figure's line."""
+    """Return the line of a figure."""
     number, unit = human(figure.value, figure.unit)
     return f"  {figure.name:<{NAME_WIDTH}} {number:>8} {unit}"
 
 
 def human(value: float, unit: str) -> tuple[str, str]:
-    """Return a value with three digits and the unit that suits it: 5,320,000 agent-steps/s is 5.32 M of them."""
+    """Return a value with three digits and a suitable unit: 5,320,000 agent-steps/s is 5.32 M agent-steps/s."""
     for least, by, name in LARGER.get(unit, tuple((least, by, prefix + unit) for least, by, prefix in PREFIXES)):
         if value >= least:
             return three_digits(value / by), name

@@ -1,4 +1,4 @@
-"""How fast the world is, and how large: agent-steps a second, scans, and bytes an episode."""
+"""Benchmarks of the world: agent-steps a second, scans, starts, and bytes of an episode."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from indoor_explorers.env.scenarios.scenario import Lidar, Radio
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 from indoor_explorers.evaluation.bench.figure import median_of, seconds_of
 
-#: Steps of a repetition, and of an episode that does not reach its goal.
+#: Steps of a repetition, and the budget of an episode.
 STEPS = 400
 
 
 def square(side: int, lidar_range: float, team: int, radio: Radio | None = None) -> Scenario:
-    """Return a square room with about the thesis's density of obstacles, whose walls only cost a step."""
+    """Return a square room with about the thesis's density of obstacles; hitting a wall only costs a step."""
     return Scenario(
         name=f"{side}x{side}",
         map=ThesisMaps(height=side, width=side, obstacles=5 * side * side // 256),
@@ -38,7 +38,7 @@ def square(side: int, lidar_range: float, team: int, radio: Radio | None = None)
     )
 
 
-#: Worlds whose speed is measured: (scenario, episodes in a batch, about where two cores are fastest).
+#: Worlds whose speed is measured: (scenario, batch size, which is about the fastest on two cores).
 WORLDS = {
     "world-16x16-lidar3-team1": (square(16, 3.0, 1), 8192),
     "world-16x16-lidar3-team4": (square(16, 3.0, 4), 2048),
@@ -48,7 +48,7 @@ WORLDS = {
 
 
 def cores() -> int:
-    """Return how many threads use all cores."""
+    """Return the number of cores."""
     return os.cpu_count() or 1
 
 
@@ -66,11 +66,11 @@ def world_speed(
     moves: NDArray[np.int64] | None = None,
     resets: bool = True,
 ) -> float:
-    """Return agent-steps a second: rewards, ends, observations and, with ``resets``, new episodes included.
+    """Return agent-steps a second, including rewards, ends, observations and, with ``resets``, new episodes.
 
     Observations are all planes of ``channels``, kept up to date in place
-    (:mod:`indoor_explorers.env.observations.incremental`). ``moves`` (K, B, N) are flown over and over, random ones by
-    default. Every repetition flies the same episodes, so moves recorded by
+    (:mod:`indoor_explorers.env.observations.incremental`). ``moves`` (K, B, N) are repeated, random ones by default.
+    Every repetition flies the same episodes, so moves recorded by
     :func:`indoor_explorers.evaluation.bench.exploring.exploring_moves` fit them.
     """
     world = World(task, batch, threads=threads)
@@ -79,7 +79,7 @@ def world_speed(
     live = LivePlanes(world)
 
     def fly() -> float:
-        """Return the seconds of an agent-step; what is not timed is what ``resets`` leaves out."""
+        """Return the seconds of an agent-step; new episodes are only timed with ``resets``."""
         seeds, seconds, flown = first_episodes(world), 0.0, 0
         live.update()
         for step in range(steps):
@@ -95,13 +95,13 @@ def world_speed(
 
 
 def first_episodes(world: World) -> Iterator[int]:
-    """Start the episodes of the first seeds, and return the seeds of those to come."""
+    """Start the episodes of the first seeds, and return an iterator over the next seeds."""
     world.reset(range(world.batch))
     return count(world.batch)
 
 
 def next_episodes(world: World, seeds: Iterator[int]) -> bool:
-    """Start a new episode wherever one is over; return whether there was any."""
+    """Start a new episode wherever one is over; return whether any was."""
     over = np.flatnonzero(~world.flying.any(axis=1)).tolist()
     if over:
         world.restart(over, [next(seeds) for _ in over])
@@ -109,14 +109,14 @@ def next_episodes(world: World, seeds: Iterator[int]) -> bool:
 
 
 def memory(task: Scenario) -> float:
-    """Return the bytes that one episode of a batch takes: those of all arrays of the state."""
+    """Return the bytes of one episode of a batch: those of all arrays of the state."""
     world = World(task, 2)
     world.reset([0, 1])
     return sum(array.nbytes for array in world.state) / world.batch
 
 
 def reset_time(task: Scenario, episodes: int = 50) -> float:
-    """Return the median microseconds of starting one episode anew, its map and first scans included."""
+    """Return the median microseconds of starting an episode, including its map and first scans."""
     world, seconds = World(task), []
     for seed in range(episodes + 1):
         start = time.perf_counter()

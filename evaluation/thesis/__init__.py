@@ -1,4 +1,4 @@
-"""Every experiment of the IndoorExplorers thesis, flown again: as it was, and with its mistakes mended."""
+"""Repeats every experiment of the IndoorExplorers thesis, as it was and with its mistakes corrected."""
 
 from indoor_explorers.evaluation.thesis.running import run_thesis
 

@@ -20,13 +20,13 @@ from indoor_explorers.evaluation.report.style.print_style import FORMATS, LOOK
 from indoor_explorers.evaluation.thesis.experiments import GROUPS
 from indoor_explorers.evaluation.thesis.results import Run
 
-#: Episodes of the thesis's moving average; longer trainings than it drew are averaged over a hundredth.
+#: Smallest window of the moving average, that of the thesis; long trainings use a hundredth of their length.
 LEAST_WINDOW = 10
-#: Scores below this are drawn on a logarithmic scale, so that the others are seen.
+#: Scores below minus this are drawn on a logarithmic scale, so that the others stay visible.
 LARGE = 20_000.0
 #: Steps of an episode in all of the thesis's experiments.
 BUDGET = 400
-#: Places in the palette: what was is vermillion, mended blue, single switches what follows.
+#: Indices in the palette: version thesis is vermillion, mended blue; single switches follow.
 _HUES = (1, 0, 2, 3, 4, 5, 6)
 
 
@@ -44,7 +44,7 @@ def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
 
 
 def figures(runs: Sequence[Run]) -> Iterator[tuple[str, Figure]]:
-    """Yield names and figures: how all versions ended, and three for each group of experiments."""
+    """Yield names and figures: the end results of all versions, and three figures for each group of experiments."""
     yield "versions", versions_figure(runs)
     for group in GROUPS:
         own = [run for run in runs if run.experiment.group == group]
@@ -96,7 +96,7 @@ def grid_figure(runs: Sequence[Run], title: str, draw: Callable[[Axes, Run, str]
 
 
 def _scores(axes: Axes, run: Run, hue: str) -> None:
-    """Draw every score and the moving average."""
+    """Draw the scores and their moving average."""
     episodes = np.arange(1, len(run.scores) + 1)
     size = 1.6 if len(episodes) > 5000 else 2.6
     axes.plot(episodes, run.scores, ".", color=hue, markersize=size, alpha=0.35, markeredgewidth=0, rasterized=True)
@@ -109,13 +109,13 @@ def _scores(axes: Axes, run: Run, hue: str) -> None:
 
 
 def moving_average(values: NDArray[np.float64], window: int) -> NDArray[np.float64]:
-    """Return the means of ``window`` values in a row, of all of them where they are fewer."""
+    """Return the moving average over ``window`` values, or over all if they are fewer."""
     window = min(window, len(values))
     return np.asarray(np.convolve(values, np.full(window, 1.0 / window), "valid"))
 
 
 def _reached(axes: Axes, run: Run, hue: str) -> None:
-    """Draw, over the training, how many greedy episodes got to 90 %, how many UAVs crashed, and the mean coverage."""
+    """Draw the share of greedy episodes with 90 %, of crashed UAVs, and the mean coverage, over the training."""
     lines = (("reached", "90 % reached", "-", hue), ("coverage", "coverage at the end", (0, (4, 2)), hue))
     for figure, label, dash, colour in (*lines, ("crashed", "UAVs crashed", (0, (1, 1.5)), "#444444")):
         axes.plot(run.greedy("episodes"), run.greedy(figure), color=colour, linestyle=dash, linewidth=1.3, label=label)
@@ -126,7 +126,7 @@ def _reached(axes: Axes, run: Run, hue: str) -> None:
 
 
 def coverage_figure(runs: Sequence[Run]) -> Figure:
-    """Draw coverage by step: of training episodes as the thesis does, and of the last greedy evaluation."""
+    """Draw coverage by step of training episodes, as the thesis does, and of the last greedy evaluation."""
     titles, versions = _names(runs)
     figure = _sheet(8.2, 0.8 + 2.3 * len(versions), "Coverage of the map by step")
     panels = figure.subplots(len(versions), 2, sharex=True, sharey=True, squeeze=False)
@@ -151,29 +151,31 @@ def coverage_figure(runs: Sequence[Run]) -> Figure:
 
 
 def _training_curve(run: Run) -> list[float]:
-    """Return the curve from step 0 on, of which training records nothing."""
+    """Return the curve with a NaN for step 0, which training does not record."""
     return [float("nan"), *run.record["training_coverage_by_step"]]
 
 
 def _greedy_curve(run: Run) -> list[float]:
-    """Return the curve up to the budget; the last episode's end is not the end of its coverage."""
+    """Return the curve, continued at its last value up to the budget."""
     curve = list(run.record["greedy_coverage_by_step"])
     return curve + curve[-1:] * (BUDGET + 1 - len(curve))
 
 
 def versions_figure(runs: Sequence[Run]) -> Figure:
-    """Draw, for each experiment, how the versions ended: greedy episodes at 90 %, mean coverage, and T90."""
+    """Draw the end results of each experiment by version: greedy episodes that reached 90 %, coverage, and T90."""
     names = list(dict.fromkeys(run.experiment.name for run in runs))
     _, versions = _names(runs)
     figure = _sheet(
-        8.2, 1.1 + 0.3 * len(names), "At the end of training, greedy: the thesis's learner and what mending changes"
+        8.2,
+        1.1 + 0.3 * len(names),
+        "Greedy, at the end of training: the thesis's learner, as it was and corrected",
     )
     panels = figure.subplots(1, 3, sharey=True)
     figures = (("reached", "90 % reached"), ("coverage", "coverage"), ("t90", "T90 [steps]"))
     for axes, (key, label) in zip(panels, figures, strict=True):
         for rank, version in enumerate(versions):
             own = [run for run in runs if run.version == version]
-            beside = 0.4 * (rank - (len(versions) - 1) / 2) / len(versions)  # so that equal figures are both seen
+            beside = 0.4 * (rank - (len(versions) - 1) / 2) / len(versions)  # so that equal values are both visible
             places = [names.index(run.experiment.name) + beside for run in own]
             dots: dict[str, Any] = {"color": _hue(versions, version), "marker": MARKERS[rank % len(MARKERS)][1]}
             axes.plot([run.greedy(key)[-1] for run in own], places, linestyle="", label=version, markersize=5, **dots)

@@ -1,4 +1,4 @@
-"""The thesis's experiments (its section 4.2), what it says came out, and in which versions they are flown again."""
+"""The thesis's experiments (its section 4.2), what it says about their results, and the versions here."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import did_you_mean
 
-#: The version with every switch as the thesis had it, the one with all mended, and the word for one of each switch.
+#: Names of the version with all switches as in the thesis, of that with all corrected, and of one for each switch.
 AS_WAS, MENDED, EACH = "thesis", "mended", "each"
-#: Trainings among obstacles have this many times the episodes of those in the empty room: 50,000 to 10,000.
+#: Factor of the episodes of trainings among obstacles to those in the empty room: 50,000 to 10,000.
 LONGER = 5
 
 
@@ -22,18 +22,18 @@ class ThesisExperiment(NamedTuple):
     group: str
     """Experiments of a group share figures."""
     title: str
-    """What tells it from the others of its group."""
+    """Its name within the group."""
     scenario: str
     """Preset that it trains on."""
     minutes: float
-    """What the thesis printed for its training."""
+    """Training time that the thesis reports."""
     said: str
-    """What the thesis says of it, with the figure that shows it."""
+    """What the thesis says about it, after the number of the figure."""
     starts_from: str | None = None
-    """ThesisExperiment whose weights it starts from."""
+    """Name of the experiment whose weights it starts from."""
 
     def episodes(self, base: int) -> int:
-        """Return the training episodes when those in the empty room have ``base``."""
+        """Return the number of training episodes, given ``base`` for the empty room."""
         return base if self.group.startswith("rewards") else LONGER * base
 
 
@@ -49,7 +49,7 @@ _OPEN = (
     (54.25, "4.6b: the stabler curve; gets stuck more often than with rule 2"),
     (35.71, "4.6c: mean score above zero from episode 1,020 to 2,000 on; most episodes take less than 275 steps"),
 )
-#: What the page and its figures call the groups.
+#: Titles of the groups.
 GROUPS = {
     "rewards-1": "Reward scenario 1: step -0.5, cell +1, goal +400, crash and stuck -400; empty room",
     "rewards-2": "Reward scenario 2: step -1, cell +10, goal +10,000, crash -100,000, stuck -10,000; empty room",
@@ -96,9 +96,9 @@ def chosen(patterns: Sequence[str]) -> list[ThesisExperiment]:
 
 
 def versions(names: Sequence[str], mended: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return the settings of versions by name: ``thesis``, ``mended``, or one switch that alone is mended.
+    """Return the settings of versions by name: ``thesis``, ``mended``, or a switch that alone is corrected.
 
-    ``each`` stands for every switch by itself.
+    ``each`` stands for one version for each switch.
 
     Raises:
         InputError: there is no such version.

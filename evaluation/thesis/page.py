@@ -14,18 +14,18 @@ from indoor_explorers.evaluation.report.style.formatting import percent
 from indoor_explorers.evaluation.thesis.experiments import GROUPS, ThesisExperiment
 from indoor_explorers.evaluation.thesis.results import Run
 
-#: The figures of a group, with what is to be seen in them.
+#: The figures of a group with their captions.
 FIGURES = {
     "scores": "The thesis's training curve: the first UAV's rewards summed over each episode, random moves included; "
     "black, its moving average over ten episodes or a hundredth of the training.",
-    "coverage": "Left, what the thesis plots: training episodes, of which those that have ended are in no later mean. "
-    "Right, greedy episodes on maps kept apart; one that has ended keeps its coverage.",
-    "greedy": "The network alone, without random moves, on maps kept apart from training; all UAVs fly by it.",
+    "coverage": "Left, as the thesis plots it: training episodes, which are left out of the mean once they have ended. "
+    "Right, greedy episodes on maps not used in training; an episode that has ended keeps its coverage.",
+    "greedy": "The network without random moves, for all UAVs, on maps not used in training.",
 }
 
 
 def write_page(runs: Sequence[Run], config: Any, folder: Path, path: Path) -> None:
-    """Write the page with the figures of ``folder`` in it; ``config`` is the learner's class of settings."""
+    """Write the page with the figures of ``folder``; ``config`` is the class of the learner's settings."""
     environment = Environment(
         loader=PackageLoader("indoor_explorers.evaluation.thesis", "."),
         autoescape=True,

@@ -1,4 +1,4 @@
-"""What the trainings of the thesis's experiments left behind, read back, and its table."""
+"""Reads the results of the thesis's experiments, and writes their table."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.thesis.experiments import ThesisExperiment
 
-#: What a training writes, as :mod:`indoor_explorers.learners.thesis.train` says.
+#: Files of a training, see :mod:`indoor_explorers.learners.thesis.train`.
 RECORD, EPISODES, WEIGHTS = "training.json", "episodes.csv", "weights.safetensors"
 #: Columns of ``summary.csv``; those from ``coverage`` on are of the last greedy evaluation.
 COLUMNS = (
@@ -31,15 +31,15 @@ class Run(NamedTuple):
     version: str
     record: dict[str, Any]
     scores: NDArray[np.float64]
-    """(E,) of the training episodes, exploration included."""
+    """(E,) scores of the training episodes, with exploration."""
 
     def greedy(self, figure: str) -> NDArray[np.float64]:
-        """Return a figure of every greedy evaluation, by training episodes flown: ``episodes`` has those."""
+        """Return one figure of all greedy evaluations; ``episodes`` is the number of training episodes before each."""
         return np.array([evaluation[figure] for evaluation in self.record["evaluations"]], np.float64)
 
     @property
     def team(self) -> int:
-        """UAVs."""
+        """Number of UAVs."""
         return int(self.record["scenario"]["team"])
 
     def row(self) -> dict[str, Any]:
@@ -61,7 +61,7 @@ class Run(NamedTuple):
 
 
 def read_run(experiment: ThesisExperiment, version: str, folder: Path) -> Run | None:
-    """Return the training of a folder, None where there is none that is finished.
+    """Return the finished training of a folder, None if there is none.
 
     Raises:
         InputError: its files are damaged.

@@ -1,4 +1,4 @@
-"""Fly the thesis's experiments one after the other; what is finished is skipped, what was cut goes on."""
+"""Runs the thesis's experiments one after the other; skips finished ones and resumes interrupted ones."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from indoor_explorers.evaluation.thesis.results import WEIGHTS, Run, read_run, w
 from indoor_explorers.evaluation.training import find_learner, run_training
 
 LEARNER = "dddqn-thesis"
-#: Greedy evaluations in the course of a training, and checkpoints.
+#: Number of greedy evaluations and of checkpoints in a training.
 EVALUATIONS, CHECKPOINTS = 20, 5
 
 
@@ -32,7 +32,7 @@ def run_thesis(
     settings: Mapping[str, Any],
     seed: int,
 ) -> list[Run]:
-    """Fly the experiments that match ``patterns`` in the named versions and write what came out into ``out``.
+    """Run the experiments that match ``patterns`` in the named versions and write the results into ``out``.
 
     Writes a folder for each training, ``summary.csv``, ``figures/`` and ``thesis.html``; returns the trainings.
 
@@ -55,7 +55,7 @@ def run_thesis(
 
 
 def _pace(episodes: int, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return how many episodes are flown, and between evaluations and checkpoints where that is not set."""
+    """Return the number of episodes, and the distances of evaluations and checkpoints unless they are set."""
     pace = {
         "evaluation_every": max(1, episodes // EVALUATIONS),
         "checkpoint_every": max(1, episodes // CHECKPOINTS),
@@ -66,7 +66,7 @@ def _pace(episodes: int, settings: Mapping[str, Any]) -> dict[str, Any]:
 def _trained(
     experiment: ThesisExperiment, version: str, settings: Mapping[str, Any], folder: Path, seed: int, console: Console
 ) -> Run:
-    """Return a training, flown now where it is not finished."""
+    """Return a training; run it if it is not finished."""
     run = read_run(experiment, version, folder)
     if run is None:
         console.print(f"{experiment.name}, {version}: {settings['episodes']} episodes", highlight=False)
@@ -80,7 +80,7 @@ def _trained(
 
 
 def _refuse_others(run: Run, settings: Mapping[str, Any], folder: Path, seed: int) -> None:
-    """Refuse a finished training that was asked for otherwise now."""
+    """Refuse a finished training with other settings than those asked for."""
     config = validated(find_learner(LEARNER).TrainingConfig, dict(settings), f"settings of learner {LEARNER!r}")
     mine = {"seed": seed, **config.model_dump(mode="json")}
     for name, value in mine.items():

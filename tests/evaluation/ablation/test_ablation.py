@@ -15,7 +15,7 @@ from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.ablation import running
 from indoor_explorers.evaluation.ablation.drawing import on_one_grid
 from indoor_explorers.evaluation.ablation.running import Failure, train_all
-from indoor_explorers.evaluation.ablation.runs import NOTE, TrainingRun, runs_of
+from indoor_explorers.evaluation.ablation.runs import STATE, TrainingRun, runs_of
 from indoor_explorers.evaluation.ablation.scoring import VariantScore
 from indoor_explorers.evaluation.ablation.table import COLUMNS, write_table
 from indoor_explorers.evaluation.ablation.worker import train_one
@@ -67,7 +67,7 @@ def trained(tmp_path_factory, room):
 
 def inline(patch):
     patch.setattr(running, "TrainingProcess", Inline)
-    patch.setattr(running, "PAUSE", 0.0)
+    patch.setattr(running, "CHECK_INTERVAL", 0.0)
 
 
 def run(out, room, *only, seeds="2", more=()):
@@ -131,7 +131,7 @@ def test_the_figure_is_there_in_every_format(trained):
 def test_a_variant_that_fails_leaves_the_others_alone(trained):
     for variant in ("full", "no-visits"):
         for seed in (1, 2):
-            assert json.loads((trained / variant / f"seed-{seed}" / NOTE).read_text())["weights"]
+            assert json.loads((trained / variant / f"seed-{seed}" / STATE).read_text())["weights"]
     assert not list((trained / "broken").rglob("weights.safetensors"))
 
 
@@ -202,7 +202,7 @@ def test_a_process_tells_why_it_failed_and_goes_on_where_it_was_interrupted(tmp_
         stop.set()
         watcher.join()
         signal.signal(signal.SIGINT, before)
-    note = json.loads((tmp_path / "long" / NOTE).read_text())
+    note = json.loads((tmp_path / "long" / STATE).read_text())
     assert note["minutes"] > 0
     assert "weights" not in note
 
