@@ -81,10 +81,17 @@ def test_links_lead_somewhere():
         assert (ROOT / target).exists(), target
 
 
-def test_the_script_behind_the_costs_of_a_cluster_runs(tmp_path):
-    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "evaluation" / "CLUSTER.md").read_text(), re.DOTALL)
-    brief = script.replace('("thesis-obstacles", 40), ("office", 10)', '("thesis-open", 2),')
-    assert brief != script
-    (tmp_path / "snippet.py").write_text(brief.replace("in DEFAULT_POLICIES", "in DEFAULT_POLICIES[:2]"))
-    done = subprocess.run([sys.executable, "snippet.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
-    assert (done.returncode, len(done.stdout.splitlines())) == (0, 2), done.stderr
+def test_the_scripts_behind_the_costs_of_a_cluster_run(tmp_path):
+    costs, driver = re.findall(r"```python\n(.*?)```", (ROOT / "evaluation" / "CLUSTER.md").read_text(), re.DOTALL)
+    costs = changed(costs, '("thesis-obstacles", 40), ("office", 10)', '("thesis-open", 2),')
+    driver = changed(driver, '("thesis-obstacles", 2000), ("office", 60)', '("thesis-open", 2),')
+    scripts = {"costs": changed(costs, "in POLICIES", "in POLICIES[:2]"), "driver": changed(driver, '"ray"', '"local"')}
+    for (name, script), lines in zip(scripts.items(), (2, 1), strict=True):
+        (tmp_path / f"{name}.py").write_text(script)
+        done = subprocess.run([sys.executable, f"{name}.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+        assert (done.returncode, len(done.stdout.splitlines())) == (0, lines), done.stderr
+
+
+def changed(script, old, new):
+    assert old in script
+    return script.replace(old, new)
