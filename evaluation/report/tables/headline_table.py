@@ -49,7 +49,7 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
     level, times = shared(levels), tabled(levels)
     wide = (WIDEST if known else WIDE) + TIME_WIDTH * (len(times) - 2)
     shown = headings(levels) if width >= wide else short_headings(levels)
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, caption_justify="left")
     table.add_column("policy", overflow="fold", min_width=min(24, max(map(len, results.policies), default=0)))
     for heading in shown:
         table.add_column(heading, justify="right", no_wrap=True)
