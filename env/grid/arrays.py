@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,22 +17,26 @@ Distances: TypeAlias = NDArray[np.int32]
 Cell: TypeAlias = tuple[int, int]
 
 
+#: The arrays whose memory is lent, by the number of their window; no window refers to its array.
+_LENT: dict[int, NDArray[Any]] = {}
+
+
 class _Window:
-    """Lend the memory of an array to numpy, which finds no way from here to write to it."""
+    """Lend the memory of an array to numpy, which finds no way from here to the array or to write to it."""
 
     def __init__(self, array: NDArray[Any]) -> None:
         where, _ = array.__array_interface__["data"]
         self.__array_interface__ = array.__array_interface__ | {"data": (where, True), "strides": array.strides}
-        weakref.finalize(self, _let_go, array).atexit = False  # keeps the memory for as long as it is looked at
+        _LENT[id(self)] = array  # keeps the memory for as long as it is looked at
 
-
-def _let_go(array: NDArray[Any]) -> None:
-    """Drop the last reference to memory that nobody looks at any more."""
+    def __del__(self, lent: dict[int, NDArray[Any]] = _LENT) -> None:
+        lent.pop(id(self), None)
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
     """Return a live view of an array that cannot be made writeable again, nor can anything made from it.
 
-    A plain view of numpy's could: its flag can be set back, and its ``base`` is the array itself.
+    A plain view of numpy's could: its flag can be set back, and its ``base`` is the array itself. Give a slice to show
+    no more than that.
     """
     return np.asarray(_Window(array))

@@ -32,8 +32,15 @@ class Stream(IntEnum):
 
 
 def generator(seed: int, stream: Stream, index: int = 0) -> np.random.Generator:
-    """Return the generator of one stream of an episode; ``index`` tells pilots (agents) apart."""
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(int(stream), index)))
+    """Return the generator of one stream of an episode; ``index`` tells pilots (agents) apart.
+
+    Its ``seed_seq``, which ``spawn`` and ``pickle`` read, is made from random words of the stream and holds no seed: a
+    pilot could draw the true map from that.
+    """
+    sequence = np.random.SeedSequence(seed, spawn_key=(int(stream), index))
+    bits = np.random.PCG64(np.random.SeedSequence(sequence.generate_state(4).tolist()))
+    bits.state = np.random.PCG64(sequence).state
+    return np.random.Generator(bits)
 
 
 def checked_seed(seed: int) -> int:

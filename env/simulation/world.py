@@ -46,9 +46,8 @@ class World:
         self._preparation = Preparation(scenario, batch, self._threads)
         self._engines: list[Engine] = []
         self._state: State | None = None
-        self._beliefs: list[list[Belief]] = []
-        self._legals: list[list[Mask]] = []
-        self._visited: list[list[Mask]] = []
+        self._shown: dict[tuple[int, int], tuple[Belief, Mask, Mask]] = {}
+        """Belief, legal moves and visited cells of each (episode, agent) that was viewed."""
 
     @property
     def state(self) -> State:
@@ -128,9 +127,6 @@ class World:
         self._engines = [
             bind(rules, self._state, lidar, new_work(lidar, self.scenario.team)) for _ in range(self._threads.count)
         ]
-        self._beliefs = [list(team) for team in read_only(self._state.belief)]
-        self._legals = [list(team) for team in read_only(self._state.legal)]
-        self._visited = [list(team) for team in read_only(self._state.visited)]
 
     def floorplan(self, episode: int) -> Floorplan:
         """Return the true map of an episode and its facts."""
@@ -182,15 +178,24 @@ class World:
     def view(self, episode: int, agent: int) -> View:
         """Return the current view of one agent."""
         state = self.state
+        belief, legal, visited = self._shown.get((episode, agent)) or self._show(episode, agent)
         return View(
-            belief=self._beliefs[episode][agent],
+            belief=belief,
             cell=(state.cell.item(episode, agent, 0), state.cell.item(episode, agent, 1)),
-            legal=self._legals[episode][agent],
+            legal=legal,
             step=state.step.item(episode),
             budget=state.budget.item(episode),
             mates=self._mates(episode, agent) if self.scenario.team > 1 else (),
-            visited=self._visited[episode][agent],
+            visited=visited,
         )
+
+    def _show(self, episode: int, agent: int) -> tuple[Belief, Mask, Mask]:
+        """Make the arrays of an agent's views, each with a window of its own: their ``base`` is never the batch."""
+        belief, legal, visited = (
+            read_only(array[episode, agent]) for array in (self.state.belief, self.state.legal, self.state.visited)
+        )
+        self._shown[episode, agent] = belief, legal, visited
+        return belief, legal, visited
 
     def _mates(self, episode: int, agent: int) -> tuple[Mate, ...]:
         state = self.state

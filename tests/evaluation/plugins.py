@@ -13,6 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from indoor_explorers.env import Pilot, Policy
+from tests.seeds import seed_of
 
 
 class Wanderer(Pilot):
@@ -122,13 +123,13 @@ class Leaks(Wander):
 
 
 class Breaks(Wander):
-    """Fly as Wander does, but break at step 5 on odd seeds; the seed is where the first UAV's generator says."""
+    """Fly as Wander does, but break at step 5 on odd seeds; the seed is found by trying."""
 
     class Mind(Wanderer):
         def __init__(self, briefing, policy):
             super().__init__(briefing)
             self.policy = policy
-            self.guilty = briefing.rng.bit_generator.seed_seq.entropy % 2 == 1
+            self.guilty = seed_of(briefing) % 2 == 1
 
         def act(self, view):
             if self.guilty and view.step == 5:
@@ -185,7 +186,7 @@ class HangsTogether(Breaks):
 
 class HangsAtTheStart(Wander):
     def pilot(self, briefing):
-        if briefing.rng.bit_generator.seed_seq.entropy % 2:
+        if seed_of(briefing) % 2:
             time.sleep(60)
         return Wanderer(briefing)
 

@@ -11,6 +11,7 @@ from indoor_explorers.env import Pilot, Policy, PolicyError, World, check_policy
 from indoor_explorers.env.conformance import CHECKS
 from indoor_explorers.env.conformance.latency import latency_text
 from tests.env.conformance.policies import Flying, Honest, Named, make
+from tests.seeds import seed_of
 
 
 def findings(kind, policy=Flying):
@@ -385,7 +386,7 @@ class PoolsByEpisode(Pools):
     """The same, but each episode has a board of its own."""
 
     def key(self):
-        return (self.rng.bit_generator.seed_seq.entropy,)
+        return (seed_of(self.briefing),)
 
 
 def test_pilots_that_share_across_episodes_are_caught():
