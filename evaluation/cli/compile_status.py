@@ -1,4 +1,4 @@
-"""What numba compiles while a comparison waits for it."""
+"""Shows which functions numba is compiling while a comparison waits for them."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import time
 from indoor_explorers.env.grid.compile_cache import compiling_since, not_compiled
 from indoor_explorers.evaluation.report.style.formatting import counted
 
-#: Seconds between two looks at the cache folder.
-EVERY = 0.5
+#: Seconds between two checks of the cache folder.
+CHECK_INTERVAL = 0.5
 
 
 class CompileStatus:
@@ -16,16 +16,16 @@ class CompileStatus:
 
     def __init__(self) -> None:
         self._start = time.time() - 1.0  # file systems' clocks may be behind
-        self._looked = 0.0
+        self._checked = 0.0
         self._missing: set[str] = set()
         self._line = ""
 
     def line(self) -> str:
         """Return what is compiled now, and how many functions were of those that the policies may need, or nothing."""
-        if time.monotonic() - self._looked >= EVERY:
+        if time.monotonic() - self._checked >= CHECK_INTERVAL:
             now = compiling_since(self._start)
             self._line = self._told(now) if now else ""
-            self._looked = time.monotonic()
+            self._checked = time.monotonic()
         return self._line
 
     def _told(self, now: set[str]) -> str:

@@ -19,11 +19,11 @@ from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, shared
 
 #: Seconds between two lines where the output is not a terminal.
-SAY_EVERY = 10.0
+LINE_INTERVAL = 10.0
 
 
 class ProgressBar:
-    """Show the progress of a run: live on a terminal, elsewhere as a line every :data:`SAY_EVERY` seconds."""
+    """Show the progress of a run: live on a terminal, elsewhere as a line every :data:`LINE_INTERVAL` seconds."""
 
     def __init__(self, console: Console, thresholds: Mapping[str, CoverageThreshold] | None = None) -> None:
         """Write to ``console``; ``thresholds`` are those of the scenarios by name, 99 % for others."""
@@ -75,7 +75,7 @@ class ProgressBar:
             self._means.add(record, record.metrics.get(threshold.key) is not None)
         self._flown += len(records)
         self._bar.update(self._task, completed=self._flown, rate=f"{self._rate:.1f} episodes/s", left=self._left)
-        if not self._console.is_terminal and time.monotonic() - self._printed > SAY_EVERY:
+        if not self._console.is_terminal and time.monotonic() - self._printed > LINE_INTERVAL:
             self._printed = time.monotonic()
             self._console.print(self._line(), highlight=False, markup=False, soft_wrap=True)
 
@@ -102,7 +102,7 @@ class ProgressBar:
         if not self._means.episodes:
             return Group(*above)
         tasks = counted(self._means.tasks, "task")
-        caption = f"means over the {tasks} that all of these have flown" if self._means.tasks else None
+        caption = f"means over the {tasks} that all these policies have flown" if self._means.tasks else None
         table = Table(box=None, header_style="dim", pad_edge=False, caption=caption, caption_justify="left")
         table.add_column("policy so far", overflow="ellipsis", no_wrap=True, max_width=32)
         for heading in ("episodes", "failed", "mean AUC", "covered", self._reached):

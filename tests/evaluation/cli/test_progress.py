@@ -64,7 +64,7 @@ def test_what_is_reached_is_the_threshold_of_the_scenario(records):
         assert f"{key[1:]} % reached" in screen.getvalue()
         share = sum(record.metrics[key] is not None for record in records[:3]) / 3
         assert f"{share:.0%}" in screen.getvalue().splitlines()[-2]
-        assert "means over the 3 tasks that all of these have flown" in screen.getvalue()
+        assert "means over the 3 tasks that all these policies have flown" in screen.getvalue()
 
 
 def test_a_terminal_sees_every_policy(records):
@@ -85,7 +85,7 @@ def test_a_terminal_sees_every_policy(records):
 
 def test_what_is_compiled_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr(compile_cache, "cache_folder", lambda: tmp_path)
-    monkeypatch.setattr(compile_status, "EVERY", 0.0)
+    monkeypatch.setattr(compile_status, "CHECK_INTERVAL", 0.0)
     missing = {"view_gain-1a", "beam-2b", "learn-3c"}
     monkeypatch.setattr(compile_status, "not_compiled", lambda: missing)
     (tmp_path / "ab").mkdir()
@@ -106,7 +106,7 @@ def test_what_is_compiled_is_named(tmp_path, monkeypatch):
 
 
 def test_a_log_file_gets_lines(records, monkeypatch):
-    monkeypatch.setattr(progress, "SAY_EVERY", -1.0)
+    monkeypatch.setattr(progress, "LINE_INTERVAL", -1.0)
     screen = io.StringIO()
     with ProgressBar(Console(file=screen, width=100)) as bar:
         bar.begin(5, 5)
@@ -118,7 +118,7 @@ def test_a_log_file_gets_lines(records, monkeypatch):
 
 
 def test_one_episode_is_one_episode(records, monkeypatch):
-    monkeypatch.setattr(progress, "SAY_EVERY", -1.0)
+    monkeypatch.setattr(progress, "LINE_INTERVAL", -1.0)
     screen = io.StringIO()
     with ProgressBar(Console(file=screen, width=100)) as bar:
         bar.begin(1, 1)
