@@ -30,7 +30,7 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
             :class:`~indoor_explorers.evaluation.experiment.request.ComparisonRequest`: ``policies``, ``scenario``,
             ``experiment``, ``maps``, ``resolution``, ``team``, ``episodes``, ``seed``, ``settings``, ``workers``,
             ``engine``, ``address``, ``decision_timeout`` (seconds, None for none), ``memory_limit`` (GB per worker),
-            ``retry_failed``, ``ratio_to``.
+            ``retry_failed``, ``refly``, ``fresh``, ``ratio_to``.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.

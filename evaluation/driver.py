@@ -19,6 +19,7 @@ from indoor_explorers.evaluation.experiment.experiment import Experiment
 from indoor_explorers.evaluation.experiment.provenance import run_facts
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.experiment.selection import chosen_baselines
+from indoor_explorers.evaluation.experiment.sources import outside_files
 from indoor_explorers.evaluation.results.store import Store
 
 if TYPE_CHECKING:
@@ -75,7 +76,8 @@ def fly_missing(
     _make_folder(out)
     with Store(out / "results.db") as store:
         chosen_baselines([*store.policies(), *about], [], how.ratio_to)  # refuses unknown ones before anything is flown
-        number = store.begin_run(experiment, about, run_facts(command, how.engine, how.workers))
+        facts = run_facts(command, how.engine, how.workers)
+        number = store.begin_run(experiment, about, facts, refly=how.refly, fresh=how.fresh)
         finished = store.finished(failed=not how.retry_failed)
         workload = Workload(experiment, finished, _worker_count(how))
         if watcher is not None:
@@ -96,7 +98,7 @@ def _worker_count(request: ComparisonRequest) -> int:
 
 
 def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
-    """Return the facts that results store about a policy: class, parameters, weights, flags, and a hash."""
+    """Return the facts that results store about a policy: class, parameters, weights, sources, flags, and a hash."""
     parameters: dict[str, Any] = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
     facts = {
         "use": use,
@@ -106,6 +108,7 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
         **policy.provenance(),
     }
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
+    facts |= {"sources": outside_files(policy, use)}
     return facts | {"hash": digest, "uses_generator": policy.uses_generator, "batched": policy.batched}
 
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import sysconfig
+import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
+from pathlib import Path
 
 import numpy as np
 
+import indoor_explorers.env
+import indoor_explorers.evaluation
 from indoor_explorers.env import InputError, Policy, Scenario, World
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.policy import is_action
@@ -23,6 +28,9 @@ from indoor_explorers.evaluation.experiment.experiment import Task
 BATCH_CELLS = 20_000_000
 #: Exceptions of a policy that fail its episode; Ctrl-C does not.
 BREAKING = (Exception, SystemExit, DecisionTimeout)
+#: Folders whose code asks policies, and that of Python itself.
+_OURS = {Path(each.__path__[0]) for each in (indoor_explorers.env, indoor_explorers.evaluation)}
+_STDLIB = Path(sysconfig.get_path("stdlib"))
 
 
 class _BatchFailed(Exception):
@@ -184,11 +192,26 @@ class _Batch:
 
 
 def describe_error(error: BaseException) -> str:
-    """Return the type and message of a policy's exception as one short line of valid UTF-8."""
+    """Return the type, message and place of a policy's exception as one short line of valid UTF-8."""
     try:
         text = str(error)
     except BREAKING as worse:
         text = f"its message raised {type(worse).__name__}"
     kind = "" if isinstance(error, DecisionTimeout) else f"{type(error).__name__}: "
-    line = " ".join(f"{kind}{text}".split())[:500]
+    line = " ".join(f"{kind}{text}".split())[:500] + _place(error)
     return line.encode("utf-8", "replace").decode()
+
+
+def _place(error: BaseException) -> str:
+    """Return where a policy raised, empty if it did not: the last line of its code, or of a library that it called."""
+    if isinstance(error, DecisionTimeout):  # anywhere
+        return ""
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not _OURS.intersection(_folders(frame))]
+    own = [frame for frame in frames if "site-packages" not in frame.filename and _STDLIB not in _folders(frame)]
+    for frame in (own or frames)[-1:]:
+        return f" ({Path(frame.filename).name}:{frame.lineno} in {frame.name})"
+    return ""
+
+
+def _folders(frame: traceback.FrameSummary) -> set[Path]:
+    return set(Path(frame.filename).parents)

@@ -88,6 +88,11 @@ class ComparisonRequest(Request):
     """Fail an episode when its process uses more memory (default: four fifths of the machine's memory / workers)."""
     retry_failed: Annotated[bool, Option()] = False
     """Fly failed episodes again and replace them; without this they count as finished."""
+    refly: Annotated[bool, Option()] = False
+    """Fly all episodes of a policy again whose sources, files or parameters are not those of the stored ones; without
+    this such a policy is refused."""
+    fresh: Annotated[bool, Option()] = False
+    """Delete what the folder's results.db holds, and start again."""
     engine: Annotated[str, Option(choices=ENGINES)] = ENGINES[0]
     """Where episodes are flown: in worker processes of this machine, or on a Ray cluster."""
     address: Annotated[str | None, Option(metavar="HOST:PORT")] = None

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.results.policy_version import differing_fields, version_difference
 from indoor_explorers.evaluation.results.results import Results
-from indoor_explorers.evaluation.results.store import identity
 
 #: Settings of a scenario that do not change the task.
 ASIDE = ("name", "fingerprint", "map.paths")
-#: Limits of a message: fields named, and characters of a value.
-NAMED, SHOWN = 8, 60
 
 
 def combined(parts: Sequence[Results]) -> Results:
@@ -53,9 +50,8 @@ def _refuse_unlike(one: Results, other: Results) -> None:
             raise InputError(f"scenario {name!r} is not the same task in both results; what differs: {difference}")
         _refuse_other_seeds(one, other, name)
     for name in (name for name in one.policies if name in other.policies):
-        ours, theirs = identity(one.policies[name]), identity(other.policies[name])
-        if ours != theirs:
-            what = differing_fields(ours, theirs, aside=("hash",)) or "its hash"
+        what = version_difference(one.policies[name], other.policies[name])
+        if what:
             raise InputError(
                 f"policy {name!r} is not the same in both results; what differs: {what}; rename it in one of them"
             )
@@ -128,29 +124,3 @@ def _ending(record: Record) -> str:
 def _commits(results: Results) -> str:
     commits = dict.fromkeys(str(run.get("commit", "unknown")) for run in results.runs)
     return "commit " + " or ".join(commits or ["unknown"])
-
-
-def differing_fields(one: Mapping[str, Any], other: Mapping[str, Any], *, aside: Sequence[str] = ()) -> str:
-    """Name the fields in which two nested mappings differ in dotted form, such as ``radio.range (3.0 and 4.0)``."""
-    ours, theirs = dict(flat(one)), dict(flat(other))
-    differing = [
-        f"{key} ({_value(ours, key)} and {_value(theirs, key)})"
-        for key in dict.fromkeys((*ours, *theirs))
-        if key not in aside and ours.get(key) != theirs.get(key)
-    ]
-    more = f" and {len(differing) - NAMED} more" if len(differing) > NAMED else ""
-    return ", ".join(differing[:NAMED]) + more
-
-
-def flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the values of a nested mapping with their dotted keys."""
-    for key, value in settings.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{prefix}{key}.")
-        else:
-            yield prefix + key, value
-
-
-def _value(fields: Mapping[str, Any], key: str) -> str:
-    text = str(fields[key]) if fields.get(key) is not None else "not set"
-    return text if len(text) <= SHOWN else text[: SHOWN - 1] + "…"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import sqlite3
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -23,6 +23,7 @@ from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Experiment, Task, merged_experiments
+from indoor_explorers.evaluation.results.policy_version import version_difference
 
 FORMAT = 3
 #: Differences that a refusal names.
@@ -82,13 +83,10 @@ def _not_written(path: Path, error: sqlite3.Error) -> RunError:
     )
 
 
-#: Facts about a policy that its class and parameters already decide; older stores do not have them.
-DERIVED_FACTS = ("uses_generator", "batched")
-
-
-def identity(about: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the facts by which a policy is recognised."""
-    return {key: value for key, value in about.items() if key not in DERIVED_FACTS}
+def _some(differences: list[str]) -> str:
+    """Return the first of some differences, and how many more there are."""
+    more = [f"and {len(differences) - MOST_NAMED} more"] if len(differences) > MOST_NAMED else []
+    return "; ".join(differences[:MOST_NAMED] + more)
 
 
 class Store:
@@ -136,18 +134,35 @@ class Store:
 
     # -- the experiment -------------------------------------------------------------------------------
 
-    def begin_run(self, experiment: Experiment, policies: dict[str, dict[str, Any]], facts: dict[str, Any]) -> int:
+    def begin_run(
+        self,
+        experiment: Experiment,
+        policies: dict[str, dict[str, Any]],
+        facts: dict[str, Any],
+        *,
+        refly: bool = False,
+        fresh: bool = False,
+    ) -> int:
         """Store the experiment and a new run of it; return the run's number.
 
-        An experiment may gain policies and episodes. Any other difference from what the store holds is refused.
+        An experiment may gain policies and episodes. Any other difference from what the store holds is refused, but
+        with ``refly`` a policy that is another version of the stored one loses its episodes, and with ``fresh``
+        everything that is stored goes.
 
         Raises:
             InputError: the store holds another experiment; the message names what differs.
             RunError: the disk is full.
 
         """
-        self._refuse_another(experiment, policies)
+        if not fresh:
+            self._refuse_another(experiment, policies, refly=refly)
         with _transaction(self._db, self.path):
+            if fresh:
+                self._db.execute("DELETE FROM meta WHERE key = 'seed'")
+                for table in ("episode", "floorplan", "scenario", "policy", "run"):
+                    self._db.execute(f"DELETE FROM {table}")
+            for name in self._other_versions(policies):
+                self._db.execute("DELETE FROM episode WHERE policy = ?", (name,))
             for name, about in policies.items():
                 self._db.execute(
                     "INSERT INTO policy VALUES (?, (SELECT count(*) FROM policy), ?)"
@@ -165,8 +180,17 @@ class Store:
         assert run is not None
         return run
 
-    def _refuse_another(self, experiment: Experiment, policies: dict[str, dict[str, Any]]) -> None:
-        way_out = "choose another --out, or remove that folder to start again"
+    def _other_versions(self, policies: dict[str, dict[str, Any]]) -> dict[str, str]:
+        """Return how policies differ from those of the same name that the store has episodes of, by name."""
+        rows = self._db.execute("SELECT name, facts FROM policy WHERE name IN (SELECT policy FROM episode)")
+        known = {name: json.loads(facts) for name, facts in rows}
+        found = {name: version_difference(known[name], policies[name]) for name in policies if name in known}
+        return {name: difference for name, difference in found.items() if difference}
+
+    def _refuse_another(
+        self, experiment: Experiment, policies: dict[str, dict[str, Any]], *, refly: bool = False
+    ) -> None:
+        way_out = "choose another --out, or start this one again with --fresh"
         seed = self._db.execute("SELECT value FROM meta WHERE key = 'seed'").fetchone()
         if seed is None:
             return
@@ -180,16 +204,15 @@ class Store:
         differing += [
             f"the settings of scenario {name!r}" for name in asked if name in held and held[name] != asked[name]
         ]
-        known = {name: json.loads(facts) for name, facts in self._db.execute("SELECT name, facts FROM policy")}
-        differing += [
-            f"the parameters of policy {name!r}"
-            for name in policies
-            if name in known and identity(known[name]) != identity(policies[name])
-        ]
         if differing:
-            more = [f"and {len(differing) - MOST_NAMED} more"] if len(differing) > MOST_NAMED else []
-            named = "; ".join(differing[:MOST_NAMED] + more)
+            named = _some(differing)
             raise InputError(f"{self.path} holds another experiment; what differs: {named}; {way_out}")
+        others = [f"policy {name!r}: {difference}" for name, difference in self._other_versions(policies).items()]
+        if others and not refly:
+            raise InputError(
+                f"{self.path} holds episodes flown by another version of a policy; what differs: {_some(others)}; "
+                "fly them again with --refly, or choose another --out"
+            )
 
     # -- episodes -------------------------------------------------------------------------------------
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, OF_THE_MACHINE, Measure
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.report.style.formatting import counted, decimals_for, fixed, with_interval
-from indoor_explorers.evaluation.results.combine import differing_fields, scenario_difference
+from indoor_explorers.evaluation.results.combine import scenario_difference
+from indoor_explorers.evaluation.results.policy_version import differing_fields, version_difference
 from indoor_explorers.evaluation.results.results import Results
-from indoor_explorers.evaluation.results.store import identity
 from indoor_explorers.evaluation.statistics import (
     CONFIDENCE,
     Estimate,
@@ -223,9 +223,9 @@ def _identity(new: Results, old: Results, scenario: str, policy: str) -> Identit
 
 def _policy_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
     """Name what differs in a policy: only the class if that differs, else the parameters."""
-    fields = ("class",) if old.get("class") != new.get("class") else tuple({**old, **new})
-    known = [{key: each[key] for key in fields if key in each} for each in (identity(old), identity(new))]
-    return differing_fields(known[0], known[1], aside=("hash",))
+    if old.get("class") != new.get("class"):
+        return differing_fields({"class": old.get("class")}, {"class": new.get("class")})
+    return version_difference(old, new)
 
 
 def _apart(new: Results, old: Results) -> Iterator[str]:

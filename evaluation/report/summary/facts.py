@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.evaluation.report.style.formatting import counted
-from indoor_explorers.evaluation.results.combine import flat
+from indoor_explorers.evaluation.results.policy_version import flat
 
 #: The denominator of coverage in words, by the scenario's setting.
 DENOMINATORS = {

@@ -9,7 +9,8 @@ from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.results.combine import combined, differing_fields
+from indoor_explorers.evaluation.results.combine import combined
+from indoor_explorers.evaluation.results.policy_version import differing_fields
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.plugins import Wander
 

@@ -67,7 +67,7 @@ def test_a_store_from_before_a_derived_fact_goes_on_and_learns_it(tmp_path):
         assert store.begin_run(planned, facts, {"command": "y"}) == 2
         assert store.policies() == facts
         other = {name: each | {"use": "another"} for name, each in facts.items()}
-        with pytest.raises(InputError, match="holds another experiment"):
+        with pytest.raises(InputError, match="holds episodes flown by another version of a policy"):
             store.begin_run(planned, other, {"command": "z"})
 
 
@@ -122,16 +122,19 @@ def test_another_experiment_is_refused(changes, message, tmp_path):
 def test_other_parameters_of_a_policy_are_refused(tmp_path):
     filled(tmp_path / "results.db")
     planned = experiment()
-    with Store(tmp_path / "results.db") as store, pytest.raises(InputError, match="the parameters of policy 'w'"):
+    with Store(tmp_path / "results.db") as store, pytest.raises(InputError, match="policy 'w': privileged"):
         store.begin_run(planned, {"w": {"use": POLICY, "privileged": True}}, {})
 
 
 def test_of_many_differences_a_few_are_named(tmp_path):
     planned = experiment(policies=[{"use": POLICY, "name": f"p{n}"} for n in range(9)])
+    record = filled(tmp_path / "other.db")[0]
     with Store(tmp_path / "results.db") as store:
         store.begin_run(planned, about(planned), {})
+        for policy in planned.policies:
+            store.add(replace(record, policy=policy.name), 1)
         others = {name: facts | {"privileged": True} for name, facts in about(planned).items()}
-        with pytest.raises(InputError, match=r"policy 'p0'; .*policy 'p3'; and 5 more; choose another --out"):
+        with pytest.raises(InputError, match=r"policy 'p0': .*'p3': [^;]*; and 5 more; fly them again"):
             store.begin_run(planned, others, {})
 
 
