@@ -1,26 +1,37 @@
 """Checks that a UAV's choices depend only on what it may know: not on unseen cells or teammates out of contact.
 
-All follow one law. A pilot is a function of its briefing and of the views that it has been given. So, when anything
-else is changed, a UAV whose views have been the same up to a step must choose the same at that step.
+All but one follow one law. A pilot is a function of its briefing and of the views that it has been given. So, when
+anything else is changed, a UAV whose views have been the same up to a step must choose the same at that step.
+
+A policy that makes the true map from what its generator tells of the seed keeps this law. It is found by its results:
+generators and maps of different seeds are paired in every way, and no pairing may be better than the others.
 """
 
 from __future__ import annotations
 
+from itertools import permutations
+
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env.conformance.causes import shared_things
 from indoor_explorers.env.conformance.findings import CannotFly, Differs, Violation
 from indoor_explorers.env.conformance.flying import Changed, is_privileged
-from indoor_explorers.env.conformance.harness import FIRST, SOLO, TEAM, Harness
+from indoor_explorers.env.conformance.harness import FIRST, SOLO, STEPS, TEAM, Harness
 from indoor_explorers.env.conformance.traces import Setup, Trace, compare
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import MapSource, OfficeMap, ThesisMaps
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.env.simulation.world import World
 
 #: Steps up to which unseen cells are changed.
 MOMENTS = (1, 5, 15, 30)
+#: Seeds whose generators and maps are paired in every way.
+SEEDS = range(11, 18)
+#: The highest p-value at which a policy is said to know the map of its seed.
+SIGNIFICANT = 1e-3
 #: False sources of maps in the briefings.
 TOLD: tuple[MapSource, ...] = (OfficeMap(), ThesisMaps(obstacles=0), ThesisMaps(obstacles=60, obstacle_size=(1, 1)))
 #: How to fix a policy that depends on that.
@@ -63,6 +74,55 @@ def changed_where_unseen(scenario: Scenario, trace: Trace, step: int) -> Setup |
     flip = unseen & (np.random.default_rng(step).random(plan.shape) < 0.5)
     truth = np.where(flip, np.where(plan.truth == FREE, OCCUPIED, FREE), plan.truth).astype(np.uint8)
     return Setup(trace.setup.seed, Floorplan(truth, "changed where unseen"), spawns) if flip.any() else None
+
+
+def check_seed(harness: Harness) -> str:
+    """Pair generators with maps of other seeds: a policy must not explore better on the map of its generator's seed."""
+    if is_privileged(harness.policy):
+        return "not checked: the policy is privileged and knows the true map"
+    maps = [_on_own_map(seed) for seed in SEEDS]
+    explored = np.zeros((len(maps), len(maps)), np.int64)
+    for shift in range(len(maps)):
+        seen = _explored_by(harness, [setup._replace(seed=SEEDS[n - shift]) for n, setup in enumerate(maps)], maps)
+        if shift and sum(seen) >= np.trace(explored):
+            return f"{len(maps)} maps, {shift + 1} generators on each: no better on the map of the same seed"
+        for n, cells in enumerate(seen):
+            explored[n - shift, n] = cells
+    chance = matching_chance(explored)
+    if chance <= SIGNIFICANT:
+        raise Differs(
+            f"explores better on the map of its generator's seed than on maps of other seeds (p = {chance:.1g})",
+            "draw numbers from briefing.rng and do nothing else with it, above all never make the map of its seed",
+        )
+    return f"{len(maps)} maps and generators, all pairs: hardly better on the map of the same seed (p = {chance:.2g})"
+
+
+def _on_own_map(seed: int) -> Setup:
+    """Return the start on a seed's own map, which stays when the seed is replaced."""
+    plan = draw_floorplan(SOLO, seed)
+    return Setup(seed, plan, tuple(draw_spawns(SOLO, plan, seed)))
+
+
+def _explored_by(harness: Harness, setups: list[Setup], own: list[Setup]) -> list[int]:
+    """Return the number of cells seen in each episode, summed over the steps; ``own`` has the seeds of the maps."""
+    try:
+        traces = harness.fly(SOLO, setups)
+    except CannotFly as error:
+        if setups == own:
+            raise
+        raise Violation(
+            f"the policy fails on a map that is not the one of its generator's seed ({error.found})",
+            "draw numbers from briefing.rng and do nothing else with it",
+        ) from error
+    seen = [[unseen.count(0) for unseen in trace.unseen] for trace in traces]
+    return [sum(each) + (STEPS - len(each)) * each[-1] for each in seen]  # it stays as it was after an episode's end
+
+
+def matching_chance(explored: NDArray[np.int64]) -> float:
+    """Return the p-value of the sum of a square matrix's diagonal among those of all permutations of its rows."""
+    orders = np.array(list(permutations(range(len(explored)))))
+    sums = explored[orders, np.arange(len(explored))].sum(axis=1)
+    return float(np.mean(sums >= np.trace(explored)))
 
 
 def check_generator(harness: Harness) -> str:

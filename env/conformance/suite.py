@@ -14,7 +14,12 @@ from indoor_explorers.env.conformance.determinism import (
 )
 from indoor_explorers.env.conformance.findings import CannotFly, Differs, Finding, Violation
 from indoor_explorers.env.conformance.harness import Harness
-from indoor_explorers.env.conformance.information_leaks import check_generator, check_unlinked, check_unseen
+from indoor_explorers.env.conformance.information_leaks import (
+    check_generator,
+    check_seed,
+    check_unlinked,
+    check_unseen,
+)
 from indoor_explorers.env.conformance.latency import report_large_latency, report_latency
 from indoor_explorers.env.policies.policy import Policy
 
@@ -30,6 +35,7 @@ CHECKS: dict[str, Callable[[Harness], str]] = {
     "pilots share nothing": check_independent,
     "order of the batch": check_order,
     "no hidden knowledge": check_unseen,
+    "map of the seed": check_seed,
     "map generator": check_generator,
     "unlinked teammates": check_unlinked,
     "latency": report_latency,
