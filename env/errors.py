@@ -5,6 +5,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+#: Characters of what a policy said went wrong that are kept.
+LONGEST = 500
+
 
 class InputError(ValueError):
     """Report input of a user that cannot be used.
@@ -32,3 +35,10 @@ def did_you_mean(word: str, known: Iterable[str], prefix: str = "") -> str:
     if close:
         return f"; did you mean {prefix + close[0]!r}?"
     return f"; known: {', '.join(prefix + name for name in names) or 'none'}"
+
+
+def one_line(text: str, most: int = LONGEST) -> str:
+    """Return a text as one line that can be printed: control characters escaped, and cut after ``most`` characters."""
+    flat = " ".join(text[: 2 * most].split())
+    shown = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in flat)
+    return shown if len(shown) <= most else shown[: most - 1] + "…"

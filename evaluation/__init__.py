@@ -10,11 +10,11 @@ from indoor_explorers.env.lazy_names import lazy_names
 from indoor_explorers.evaluation.compare import compare
 
 if TYPE_CHECKING:
-    from indoor_explorers.evaluation.driver import policy_facts
     from indoor_explorers.evaluation.engines.local import fly_job
     from indoor_explorers.evaluation.engines.workload import missing_jobs
     from indoor_explorers.evaluation.experiment.experiment import Experiment
     from indoor_explorers.evaluation.experiment.planning import plan
+    from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
     from indoor_explorers.evaluation.experiment.request import ComparisonRequest
     from indoor_explorers.evaluation.experiment.selection import DEFAULT_POLICIES
     from indoor_explorers.evaluation.results.results import Results
@@ -34,7 +34,7 @@ __all__ = [
 ]
 
 _MODULES = {
-    "driver": ("policy_facts",),
+    "experiment.policy_facts": ("policy_facts",),
     "engines.local": ("fly_job",),
     "engines.workload": ("missing_jobs",),
     "experiment.experiment": ("Experiment",),

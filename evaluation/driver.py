@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import dataclasses
-import hashlib
-import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from indoor_explorers.env import InputError, Policy
+from indoor_explorers.env import InputError
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.engines.factory import make_engine
+from indoor_explorers.evaluation.engines.loading import load_facts
 from indoor_explorers.evaluation.engines.workload import Workload
 from indoor_explorers.evaluation.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.experiment.experiment import Experiment
+from indoor_explorers.evaluation.experiment.limits import limits_for
 from indoor_explorers.evaluation.experiment.provenance import run_facts
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.experiment.selection import chosen_baselines
-from indoor_explorers.evaluation.experiment.sources import outside_files
 from indoor_explorers.evaluation.results.store import Store
 
 if TYPE_CHECKING:
@@ -69,7 +67,8 @@ def fly_missing(
     """Fly the episodes that ``out/results.db`` lacks, and write nothing else; see :func:`run`."""
     how = request
     fly_jobs = make_engine(how.engine, how.workers, how.address, how.decision_timeout, how.memory_limit)
-    about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
+    limits = None if how.workers == 0 else limits_for(1, how.decision_timeout, how.memory_limit)
+    about = {choice.name: load_facts(choice, limits) for choice in experiment.policies}
     for scenario in experiment.scenarios:  # refuses maps on which the team cannot start before anything is flown
         for index in range(scenario.map.count):
             draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
@@ -95,21 +94,6 @@ def _worker_count(request: ComparisonRequest) -> int:
     if request.workers is not None:
         return request.workers
     return CLUSTER_WORKERS if request.engine == "ray" else os.cpu_count() or 1
-
-
-def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
-    """Return the facts that results store about a policy: class, parameters, weights, sources, flags, and a hash."""
-    parameters: dict[str, Any] = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
-    facts = {
-        "use": use,
-        "class": f"{type(policy).__module__}:{type(policy).__qualname__}",
-        "privileged": policy.privileged,
-        "parameters": {name: repr(value) for name, value in parameters.items()},
-        **policy.provenance(),
-    }
-    digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
-    facts |= {"sources": outside_files(policy, use)}
-    return facts | {"hash": digest, "uses_generator": policy.uses_generator, "batched": policy.batched}
 
 
 def _make_folder(out: Path) -> None:

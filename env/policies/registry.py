@@ -12,6 +12,7 @@ import importlib
 import inspect
 from collections import defaultdict
 from collections.abc import Mapping
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
@@ -20,6 +21,8 @@ from indoor_explorers.env.policies.policy import Policy
 
 GROUP = "indoor_explorers.policies"
 OPENERS = "indoor_explorers.openers"
+#: The parts of this package that hold its own policies.
+PARTS = ("planners", "learners")
 #: Which extra of the distribution brings an optional module.
 EXTRAS = {
     "torch": "rl",
@@ -118,19 +121,38 @@ def _declared(group: str, what: str) -> dict[str, EntryPoint]:
     return {name: found[name][0] for name in sorted(found)}
 
 
+@cache
+def is_own_policy(name: str) -> bool:
+    """Tell, without importing anything, whether the code that makes a policy is of this package.
+
+    Raises:
+        InputError: no such name.
+
+    """
+    target, _ = _target(name)
+    package, _, rest = target.partition(".")
+    return package == __name__.partition(".")[0] and rest.partition(".")[0] in PARTS
+
+
 def _load(name: str) -> tuple[Any, dict[str, str]]:
     """Return what makes the policy, and the parameters that its name gives."""
+    target, given = _target(name)
+    return _found(name, target), given
+
+
+def _target(name: str) -> tuple[str, dict[str, str]]:
+    """Return ``module:attribute`` of what makes the policy, and the parameters that its name gives."""
     known, openers = policy_entry_points(), opener_entry_points()
     before, colon, path = name.partition(":")
     if not colon and name in known:
-        return _found(name, known[name].value), {}
+        return known[name].value, {}
     if before not in openers:
         if not colon:
             raise InputError(f"unknown policy {name!r}{did_you_mean(name, {*known, *openers})}")
-        return _found(name, name), {}
+        return name, {}
     if not path:
         raise InputError(f"policy {name!r}: expected {before}:PATH, got no path")
-    return _found(name, openers[before].value), {"path": path}
+    return openers[before].value, {"path": path}
 
 
 def _found(name: str, target: str) -> Any:

@@ -11,13 +11,15 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from indoor_explorers.env.errors import InputError, PolicyError, RunError, did_you_mean
+from indoor_explorers.env.errors import InputError, PolicyError, RunError, did_you_mean, one_line
 from indoor_explorers.evaluation.cli.arguments import add_options
 from indoor_explorers.evaluation.cli.command import KEPT, debugging
 from indoor_explorers.evaluation.cli.commands import COMMANDS
 
 #: Exit statuses.
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
+#: Characters of an error's line.
+LONGEST_LINE = 2000
 #: What the system says when a file finds no room: full disk, full quota, file too large.
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
@@ -80,8 +82,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (InputError, PolicyError, RunError) as error:
         if debugging():
             raise
-        line = " ".join(str(error).split())
-        sys.stderr.write(f"indoor-explorers: {line}\n")
+        sys.stderr.write(f"indoor-explorers: {one_line(str(error), LONGEST_LINE)}\n")
         return USAGE if isinstance(error, InputError) else FAILED
     except BrokenPipeError:
         sys.stderr.close()
@@ -89,7 +90,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         if debugging():
             raise
-        sys.stderr.write(f"indoor-explorers: {_system_error(error)}\n")
+        sys.stderr.write(f"indoor-explorers: {one_line(_system_error(error), LONGEST_LINE)}\n")
         return FAILED
     except KeyboardInterrupt:
         sys.stderr.write(f"indoor-explorers: interrupted; {kept}\n")

@@ -7,6 +7,7 @@ Limits on time and memory are enforced by the process that started it, see
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import threading
@@ -19,20 +20,25 @@ from typing import Any
 from numba.core import event
 
 from indoor_explorers.env import Briefing, InputError, Pilot, Policy
-from indoor_explorers.env.errors import RunError
+from indoor_explorers.env.errors import PolicyError, RunError
 from indoor_explorers.evaluation.episodes.runner import BREAKING, describe_error, fly
-from indoor_explorers.evaluation.episodes.shared_steps import Clock, SharedStepBuffer
-from indoor_explorers.evaluation.experiment.experiment import Job
+from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer
+from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice
+from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
 
 #: Seconds between two checks that the driver is still running.
 CHECK_INTERVAL = 0.5
+#: What is timed when a policy is loaded.
+LOADING = "importing and making it"
 #: numba has no types for its events.
 _Listener: Any = event.Listener
 _register: Any = event.register
 
 
 def serve(connection: Connection, buffer: SharedStepBuffer, driver: int) -> None:
-    """Fly jobs until the connection closes: send every record of a job, then None; or an exception.
+    """Serve until the connection closes: of a job send every record, then None; of a policy its facts as JSON.
+
+    An exception is sent where that fails.
 
     Ctrl-C is handled by the driver; when the driver is killed, this process exits. What policies print goes to the
     standard error, as the standard output belongs to the command.
@@ -45,8 +51,11 @@ def serve(connection: Connection, buffer: SharedStepBuffer, driver: int) -> None
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver is gone
         connection.send(None)
         while True:
-            job = connection.recv()
-            _serve_job(job, connection, buffer)
+            asked = connection.recv()
+            if isinstance(asked, Job):
+                _serve_job(asked, connection, buffer)
+            else:
+                _serve_facts(asked, connection, buffer.clock)
 
 
 def _exit_with(driver: int) -> None:
@@ -67,6 +76,29 @@ def _serve_job(job: Job, connection: Connection, buffer: SharedStepBuffer) -> No
         broken = RunError(f"an episode of {job.policy.name} cannot be flown: {describe_error(error)}")
         broken.add_note(traceback.format_exc())
         connection.send(broken)
+
+
+def _serve_facts(choice: PolicyChoice, connection: Connection, clock: Clock) -> None:
+    """Make a policy and send its facts, or an :class:`InputError` that says in one line why that fails."""
+    try:
+        with clock:
+            policy = choice.make()
+            answer: str | InputError = json.dumps(policy_facts(policy, choice.use))
+    except BaseException as error:
+        answer = InputError(_not_loaded(choice, error))
+    connection.send(answer)
+    threading.Event().wait()  # the policy is not deleted here: the driver ends the process
+
+
+def _not_loaded(choice: PolicyChoice, error: BaseException) -> str:
+    """Say in one line why a policy cannot be loaded, and where in its code."""
+    text = describe_error(error)
+    if isinstance(error, DecisionTimeout):
+        return f"policy {choice.name!r}: {text.replace('decision', LOADING, 1)}"
+    if not isinstance(error, (InputError, PolicyError)):
+        return f"policy {choice.name!r} cannot be loaded: {text}; correct it or leave it out"
+    text = text.removeprefix(f"{type(error).__name__}: ")
+    return text if repr(choice.use) in text else f"policy {choice.name!r}: {text}"
 
 
 def _make_policy(job: Job, clock: Clock) -> Policy:

@@ -13,6 +13,7 @@ import numpy as np
 import indoor_explorers.env
 import indoor_explorers.evaluation
 from indoor_explorers.env import InputError, Policy, Scenario, World
+from indoor_explorers.env.errors import PolicyError, one_line
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.policy import is_action
 from indoor_explorers.env.simulation.rollout import Uav, rollout
@@ -192,24 +193,26 @@ class _Batch:
 
 
 def describe_error(error: BaseException) -> str:
-    """Return the type, message and place of a policy's exception as one short line of valid UTF-8."""
+    """Return the type, message and place of a policy's exception as one short line that can be printed."""
     try:
         text = str(error)
-    except BREAKING as worse:
+    except BaseException as worse:
         text = f"its message raised {type(worse).__name__}"
     kind = "" if isinstance(error, DecisionTimeout) else f"{type(error).__name__}: "
-    line = " ".join(f"{kind}{text}".split())[:500] + _place(error)
-    return line.encode("utf-8", "replace").decode()
+    place = one_line(_place(error))
+    return one_line(kind + text) + (place and f" ({place})")
 
 
 def _place(error: BaseException) -> str:
     """Return where a policy raised, empty if it did not: the last line of its code, or of a library that it called."""
     if isinstance(error, DecisionTimeout):  # anywhere
         return ""
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not _OURS.intersection(_folders(frame))]
+    cause = error.__cause__ if isinstance(error, (InputError, PolicyError)) else None
+    trace = traceback.extract_tb((cause or error).__traceback__)
+    frames = [frame for frame in trace if not _OURS.intersection(_folders(frame)) and "importlib" not in frame.filename]
     own = [frame for frame in frames if "site-packages" not in frame.filename and _STDLIB not in _folders(frame)]
     for frame in (own or frames)[-1:]:
-        return f" ({Path(frame.filename).name}:{frame.lineno} in {frame.name})"
+        return f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}"
     return ""
 
 

@@ -1,0 +1,54 @@
+"""The facts that results store about a policy."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from typing import Any
+
+from indoor_explorers.env import InputError, Policy
+from indoor_explorers.evaluation.experiment.sources import outside_files
+
+
+def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
+    """Return the facts that results store about a policy: class, parameters, weights, sources, flags, and a hash.
+
+    Raises:
+        InputError: its flags or its provenance are not what they have to be.
+
+    """
+    parameters: dict[str, Any] = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
+    facts: dict[str, Any] = {
+        "use": use,
+        "class": f"{type(policy).__module__}:{type(policy).__qualname__}",
+        "privileged": _flag(policy, "privileged"),
+        "parameters": {name: repr(value) for name, value in parameters.items()},
+    }
+    facts |= _provenance(policy, taken=(*facts, "sources", "hash", "uses_generator", "batched"))
+    digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
+    facts |= {"sources": outside_files(policy, use)}
+    facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
+    return facts
+
+
+def _flag(policy: Policy, name: str) -> bool:
+    value = getattr(policy, name)
+    if not isinstance(value, bool):
+        raise InputError(f"{type(policy).__name__}: expected {name} to be True or False, got {value!r}")
+    return value
+
+
+def _provenance(policy: Policy, taken: tuple[str, ...]) -> dict[str, str]:
+    """Return what a policy says of itself: texts by names that are not ``taken``, all valid UTF-8."""
+    given, what = policy.provenance(), f"{type(policy).__name__}: expected provenance() to return"
+    if not isinstance(given, dict):
+        raise InputError(f"{what} a dict, got {type(given).__name__}")
+    for name, text in given.items():
+        if not isinstance(name, str) or not isinstance(text, str):
+            raise InputError(f"{what} texts by name, got {name!r}: {text!r}")
+        if name in taken:
+            raise InputError(f"{what} names of its own, got {name!r}, which every policy has")
+        if (name + text).encode("utf-8", "ignore").decode() != name + text:
+            raise InputError(f"{what} valid UTF-8, got {name!r}: {text!r}")
+    return given

@@ -1,0 +1,126 @@
+"""A policy from outside the package is met in a process of its own: nothing it does there reaches the command."""
+
+import re
+import sys
+import textwrap
+
+import pytest
+
+from indoor_explorers.env import InputError
+from indoor_explorers.evaluation.cli.parser import main
+from indoor_explorers.evaluation.engines.loading import load_facts
+from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
+from indoor_explorers.evaluation.experiment.limits import Limits
+from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
+from tests.evaluation.plugins import Wander
+
+LIMITS = Limits(decision_timeout=1.0, memory=2_000_000_000)
+BEGIN = """
+import ctypes, os, sys, time
+from dataclasses import dataclass
+from indoor_explorers.env import Policy
+
+class Terrible(Exception):
+    def __str__(self):
+        raise RuntimeError("no words")
+
+class Sits(Policy):
+    def pilot(self, briefing):
+        return None
+"""
+
+
+def met(tmp_path, monkeypatch, code, name="Plug"):
+    """Load a plug-in whose code begins with :data:`BEGIN`."""
+    module = f"met_{abs(hash(code))}"
+    (tmp_path / f"{module}.py").write_text(BEGIN + textwrap.dedent(code))
+    monkeypatch.setattr(sys, "path", [*sys.path, str(tmp_path)])
+    facts = load_facts(PolicyChoice(use=f"{module}:{name}", name="plug"), LIMITS)
+    assert module not in sys.modules
+    return facts
+
+
+def plug(body):
+    return "class Plug(Sits):\n" + textwrap.indent(textwrap.dedent(body), "    ")
+
+
+OVERDUE = "importing and making it took longer than 1 s (--decision-timeout)"
+CASES = {
+    "exits at import": ("sys.exit(0)", "SystemExit: 0"),
+    "ends its process at import": ("os._exit(0)", "the process of the policy ended with exit code 0"),
+    "hangs at import": ("while True: pass", OVERDUE),
+    "breaks off at import": ("raise KeyboardInterrupt", "KeyboardInterrupt"),
+    "kills its process at import": ("ctypes.string_at(0)", "killed by signal 11 (SIGSEGV)"),
+    "raises what cannot be told": ("raise Terrible", "RuntimeError: no words"),
+    "raises in Latin-1 and colours": ("raise ValueError('\\x1b[31m' + '\\udcff' + 'x' * 10**6)", r"\x1b[31m\udcffxxx"),
+    "misses a module": ("import nowhere_at_all", "no module named 'nowhere_at_all'"),
+    "hangs in its constructor": (plug("def __init__(self): time.sleep(1000)"), OVERDUE),
+    "raises in its constructor": (plug("def __init__(self): raise MemoryError('big')"), "MemoryError: big"),
+    "raises when asked what it knows": (plug("@property\ndef privileged(self): 1 / 0"), "ZeroDivisionError"),
+    "raises when asked": (plug("def provenance(self): raise Terrible"), "Terrible: its message raised RuntimeError"),
+    "cannot be shown": (
+        "class Odd:\n    def __repr__(self): raise OSError('odd')\n"
+        "@dataclass(frozen=True)\n" + plug("odd: object = Odd()\ndef __hash__(self): return 1"),
+        "OSError: odd",
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"),
+    [
+        (None, "expected provenance() to return a dict, got NoneType"),
+        (["a"], "expected provenance() to return a dict, got list"),
+        ({"a": b"b"}, "expected provenance() to return texts by name, got 'a': b'b'"),
+        ({1: "b"}, "expected provenance() to return texts by name, got 1: 'b'"),
+        ({"a": "\ud800"}, r"expected provenance() to return valid UTF-8, got 'a': '\ud800'"),
+        ({"privileged": "no"}, "names of its own, got 'privileged', which every policy has"),
+    ],
+)
+def test_provenance_is_texts_by_name(answer, message):
+    odd = type("Odd", (Wander,), {"provenance": lambda self: answer})
+    with pytest.raises(InputError, match=re.escape(message)):
+        policy_facts(odd(), "odd")
+
+
+def test_flags_are_true_or_false():
+    with pytest.raises(InputError, match="expected batched to be True or False, got 'often'"):
+        policy_facts(type("Odd", (Wander,), {"batched": "often"})(), "odd")
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_a_plug_in_does_when_it_is_loaded_is_told_in_a_line(case, tmp_path, monkeypatch):
+    code, message = CASES[case]
+    with pytest.raises(InputError) as raised:
+        met(tmp_path, monkeypatch, code)
+    line = str(raised.value)
+    assert message in line
+    assert line.startswith("policy 'plug'") or "policy 'met_" in line
+    assert line.isprintable()
+    assert len(line) < 1000
+
+
+def test_the_line_names_the_place_in_the_plug_ins_code(tmp_path, monkeypatch):
+    number = BEGIN.count("\n") + 2
+    with pytest.raises(InputError, match=rf"ValueError: wrong \(met_\d+.py:{number} in <module>\)"):
+        met(tmp_path, monkeypatch, "\nraise ValueError('wrong')")
+
+
+def test_a_plug_in_that_is_never_deleted_holds_nobody_up(tmp_path, monkeypatch):
+    facts = met(
+        tmp_path, monkeypatch, plug("def __del__(self): time.sleep(1000)\ndef provenance(self): return {'a': 'é'}")
+    )
+    assert facts["a"] == "é"
+    assert facts["privileged"] is False
+    assert len(facts["sources"]) == 1
+
+
+def test_nothing_is_flown_and_the_status_is_2(tmp_path, monkeypatch, capsys):
+    (tmp_path / "leaves.py").write_text("import sys; sys.exit(0)")
+    monkeypatch.chdir(tmp_path)
+    words = ["compare", "--policies", "leaves:Plug,random", "--episodes", "1", "--out", "out", "--workers", "1"]
+    assert main(words) == 2
+    assert capsys.readouterr().err == (
+        "indoor-explorers: policy 'leaves:Plug': importing leaves raised SystemExit: 0 (leaves.py:1 in <module>)\n"
+    )
+    assert not (tmp_path / "out").exists()
