@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed
 from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
-from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent
+from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent, percent_interval
 from indoor_explorers.evaluation.report.summary.facts import denominator
+from indoor_explorers.evaluation.report.summary.successes import success_notes
 from indoor_explorers.evaluation.report.tables.headline_table import decision_time
 from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, tabled
@@ -48,7 +49,8 @@ def _cells(comparison: Comparison, policy: str, best: dict[str, str | None]) -> 
         replace(_measured(comparison, policy, metric, decimals), best=best.get(metric) == policy)
         for metric, decimals in (*((key, 1) for key in tabled([comparison.level])), ("auc", 3))
     )
-    reached = ExportCell(percent(comparison.reached(policy)))
+    success = comparison.success(policy)
+    reached = ExportCell(percent(success.mean), percent_interval(success))
     failures = ExportCell(str(len(failed(comparison.groups[policy]))))
     return *times, reached, failures, auc, ExportCell(decision_time(comparison, policy))
 
@@ -87,6 +89,7 @@ def caption(comparison: Comparison) -> list[str]:
         f"{_times(comparison.level)}; an episode that never reaches it counts as its budget of {limit} steps.",
         *(["A dash: the goal of this scenario is below that threshold."] if comparison.level != T99 else []),
         "Bold: significantly better than every other policy (sign-flip test, p at most 0.05 after Holm's adjustment).",
+        *success_notes(comparison),
         *(["Policies that know the map are not ranked."] if any(map(comparison.privileged, comparison.groups)) else []),
         *footnotes(comparison.results, comparison.groups),
     ]
@@ -104,4 +107,4 @@ def _interval_kind(comparison: Comparison, fewest: int) -> str:
         return f"Means; fewer than {FEWEST} episodes get no interval."
     few = "this map alone" if comparison.map_count == 1 else "these maps alone"
     scope = "maps like these" if comparison.over_maps else few
-    return f"Means with their {percent(CONFIDENCE)} bootstrap intervals over {scope}."
+    return f"Means with their {percent(CONFIDENCE)} bootstrap intervals over {scope}; shares reached with exact ones."

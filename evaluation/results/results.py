@@ -19,9 +19,18 @@ from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
 from indoor_explorers.evaluation.results.store import Store
-from indoor_explorers.evaluation.statistics import Estimate, bootstrap_mean, bootstrap_means, interquartile_mean
+from indoor_explorers.evaluation.statistics import (
+    Estimate,
+    bootstrap_mean,
+    bootstrap_means,
+    interquartile_mean,
+    success_share,
+)
 
-SUMMARY_COLUMNS = ("policy", "scenario", "team", "metric", "episodes", "mean", "iqm", "low", "high", "success")
+SUMMARY_COLUMNS = (
+    *("policy", "scenario", "team", "metric", "episodes", "mean", "iqm", "low", "high"),
+    *("success", "success_low", "success_high"),
+)
 
 #: Facts of a run about its machine.
 MACHINE = ("system", "processor", "cores")
@@ -144,12 +153,16 @@ class Results:
                 found.setdefault(scenario, {}).update({record.task: record for record in records})
         return found
 
-    def success(self, scenario: str, policy: str, metric: str) -> float:
-        """Return the share of episodes that reached T_q, or for other metrics the scenario's goal."""
+    def reached(self, scenario: str, policy: str, metric: str) -> NDArray[np.bool_]:
+        """Return (E,) whether each episode reached T_q, or for other metrics the scenario's goal."""
         records = self.groups[scenario, policy]
         if metric in LEVELS:
-            return float(np.mean([record.metrics[metric] is not None for record in records]))
-        return float(np.mean([record.outcome is Outcome.COMPLETE for record in records]))
+            return np.array([record.metrics[metric] is not None for record in records])
+        return np.array([record.outcome is Outcome.COMPLETE for record in records])
+
+    def success(self, scenario: str, policy: str, metric: str) -> Estimate:
+        """Return the share of episodes that :meth:`reached` it with its exact interval."""
+        return success_share(self.reached(scenario, policy, metric))
 
     def summary(self) -> pd.DataFrame:
         """Return one row per scenario, policy and metric with the columns of summary.csv."""
@@ -162,7 +175,7 @@ class Results:
                 values = values[~np.isnan(values)]
                 yield (
                     *(policy, scenario, records[0].team, metric, len(values), mean, interquartile_mean(values)),
-                    *(low, high, self.success(scenario, policy, metric)),
+                    *(low, high, *self.success(scenario, policy, metric)),
                 )
 
     def estimates(self, scenario: str, policy: str) -> dict[str, Estimate]:

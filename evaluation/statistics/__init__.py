@@ -21,6 +21,7 @@ from indoor_explorers.evaluation.statistics.ratios import Block, PairedRatio, pa
 from indoor_explorers.evaluation.statistics.resampling import maps_are_sampled, resampled_weights
 from indoor_explorers.evaluation.statistics.seeds import difference_of_seeds, mean_of_seeds
 from indoor_explorers.evaluation.statistics.significance import holm, sign_flip_test
+from indoor_explorers.evaluation.statistics.successes import success_share, success_test
 from indoor_explorers.evaluation.statistics.wins import WinTieLoss, probability_of_improvement, win_tie_loss
 
 __all__ = [
@@ -52,5 +53,7 @@ __all__ = [
     "resampled_weights",
     "sign_flip_test",
     "smallest_detectable_difference",
+    "success_share",
+    "success_test",
     "win_tie_loss",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,17 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.results.results import Results
-from indoor_explorers.evaluation.statistics import Contrast, Estimate, bootstrap_mean, contrasts, maps_are_sampled
+from indoor_explorers.evaluation.statistics import (
+    CONFIDENCE,
+    FEWEST,
+    Contrast,
+    Estimate,
+    bootstrap_mean,
+    contrasts,
+    holm,
+    maps_are_sampled,
+    success_test,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +78,13 @@ class Comparison:
         """Return the mean steps to the threshold; an episode that never reached it counts as its budget."""
         return self.estimate(policy, self.level.key)
 
+    def success(self, policy: str) -> Estimate:
+        """Return the share of a policy's episodes that reached the threshold, with its interval."""
+        return self.results.success(self.scenario, policy, self.level.key)
+
     def reached(self, policy: str) -> float:
         """Return the share of a policy's episodes that reached the threshold."""
-        return self.results.success(self.scenario, policy, self.level.key)
+        return self.success(policy).mean
 
     def to_reference(self, policy: str) -> Estimate:
         """Return the mean ratio of a policy's steps to those of the reference; NaN without one."""
@@ -115,6 +130,25 @@ class Comparison:
         first = self.ranked_policies[0]
         privileged = [policy for policy in self.ranking if policy not in self.ranked_policies]
         return self._family(self.ranked_policies) | self._family([first, *privileged])
+
+    @cached_property
+    def success_p_values(self) -> dict[str, float]:
+        """The p-value of every ranked policy's success against that of the best-ranked, adjusted for all pairs.
+
+        Any policy could have come first, so that all pairs of ranked policies are one family.
+        """
+        names = self.ranked_policies if self.groups and self.aligned else []
+        pairs = list(combinations(names, 2))
+        p_values = [success_test(self._reached(one), self._reached(other), self.maps(one)) for one, other in pairs]
+        return {other: p for (one, other), p in zip(pairs, holm(p_values).tolist(), strict=True) if one == names[0]}
+
+    def success_differs(self, policy: str) -> bool:
+        """Return whether a policy is shown to reach the threshold more or less often than the best-ranked."""
+        few = len(self.groups[policy]) < FEWEST
+        return not few and self.success_p_values.get(policy, 1.0) <= 1 - CONFIDENCE
+
+    def _reached(self, policy: str) -> NDArray[np.bool_]:
+        return self.results.reached(self.scenario, policy, self.level.key)
 
     def _family(self, policies: Sequence[str]) -> dict[str, Contrast]:
         values = {policy: self._times(policy) for policy in policies}

@@ -47,6 +47,14 @@ def with_interval(estimate: Estimate, decimals: int = 1, *, sign: bool = False) 
     return f"{fixed(estimate.mean, decimals, sign=sign)} {interval(estimate, decimals, sign=sign)}".strip()
 
 
+def percent_interval(estimate: Estimate) -> str:
+    """Format the interval of a share, ``[73, 98] %``; empty without one."""
+    if estimate.low is None or estimate.high is None:
+        return ""
+    low, high = (percent(end).removesuffix(f"{THIN_SPACE}%") for end in (estimate.low, estimate.high))
+    return f"[{low}, {high}]{THIN_SPACE}%"
+
+
 def p_value(p: float) -> str:
     """Format a p-value: ``= 0.031``, or ``< 0.001``."""
     return "< 0.001" if p < 0.001 else f"= {p:.3f}"

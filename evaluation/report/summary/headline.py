@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, p_value, percent, with_interval
+from indoor_explorers.evaluation.report.summary.successes import success_notes
 from indoor_explorers.evaluation.statistics import FEWEST, Contrast
 
 NAME = Markup("<b>{}</b>")
@@ -23,7 +24,7 @@ def headline(comparison: Comparison) -> Markup:
     elif len(comparison.ranked_policies) == 1:
         parts = [_alone(comparison, first)]
     else:
-        parts = [_winner(comparison, first), _lead(comparison, first)]
+        parts = [_winner(comparison, first), _lead(comparison, first), *map(escape, success_notes(comparison))]
     privileged = [name for name in comparison.ranking if comparison.privileged(name) and name != first]
     return Markup(" ").join(part for part in (*parts, *(_privileged(comparison, name) for name in privileged)) if part)
 

@@ -59,8 +59,17 @@ def _row(comparison: Comparison, policy: str, contrast: Contrast, scale: Scale, 
         tally=contrast.tally,
         p=EN_DASH if few else p_value(contrast.adjusted_p).removeprefix("= "),
         effect=EN_DASH if few else fixed(contrast.effect_size, 2, sign=True),
-        verdict=reading(contrast),
+        verdict=reading(contrast) + _success(comparison, policy),
     )
+
+
+def _success(comparison: Comparison, policy: str) -> str:
+    """Say whether the policy is shown to reach the threshold more or less often than the best-ranked."""
+    if not comparison.success_differs(policy):
+        return ""
+    less = comparison.reached(policy) < comparison.reached(comparison.ranked_policies[0])
+    p = p_value(comparison.success_p_values[policy])
+    return f"; reached {'less' if less else 'more'} often (p {p})"
 
 
 def _percents(estimate: Estimate) -> str:

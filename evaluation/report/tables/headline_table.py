@@ -12,6 +12,7 @@ from rich.text import Text
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, percent, with_interval
+from indoor_explorers.evaluation.report.summary.successes import success_notes
 from indoor_explorers.evaluation.report.tables.policy_names import BATCH_SHARE, footnotes, marked
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared, tabled
 from indoor_explorers.evaluation.results.results import Results
@@ -55,17 +56,25 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     if known:
         table.add_column(f"{level.title if level else 'steps'} / {known}", justify="right", no_wrap=True)
-    table.caption = "\n".join(footnotes(results, [policy for _, policy in results.groups], times=width >= wide)) or None
+    notes = footnotes(results, [policy for _, policy in results.groups], times=width >= wide)
     for scenario in results.scenarios:
         if len(results.scenarios) > 1:
             name = scenario if level else f"{scenario} ({results.level(scenario).title})"
             table.add_row(Text(name, "bold"))
         comparison = Comparison(results, scenario)
+        notes += _notes(comparison, named=len(results.scenarios) > 1)
         for policy in comparison.groups:
             ratio = [Text(_ratio(comparison, policy))] if known else []
             table.add_row(*_row(comparison, policy, times)[: 1 + len(shown)], *ratio)
         table.add_section()
+    table.caption = "\n".join(notes) or None
     return table
+
+
+def _notes(comparison: Comparison, named: bool) -> list[str]:
+    """Return the lines below the table about one scenario, which they name where there are several."""
+    notes = success_notes(comparison) if comparison.groups else []
+    return [f"{comparison.scenario}: {note}" if named else note for note in notes]
 
 
 def reference_of(results: Results) -> str | None:

@@ -14,7 +14,7 @@ from indoor_explorers.evaluation.episodes.metrics import LEVELS, WASTED, excused
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed
 from indoor_explorers.evaluation.report.charts.dot_plots import Scale, episode_dot_plot
-from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, interval, percent
+from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, interval, percent, percent_interval
 from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import Estimate
@@ -137,7 +137,8 @@ def _reached(comparison: Comparison, metric: str) -> dict[str, TableCell]:
     cells = {}
     for policy, records in comparison.groups.items():
         share = comparison.results.success(comparison.scenario, policy, metric)
-        cells[policy] = TableCell(percent(share), share, f"{round(share * len(records))}/{len(records)}")
+        detail = f"{round(share.mean * len(records))}/{len(records)} {percent_interval(share)}".strip()
+        cells[policy] = TableCell(percent(share.mean), share.mean, detail)
     return cells
 
 

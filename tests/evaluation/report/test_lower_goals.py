@@ -206,7 +206,7 @@ def test_ratios_to_a_policy_that_knows_the_map_are_empty_where_99_was_not_asked_
 def test_tables_for_papers_are_of_the_level(near: Results) -> None:
     text, comparison = markdown_tables(near), Comparison(near, "near")
     assert "| policy | T90 [steps] | T99 [steps] | 90 % reached |" in text
-    assert re.search(r"\| quick \| \**50\.3\** \[.*?\] \| \u2013 \| 100\u202f% \|", text)
+    assert re.search(r"\| quick \| \**50\.3\** \[.*?\] \| \u2013 \| 100\u202f% \[.*?\]\u202f% \|", text)
     assert "T90 is the first step with 90 % coverage" in " ".join(caption(comparison))
     assert shown_best(comparison, "t90") == "quick"
 
