@@ -8,7 +8,7 @@ from indoor_explorers.evaluation.exports.cells import ExportCell, caption, table
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
-from indoor_explorers.evaluation.report.tables.ratio_table import RatioTable, ratio_tables
+from indoor_explorers.evaluation.report.tables.ratio_table import RatioTable, bound_notes, ratio_tables
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
 
@@ -54,7 +54,8 @@ def escaped(text: str) -> str:
 def markdown_ratios(ratios: Ratios) -> str:
     """Return a heading and a table of policies by scenarios for each baseline and time."""
     tables = ratio_tables(ratios)
-    notes = footnotes(ratios.results, [name for table in tables for name, _ in table.rows], times=False)
+    policies = [name for table in tables for name, _ in table.rows]
+    notes = [*bound_notes(ratios.rows), *footnotes(ratios.results, policies, times=False)]
     return "\n".join([*(_ratios(table, ratios.results) for table in tables), *(f"{escaped(note)}\n" for note in notes)])
 
 

@@ -27,7 +27,7 @@ from indoor_explorers.evaluation.report.summary.definitions import definitions
 from indoor_explorers.evaluation.report.summary.facts import shown
 from indoor_explorers.evaluation.report.summary.overview import overview
 from indoor_explorers.evaluation.report.summary.provenance import provenance
-from indoor_explorers.evaluation.report.tables.ratio_table import ratio_tables
+from indoor_explorers.evaluation.report.tables.ratio_table import bound_notes, ratio_tables
 from indoor_explorers.evaluation.results.coverage_threshold import shared
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
@@ -67,6 +67,7 @@ def render(
     ratio_to: Sequence[str] | None = None,
 ) -> str:
     """Return the page as text; its arguments are those of :func:`write_report`."""
+    ratios = Ratios.of(results, ratio_to)
     common, styles = on_common_tasks(results), policy_styles(results.policies)
     comparisons = {f"s{number}": Comparison(common, name) for number, name in enumerate(results.scenarios, 1)}
     return (
@@ -77,7 +78,8 @@ def render(
             subtitle=_subtitle(results),
             overview=overview(results, comparisons, styles),
             against=against,
-            ratios=ratio_tables(Ratios.of(results, ratio_to)),
+            ratios=ratio_tables(ratios),
+            ratio_notes=bound_notes(ratios.rows),
             sections=[section_of(each, section_id, styles, replays) for section_id, each in comparisons.items()],
             sweeps=sweep_sections(common, styles),
             definitions=definitions(shared(results.levels)),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -17,12 +17,54 @@ from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.experiment.selection import chosen_baselines
 from indoor_explorers.evaluation.results.coverage_threshold import drawn
 from indoor_explorers.evaluation.results.results import Results
-from indoor_explorers.evaluation.statistics import Block, PairedRatio, paired_ratios
+from indoor_explorers.evaluation.statistics import Block, Estimate, PairedRatio, paired_ratios
 
 #: Name of all scenarios together in tables.
 POOLED = "all scenarios"
 FIGURES = ("mean_of_ratios", "low", "high", "ratio_of_means", "ratio_of_means_low", "ratio_of_means_high")
-COLUMNS = ("scenario", "policy", "to", "metric", "scenarios", "tasks", *FIGURES)
+NEVER = ("never_policy", "never_baseline", "never_both", "bound")
+COLUMNS = ("scenario", "policy", "to", "metric", "scenarios", "tasks", *FIGURES, *NEVER)
+#: Least share of pairs in which both reached the threshold for a figure that enters an average over scenarios.
+LEAST_REACHED = 0.95
+#: Stands where there is no ratio.
+NO_RATIO = PairedRatio(*[Estimate(float("nan"), None, None)] * 2)
+
+
+class Censoring(NamedTuple):
+    """In how many of the pairs a threshold was never reached, where the budget takes the place of the steps."""
+
+    pairs: int
+    above: int
+    """Pairs in which the policy never reached it and the baseline did: the ratio is a lower bound."""
+    below: int
+    """Pairs in which the baseline alone never reached it: the ratio is an upper bound."""
+    both: int
+    """Pairs in which neither did, which have no ratio."""
+
+    @classmethod
+    def of(cls, ours: NDArray[np.bool_], theirs: NDArray[np.bool_]) -> Censoring:
+        """Count from (E,) whether each of the two reached it."""
+        counts = (~ours & theirs, ours & ~theirs, ~ours & ~theirs)
+        return cls(len(ours), *(int(each.sum()) for each in counts))
+
+    @classmethod
+    def sum(cls, parts: Iterable[Censoring]) -> Censoring:
+        """Add the counts of several scenarios."""
+        return cls(*(sum(counts) for counts in zip(*parts, strict=True)))
+
+    @property
+    def mostly_reached(self) -> bool:
+        """Whether both reached the threshold in nearly all pairs."""
+        return self.pairs - self.above - self.below - self.both >= LEAST_REACHED * self.pairs
+
+    @property
+    def bound(self) -> str | None:
+        """What a ratio of the steps says: ``>`` a lower bound, ``<`` an upper one, empty a figure, None nothing."""
+        if not (self.below or self.both):
+            return ">" if self.above else ""
+        if not (self.above or self.both):
+            return "<"
+        return "\N{ALMOST EQUAL TO}" if self.mostly_reached else None
 
 
 @dataclass(frozen=True)
@@ -39,11 +81,14 @@ class RatioRow:
     """Number of scenarios."""
     tasks: int
     ratio: PairedRatio
+    """Not a number where the budget decides it: thresholds that neither or now one and now the other never reached."""
+    censoring: Censoring
 
     def cells(self) -> dict[str, Any]:
         """Return the row of ratios.csv."""
         names = (self.scenario, self.policy, self.to, self.metric, self.scenarios, self.tasks)
-        return dict(zip(COLUMNS, (*names, *self.ratio.of_tasks, *self.ratio.of_means), strict=True))
+        never = (*self.censoring[1:], self.censoring.bound)
+        return dict(zip(COLUMNS, (*names, *self.ratio.of_tasks, *self.ratio.of_means, *never), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +116,7 @@ class Ratios:
     def _rows(self, to: str, metric: str) -> list[RatioRow]:
         flown = [name for name in self.results.scenarios if self._counts(name, to, metric)]
         rows = [row for name in flown for row in self._family([name], name, to, metric)]
-        return rows + (self._family(flown, POOLED, to, metric) if len(flown) > 1 else [])
+        return rows + (self._pooled(flown, to, metric) if len(flown) > 1 else [])
 
     def _counts(self, scenario: str, to: str, metric: str) -> bool:
         """Return whether there is something to compare: common tasks, and a goal not below the threshold."""
@@ -86,20 +131,47 @@ class Ratios:
             flown[scenario].append({record.task for record in records})
         return {name: sorted(set.intersection(*tasks)) if tasks else [] for name, tasks in flown.items()}
 
-    def _family(self, scenarios: Sequence[str], title: str, to: str, metric: str) -> list[RatioRow]:
-        """Compare every policy that flew all the scenarios, from one set of resamples."""
+    def _others(self, scenarios: Sequence[str], to: str) -> list[str]:
+        """Return the policies but the baseline that flew all the scenarios."""
         groups = self.results.groups
-        names = [
+        return [
             name for name in self.results.policies if name != to and all((each, name) in groups for each in scenarios)
         ]
+
+    def _pooled(self, scenarios: Sequence[str], to: str, metric: str) -> list[RatioRow]:
+        """Compare over the scenarios in which a policy and the baseline nearly always reach the threshold."""
+        kept = {
+            name: tuple(each for each in scenarios if self._censoring(each, name, to, metric).mostly_reached)
+            for name in self._others(scenarios, to)
+        }
+        rows = {
+            row.policy: row
+            for chosen in dict.fromkeys(kept.values())
+            if chosen
+            for row in self._family(chosen, POOLED, to, metric, [name for name in kept if kept[name] == chosen])
+        }
+        return [rows[name] for name in kept if name in rows]
+
+    def _family(
+        self, scenarios: Sequence[str], title: str, to: str, metric: str, policies: Sequence[str] | None = None
+    ) -> list[RatioRow]:
+        """Compare policies, by default all that flew all the scenarios, from one set of resamples."""
+        names = self._others(scenarios, to) if policies is None else policies
         if not names:
             return []
         blocks = [self._block(scenario, names, to, metric) for scenario in scenarios]
         tasks = sum(len(block.maps) for block in blocks)
+        never = {name: Censoring.sum(self._censoring(each, name, to, metric) for each in scenarios) for name in names}
         return [
-            RatioRow(title, name, to, metric, len(scenarios), tasks, ratio)
+            RatioRow(title, name, to, metric, len(scenarios), tasks, _told(ratio, never[name]), never[name])
             for name, ratio in zip(names, paired_ratios(blocks), strict=True)
         ]
+
+    def _censoring(self, scenario: str, policy: str, to: str, metric: str) -> Censoring:
+        ours, theirs = (
+            self.results.reached(scenario, name, metric)[self._places(scenario, name)] for name in (policy, to)
+        )
+        return Censoring.of(ours, theirs)
 
     def _block(self, scenario: str, names: Sequence[str], to: str, metric: str) -> Block:
         above = np.stack([self._steps(scenario, name, metric) for name in names], axis=1)
@@ -114,6 +186,11 @@ class Ratios:
     def _places(self, scenario: str, policy: str) -> list[int]:
         place = {record.task: k for k, record in enumerate(self.results.groups[scenario, policy])}
         return [place[task] for task in self._tasks[scenario]]
+
+
+def _told(ratio: PairedRatio, censoring: Censoring) -> PairedRatio:
+    """Return the ratio, or that there is none."""
+    return NO_RATIO if censoring.bound is None else ratio
 
 
 def write_ratios(ratios: Ratios, path: Path) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
+from indoor_explorers.evaluation.results.ratios import Censoring
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import (
     CONFIDENCE,
@@ -91,6 +92,13 @@ class Comparison:
         ratios = self.results.to_reference(self.scenario, policy, self.level.key)
         held = ~np.isnan(ratios)
         return bootstrap_mean(ratios[held], maps=self.maps(policy)[held])
+
+    def reference_censoring(self, policy: str) -> Censoring:
+        """Count the tasks on which a policy or the reference never reached the threshold."""
+        known = self.results.references.get(self.scenario, {})
+        pairs = [(record, known[record.task]) for record in self.groups[policy] if record.task in known]
+        reached = [[record.metrics.get(self.level.key) is not None for record in pair] for pair in pairs]
+        return Censoring.of(*np.array(reached, np.bool_).reshape(-1, 2).T)
 
     @property
     def tallies(self) -> list[str]:

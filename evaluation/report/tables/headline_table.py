@@ -108,7 +108,10 @@ def _ratio(comparison: Comparison, policy: str) -> str:
     if comparison.privileged(policy):
         return ""
     estimate = comparison.to_reference(policy)
-    return "" if math.isnan(estimate.mean) else with_interval(estimate, 2)
+    bound = comparison.reference_censoring(policy).bound
+    if math.isnan(estimate.mean) or bound is None:
+        return ""
+    return f"{bound} {fixed(estimate.mean, 2)}" if bound else with_interval(estimate, 2)
 
 
 def _steps(estimate: Estimate) -> str:

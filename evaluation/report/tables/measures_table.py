@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from indoor_explorers.evaluation.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
@@ -53,7 +53,16 @@ def _cells(comparison: Comparison, column: Column) -> list[TableCell]:
     usual = 3 if largest < 1 or not column.ranked else decimals_for(largest, most=2)
     decimals = DECIMALS.get(column.key, usual) if largest else 0
     cells = {policy: _cell(each, decimals) for policy, each in estimates.items()}
+    if column.key in DECIMALS:
+        cells = {policy: _bounded(comparison, policy, cell) for policy, cell in cells.items()}
     return list((emphasised(comparison, column, cells) if column.ranked else cells).values())
+
+
+def _bounded(comparison: Comparison, policy: str, cell: TableCell) -> TableCell:
+    """Mark a ratio as a lower bound where some episodes never reached the threshold and count as the budget."""
+    if cell.value is None or comparison.results.success(comparison.scenario, policy, "t99").mean == 1:
+        return cell
+    return replace(cell, text=f"> {cell.text}", detail="")
 
 
 def _cell(estimate: Estimate, decimals: int) -> TableCell:
