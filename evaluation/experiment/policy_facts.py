@@ -25,11 +25,28 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
         "privileged": _flag(policy, "privileged"),
         "parameters": {name: repr(value) for name, value in parameters.items()},
     }
-    facts |= _provenance(policy, taken=(*facts, "sources", "hash", "uses_generator", "batched"))
+    facts |= _provenance(policy, taken=(*facts, "sources", "defaults", "hash", "uses_generator", "batched"))
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
-    facts |= {"sources": outside_files(policy, use)}
+    facts |= {"sources": outside_files(policy, use), "defaults": _defaults(policy)}
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
     return facts
+
+
+def _defaults(policy: Policy) -> dict[str, str]:
+    """Return the parameters' defaults, so that stores from before a parameter was added are known to be the same."""
+    found: dict[str, Any] = {}
+    fields: tuple[dataclasses.Field[Any], ...] = dataclasses.fields(policy) if dataclasses.is_dataclass(policy) else ()
+    for each in fields:
+        if each.default is not dataclasses.MISSING:
+            found[each.name] = each.default
+        elif each.default_factory is not dataclasses.MISSING:
+            found[each.name] = each.default_factory()
+    plain = {name: dataclasses.asdict(value) if _is_record(value) else value for name, value in found.items()}
+    return {name: repr(value) for name, value in plain.items()}
+
+
+def _is_record(value: object) -> bool:
+    return dataclasses.is_dataclass(value) and not isinstance(value, type)
 
 
 def _flag(policy: Policy, name: str) -> bool:

@@ -9,13 +9,23 @@ from indoor_explorers.evaluation.experiment.sources import changed_files
 
 #: Limits of a message: fields named, and characters of a value.
 NAMED, SHOWN = 8, 60
-#: Facts about a policy that its class and parameters already decide; older stores do not have them.
-DERIVED_FACTS = ("uses_generator", "batched")
+#: Facts about a policy that follow from the others; older stores do not have all of them.
+DERIVED_FACTS = ("uses_generator", "batched", "defaults", "hash", "weights_for")
 
 
-def identity(about: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the facts by which a policy is recognised; its sources are compared file by file."""
-    return {key: value for key, value in about.items() if key not in (*DERIVED_FACTS, "sources")}
+def identity(about: Mapping[str, Any], older: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the facts by which a policy is recognised; its sources are compared file by file.
+
+    A parameter that an ``older`` version did not have is left out where it has its default.
+    """
+    kept = {key: value for key, value in about.items() if key not in (*DERIVED_FACTS, "sources")}
+    defaults, known = about.get("defaults", {}), older.get("parameters", {})
+    parameters = {
+        name: value
+        for name, value in about.get("parameters", {}).items()
+        if name in known or name not in defaults or value != defaults[name]
+    }
+    return kept | ({"parameters": parameters} if "parameters" in kept else {})
 
 
 def version_difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
@@ -23,13 +33,12 @@ def version_difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str
 
     Sources are compared where both sides stored them.
     """
-    ours, theirs = identity(before), identity(now)
+    ours, theirs = identity(before, now), identity(now, before)
     files = changed_files(before.get("sources"), now.get("sources"))
     if ours == theirs and not files:
         return ""
     more = [f"and {len(files) - NAMED} more files"] if len(files) > NAMED else []
-    facts = differing_fields(ours, theirs, aside=("hash",))
-    return ", ".join(filter(None, [facts, *files[:NAMED], *more])) or "its hash"
+    return ", ".join(filter(None, [differing_fields(ours, theirs), *files[:NAMED], *more]))
 
 
 def differing_fields(one: Mapping[str, Any], other: Mapping[str, Any], *, aside: Sequence[str] = ()) -> str:

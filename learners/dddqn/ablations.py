@@ -20,6 +20,7 @@ _IDENTITY = {"observation.identity": True}
 #: Changed settings by name; all others are compared with the first.
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "full": {},
+    "no-learning": {"total_steps": 1},
     "no-double": {"double": False},
     "no-dueling": {"network.dueling": False},
     "1-step": {"return_steps": 1},

@@ -16,7 +16,7 @@ from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.bitsets import ROOM
-from indoor_explorers.learners.dddqn.network.inference import q_values
+from indoor_explorers.learners.dddqn.network.inference import q_values, without_network
 from indoor_explorers.learners.dddqn.observation.config import WIDEST
 from indoor_explorers.learners.dddqn.observation.frame_stack import stacked
 from indoor_explorers.learners.dddqn.observation.known import Known
@@ -39,8 +39,8 @@ class Dddqn(Policy):
     place with a view of unknown cells. Everything but the guard's back-off is deterministic.
 
     Raises:
-        InputError: ``weights`` is missing or not a file of this network, ``map_alone`` is given with it, or
-            ``tour_width`` is out of range.
+        InputError: ``weights`` is missing or not a file of this network, ``map_alone`` is given with it or without
+            ``network``, or ``tour_width`` is out of range.
 
     """
 
@@ -53,6 +53,9 @@ class Dddqn(Policy):
     tour_width: int | None = None
     """Beam width of the search for tours: a wider beam finds shorter tours and takes longer; None: the width stored
     with the weights. Without effect on networks without tour features."""
+    network: bool = True
+    """Whether the network counts; without it the UAV follows its planner features alone, the shortest tour that was
+    found or the best candidate: what learning starts from."""
     guard: bool = True
     """Fly to the nearest frontier while the network makes no progress."""
 
@@ -61,6 +64,8 @@ class Dddqn(Policy):
             raise InputError(f"expected weights or map_alone, got both: {self.weights!r}; leave one of them out")
         if self.tour_width is not None and self.tour_width not in range(1, WIDEST + 1):
             raise InputError(f"expected tour_width from 1 to {WIDEST}, got {self.tour_width!r}")
+        if self.map_alone and not self.network:
+            raise InputError("expected map_alone with a network, as it has no planner features, got network off")
         for path in self._paths().values():
             load_weights(path)
 
@@ -91,6 +96,10 @@ class Dddqn(Policy):
             return self.weights
         return suited_alone(briefing) if self.map_alone else suited(briefing)
 
+    def is_outside_training(self, briefing: Briefing) -> bool:
+        """Tell whether the weights chosen for a scenario were trained with another lidar range."""
+        return self.weights is None and _is_room(briefing) and briefing.lidar_range != REFERENCE_RANGE
+
     def provenance(self) -> dict[str, str]:
         """Return the hashes of the weights, and which of them are flown in which scenarios."""
         hashes = {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in self._paths().items()}
@@ -105,13 +114,15 @@ class Dddqn(Policy):
         if self.tour_width is not None:
             wide = loaded.observation.model_copy(update={"tour_width": self.tour_width})
             loaded = loaded._replace(observation=wide)
+        if not self.network:
+            loaded = loaded._replace(weights=without_network(loaded.weights, loaded.layout))
         return DddqnPilot(self, briefing, loaded)
 
 
 #: The rule of :func:`suited` in words, for the provenance.
 SUITED = (
     "up to 16x16 cells with a lidar of range 3 thesis-team for teams that always hear each other, thesis-open for one "
-    "UAV in rooms without obstacles, else thesis-obstacles; elsewhere general"
+    "UAV in rooms without obstacles, else thesis-obstacles, also for other ranges; elsewhere general"
 )
 
 #: The rule of :func:`suited_alone` in words, for the provenance.
@@ -119,9 +130,15 @@ SUITED_ALONE = "thesis-open-map for one UAV in rooms without obstacles, else the
 
 
 def suited(briefing: Briefing) -> str:
-    """Return the name of the shipped weights for a scenario."""
+    """Return the name of the shipped weights for a scenario.
+
+    In rooms, ``thesis-obstacles`` flies lidar ranges that nothing was trained on: measured from 1 to 8 cells, it was
+    the best of the shipped sets, or level with it (DDDQN.md).
+    """
     if not _is_room(briefing):
         return "general"
+    if briefing.lidar_range != REFERENCE_RANGE:
+        return "thesis-obstacles"
     if briefing.team > 1:
         return "thesis-team" if briefing.scenario.radio.model == "unlimited" else "thesis-obstacles"
     return "thesis-open" if _is_empty(briefing) else "thesis-obstacles"
@@ -134,7 +151,7 @@ def suited_alone(briefing: Briefing) -> str:
         InputError: the map or the lidar range is too large.
 
     """
-    if not _is_room(briefing):
+    if not _is_room(briefing) or briefing.lidar_range != REFERENCE_RANGE:
         height, width = briefing.shape
         raise InputError(
             f"expected a map of up to {ROOM}x{ROOM} cells and a lidar range of {REFERENCE_RANGE:g} for weights that "
@@ -144,7 +161,7 @@ def suited_alone(briefing: Briefing) -> str:
 
 
 def _is_room(briefing: Briefing) -> bool:
-    return max(briefing.shape) <= ROOM and briefing.lidar_range == REFERENCE_RANGE
+    return max(briefing.shape) <= ROOM
 
 
 def _is_empty(briefing: Briefing) -> bool:
@@ -175,6 +192,7 @@ class DddqnPilot(Pilot):
         self._cell = np.zeros((1, 2), np.int64)
         self._q = np.zeros((1, 4), np.float32)
         self._guard = Guard(briefing.shape, briefing.rng) if policy.guard else None
+        self._tally = {"other_range": 1.0} if policy.is_outside_training(briefing) else {}
 
     def act(self, view: View) -> int:
         """Make the legal move of highest value."""
@@ -205,8 +223,11 @@ class DddqnPilot(Pilot):
         self.scenes = stacked(self._scene, self.scenes, np.array([view.step == 0]))
 
     def tally(self) -> dict[str, float]:
-        """Return ``guarded_share``, the share of the decisions that the guard made; nothing without a guard."""
-        return {} if self._guard is None else {"guarded_share": self._guard.share}
+        """Return ``guarded_share``, the share of the decisions that the guard made, if there is a guard.
+
+        ``other_range`` is 1 where the weights were not trained with the scenario's lidar range.
+        """
+        return self._tally | ({} if self._guard is None else {"guarded_share": self._guard.share})
 
 
 _ONLY: NDArray[np.int64] = np.zeros(1, np.int64)

@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
-from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, tour_costs
+from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, search_costs, tour_costs
 
 Array = NDArray[np.float32]
 
@@ -83,6 +84,20 @@ def _tours(arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config
     pull = tour_costs(layout, config.tour_pull, 0.0)
     parts += [] if pull is None else [pull]
     return np.sum(parts, axis=0, dtype=np.float32) if parts else np.zeros(0, np.float32)
+
+
+def without_network(weights: NetworkWeights, layout: ObservationLayout) -> NetworkWeights:
+    """Return weights whose values are the costs of the planner features alone: steps, then delay beyond the best.
+
+    Raises:
+        InputError: the observation has no planner features.
+
+    """
+    costs = search_costs(layout)
+    if costs is None:
+        raise InputError("expected weights with planner features where the network is off, got weights without any")
+    zeros = [np.zeros_like(part) if isinstance(part, np.ndarray) else part for part in weights]
+    return NetworkWeights._make(zeros)._replace(tours=costs)
 
 
 @kernel(entry=False)

@@ -157,6 +157,18 @@ def tour_costs(layout: ObservationLayout, to_goal: float, to_mark: float) -> NDA
     return weights
 
 
+#: Cost of a step of delay beyond the least, where a step beyond the shortest tour costs 1: it decides between equals.
+TIE = 0.01
+
+
+def search_costs(layout: ObservationLayout) -> NDArray[np.float32] | None:
+    """Return weights (F,) of a move's features that follow the tours or candidates alone; None if there are none."""
+    weights = tour_costs(layout, 1.0, 0.0)
+    if weights is not None and layout.tours_at >= 0:
+        weights[layout.tours_at + TOURS.index("its delay beyond the least")] = -TIE
+    return weights
+
+
 class Symmetries(NamedTuple):
     """Index tables: under symmetry g an array ``x`` becomes ``x[table[g]]``."""
 

@@ -106,7 +106,6 @@ def test_other_seeds_are_refused(one):
     [
         ({"parameters": {"speed": "2"}, "hash": "b"}, "what differs: parameters.speed (1 and 2); rename it"),
         ({"weights_sha256": "9f" * 32, "hash": "b"}, "what differs: weights_sha256 (not set and 9f9f9f"),
-        ({"hash": "b"}, "what differs: its hash;"),
     ],
 )
 def test_policies_of_one_name_that_differ_are_refused(facts, words, one):

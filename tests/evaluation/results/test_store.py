@@ -126,6 +126,17 @@ def test_other_parameters_of_a_policy_are_refused(tmp_path):
         store.begin_run(planned, {"w": {"use": POLICY, "privileged": True}}, {})
 
 
+def test_a_parameter_that_was_added_since_has_its_default_in_older_results(tmp_path):
+    filled(tmp_path / "results.db")
+    planned = experiment()
+    added = {"parameters": {"speed": "1"}, "defaults": {"speed": "1"}, "hash": "another"}
+    changed = {"parameters": {"speed": "2"}, "defaults": {"speed": "1"}}
+    with Store(tmp_path / "results.db") as store:
+        assert store.begin_run(planned, {name: facts | added for name, facts in about(planned).items()}, {}) == 2
+        with pytest.raises(InputError, match=r"policy 'w': parameters.speed \(1 and 2\)"):
+            store.begin_run(planned, {name: facts | changed for name, facts in about(planned).items()}, {})
+
+
 def test_of_many_differences_a_few_are_named(tmp_path):
     planned = experiment(policies=[{"use": POLICY, "name": f"p{n}"} for n in range(9)])
     record = filled(tmp_path / "other.db")[0]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
 from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, ObservationConfig
+from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, PROSPECT, TOURS
 from indoor_explorers.learners.dddqn.policy import Dddqn, DddqnPilot
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
 from tests.learners.dddqn.rooms import fly, small_room, some_prior, write_network
@@ -107,6 +108,50 @@ def test_results_can_tell_which_weights_were_flown(untrained: str) -> None:
     assert Dddqn(weights=one).provenance()["weights_sha256"] == all_of_them[f"weights_{one}_sha256"]
 
 
+def test_without_a_network_the_shortest_tour_is_followed() -> None:
+    world = World(PRESETS["thesis-obstacles"].for_evaluation())
+    world.reset([1])
+    policy = Dddqn(network=False, guard=False)
+    pilot = policy.pilot(world.briefing(0, 0))
+    beyond = load_weights(shipped()["thesis-obstacles"]).layout.tours_at + TOURS.index("its steps beyond the shortest")
+    for _ in range(30):
+        action = pilot.act(world.view(0, 0))
+        assert action < 4
+        legal_A = pilot.moves[0, :, BLOCKED_AT] == 0.0
+        assert pilot.moves[0, action, beyond] == pilot.moves[0, legal_A, beyond].min()
+        world.step(np.array([[action]]))
+    assert policy.provenance() == Dddqn().provenance()
+
+
+def test_without_a_network_the_best_candidate_is_followed_on_large_maps() -> None:
+    world = World(PRESETS["small-cave"].for_evaluation())
+    world.reset([1])
+    pilot = Dddqn(network=False, guard=False).pilot(world.briefing(0, 0))
+    behind = load_weights(shipped()["general"]).layout.prospects_at + PROSPECT.index("steps behind the best")
+    action = pilot.act(world.view(0, 0))
+    legal_A = pilot.moves[0, :, BLOCKED_AT] == 0.0
+    assert pilot.moves[0, action, behind] == pilot.moves[0, legal_A, behind].min()
+
+
+def test_a_network_cannot_be_left_out_where_there_are_no_planner_features() -> None:
+    with pytest.raises(InputError, match="expected map_alone with a network"):
+        Dddqn(map_alone=True, network=False)
+    world = World(PRESETS["thesis-obstacles"])
+    world.reset([1])
+    with pytest.raises(InputError, match="expected weights with planner features"):
+        Dddqn(weights="thesis-obstacles-map", network=False).pilot(world.briefing(0, 0))
+
+
+@pytest.mark.parametrize(("reach", "told"), [(3, {}), (4, {"other_range": 1.0})])
+def test_results_tell_that_weights_fly_a_lidar_range_they_were_not_trained_with(
+    reach: int, told: dict[str, float]
+) -> None:
+    world = World(PRESETS["thesis-open"].with_settings({"lidar.range": reach}))
+    world.reset([1])
+    assert Dddqn(guard=False).pilot(world.briefing(0, 0)).tally() == told
+    assert Dddqn(guard=False, weights="thesis-open").pilot(world.briefing(0, 0)).tally() == {}
+
+
 def test_unknown_weights_are_told_in_one_line() -> None:
     with pytest.raises(
         InputError, match=r"unknown weights 'generel' \(expected a name or a path\); did you mean 'general'"
@@ -120,7 +165,9 @@ def test_the_weights_suit_the_scenario() -> None:
         world.reset([1])
         return Dddqn().suited(world.briefing(0, 0))
 
-    assert flown("office") == flown("thesis-obstacles", **{"lidar.range": 9}) == "general"
+    assert flown("office") == "general"
+    for name in ("thesis-open", "thesis-obstacles", "thesis-team-2-radio-unlimited"):
+        assert flown(name, **{"lidar.range": 4}) == "thesis-obstacles"
     alone = {name: flown(name) for name in ("thesis-open", "thesis-obstacles")}
     assert alone == {name: name for name in alone}
     teams = [flown(f"thesis-team-{team}-radio-{radio}") for team in (2, 4) for radio in (0, 3, "unlimited")]
