@@ -6,13 +6,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from indoor_explorers.env import Scenario, World
+from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.episodes.record import Record
 
 
 def recorded_scenario(settings: Mapping[str, Any]) -> Scenario:
     """Return a stored scenario; its map source is left out, since records bring their own maps."""
     kept = {key: value for key, value in settings.items() if key not in ("fingerprint", "map")}
-    return Scenario.model_validate(kept)
+    return validated(Scenario, kept, f"stored scenario {kept.get('name')!r}")
 
 
 def resimulate(record: Record, scenario: Scenario) -> Iterator[World]:

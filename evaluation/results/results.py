@@ -18,7 +18,7 @@ from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, exten
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
-from indoor_explorers.evaluation.results.store import Store
+from indoor_explorers.evaluation.results.reading import StoreReader
 from indoor_explorers.evaluation.statistics import (
     Estimate,
     bootstrap_mean,
@@ -49,6 +49,8 @@ class Results:
     records: list[Record]
     experiments: tuple[str, ...] = ()
     """The experiment of each store in TOML, with every policy that any of its runs flew."""
+    notes: tuple[str, ...] = ()
+    """Lines on what happened to the stores."""
 
     @classmethod
     def load(cls, folder: Path) -> Results:
@@ -56,10 +58,11 @@ class Results:
         path = folder / "results.db"
         if not path.is_file():
             raise InputError(f"{folder}: expected a folder with a results.db in it, got none; fly compare --out first")
-        with Store(path) as store:
+        with StoreReader(path) as store:
             text = store.experiment()
             experiments = (text,) if text else ()
-            return cls(store.policies(), store.scenarios(), store.runs(), list(store.records()), experiments)
+            records = list(store.records())
+            return cls(store.policies(), store.scenarios(), store.runs(), records, experiments, store.notes())
 
     @cached_property
     def groups(self) -> dict[tuple[str, str], list[Record]]:
@@ -88,8 +91,11 @@ class Results:
 
     @property
     def warnings(self) -> list[str]:
-        """A line for each fact that differs between the runs and can change results: commits, versions, machines."""
-        lines = []
+        """The notes, and a line for each fact that differs between the runs and can change results.
+
+        Such facts are commits, versions and machines.
+        """
+        lines = list(self.notes)
         for key in dict.fromkeys(key for run in self.runs for key in run if _can_change_results(key)):
             values = dict.fromkeys(str(run.get(key, "not recorded")) for run in self.runs)
             if len(values) > 1:

@@ -1,31 +1,29 @@
 """The store: one SQLite file per experiment, append-only, one transaction per finished episode.
 
 Episodes are keyed by (policy, scenario, map, seed); finished keys are skipped, so every run is a resume. Only a failed
-episode that was flown again is ever replaced. Maps are kept in the store, so that a report needs nothing else.
+episode that was flown again is ever replaced. Maps are kept in the store, so that a report needs nothing else. Every
+row has a checksum; damaged episodes are set aside when a run begins, and flown again.
 """
 
 from __future__ import annotations
 
 import json
 import sqlite3
-import zlib
-from collections.abc import Iterable, Iterator
+import time
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import RunError
-from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, Record
-from indoor_explorers.evaluation.experiment.experiment import Experiment, Task, merged_experiments
+from indoor_explorers.evaluation.experiment.experiment import Experiment, Task
+from indoor_explorers.evaluation.results.damage import damaged, one_line
 from indoor_explorers.evaluation.results.policy_version import version_difference
+from indoor_explorers.evaluation.results.reading import FORMAT, PATIENCE, SETTINGS, StoreReader, connect
+from indoor_explorers.evaluation.results.rows import Row, checksum, episode_row, floorplan_row
 
-FORMAT = 3
 #: Differences that a refusal names.
 MOST_NAMED = 4
 
@@ -50,14 +48,8 @@ CREATE TABLE episode (
     PRIMARY KEY (policy, scenario, map_index, seed)
 ) STRICT;
 """
-
-
-def _packed(array: NDArray[Any]) -> bytes:
-    return zlib.compress(np.ascontiguousarray(array).tobytes(), 6)
-
-
-def _unpacked(blob: bytes, kind: type, *shape: int) -> NDArray[Any]:
-    return np.frombuffer(zlib.decompress(blob), kind).reshape(shape)
+#: Added to older stores when they are written to.
+CHECKSUMS = "CREATE TABLE checksum (digest BLOB PRIMARY KEY) STRICT, WITHOUT ROWID"
 
 
 @contextmanager
@@ -74,12 +66,14 @@ def _transaction(db: sqlite3.Connection, path: Path) -> Iterator[None]:
             yield
     except sqlite3.OperationalError as error:
         raise _not_written(path, error) from error
+    except sqlite3.DatabaseError as error:
+        raise damaged(path, error) from error
 
 
 def _not_written(path: Path, error: sqlite3.Error) -> RunError:
     return RunError(
-        f"{path} cannot be written: {error}; the finished episodes are kept: make room on the disk, and the same "
-        "command goes on from there"
+        f"{path} cannot be written: {one_line(error)}; the finished episodes are kept: make room on the disk, and the "
+        "same command goes on from there"
     )
 
 
@@ -89,48 +83,81 @@ def _some(differences: list[str]) -> str:
     return "; ".join(differences[:MOST_NAMED] + more)
 
 
-class Store:
-    """The results of one experiment in a file; use as a context manager."""
+def _write_ahead(db: sqlite3.Connection) -> None:
+    """Set the journal mode in which readers do not wait; SQLite itself does not wait for others who do the same."""
+    until = time.monotonic() + PATIENCE
+    while True:
+        try:
+            db.execute("PRAGMA journal_mode = WAL")
+        except sqlite3.OperationalError as error:
+            if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or time.monotonic() > until:
+                raise
+            time.sleep(0.01)
+        else:
+            return
+
+
+class Store(StoreReader):
+    """The results of one experiment in a file, opened for writing, and made if it is not there."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._floorplans: dict[Task, str] = {}
+        self._digests: dict[Task, str] = {}
         """The digests of the maps that were added."""
         existed = path.exists()
         try:
-            self._db = sqlite3.connect(path, isolation_level=None)
-            self._db.execute("PRAGMA journal_mode = WAL")
+            self._db = connect(path.resolve().as_uri())
+            _write_ahead(self._db)
             self._db.execute("PRAGMA synchronous = NORMAL")
             self._db.execute("PRAGMA foreign_keys = ON")
-            if not self._db.execute("SELECT 1 FROM sqlite_master WHERE name = 'meta'").fetchone():
+            with self._db:
+                self._db.execute("BEGIN IMMEDIATE")  # another process may be opening it too
                 self._create()
-            found = self._db.execute("SELECT value FROM meta WHERE key = 'format'").fetchone()
+                self._check()
+                self._add_checksums()
         except sqlite3.DatabaseError as error:
             if getattr(error, "sqlite_errorcode", 0) & 0xFF in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
                 raise _not_written(path, error) from error
             what = "expected a results store" if existed else "cannot be created"
             raise InputError(
-                f"{path}: {what}, got: {error}; choose another folder, or one that can be written"
+                f"{path}: {what}, got: {one_line(error)}; choose another folder, or one that can be written"
             ) from error
-        if found is None or found[0] != str(FORMAT):
-            raise InputError(
-                f"{path}: expected a store of format {FORMAT}, got {found and found[0]}; use another folder"
-            )
 
     def _create(self) -> None:
-        self._db.executescript(f"BEGIN IMMEDIATE; {SCHEMA} INSERT INTO meta VALUES ('format', '{FORMAT}'); COMMIT;")
+        """Make the tables of an empty file."""
+        if not self._db.execute("SELECT 1 FROM sqlite_master WHERE name = 'meta'").fetchone():
+            for statement in (*SCHEMA.split(";"), CHECKSUMS, f"INSERT INTO meta VALUES ('format', '{FORMAT}')"):
+                self._db.execute(statement)
+            self._sign("meta")
 
-    def __enter__(self) -> Store:
-        return self
+    def _add_checksums(self) -> None:
+        """Give a store from before the checksums one for each undamaged row."""
+        if self._checksums() is not None:
+            return
+        _ = self.policies(), self.scenarios(), self.experiment()  # refuses what cannot be understood
+        rowids, plans = [each.rowid for each in self._damages()], self._maps()
+        self._db.execute(CHECKSUMS)
+        for table in SETTINGS:
+            self._sign(table)
+        self._sign("floorplan", "digest IN (SELECT value FROM json_each(?))", json.dumps(list(plans)))
+        self._sign("episode", "rowid NOT IN (SELECT value FROM json_each(?))", json.dumps(rowids))
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
+    def _sign(self, table: str, which: str = "true", *values: Any) -> None:
+        """Store the checksums of some rows of a table, of all by default."""
+        rows = self._db.execute(f"SELECT * FROM {table} WHERE {which}", values).fetchall()
+        digests = [(checksum(table, row),) for row in rows]
+        self._db.executemany("INSERT OR IGNORE INTO checksum VALUES (?)", digests)
 
-    def close(self) -> None:
-        """Close the file."""
-        self._db.close()
+    def _set_aside_damaged(self) -> None:
+        """Move damaged episodes to a table of their own, and drop damaged maps, so that both are made again."""
+        with _transaction(self._db, self.path):
+            rowids, sound = [(each.rowid,) for each in self._damages()], self._maps()
+            plans = [row for row in self._rows("SELECT digest FROM floorplan") if row[0] not in sound]
+            if rowids:
+                self._db.execute("CREATE TABLE IF NOT EXISTS damaged AS SELECT * FROM episode WHERE false")
+                self._db.executemany("INSERT INTO damaged SELECT * FROM episode WHERE rowid = ?", rowids)
+                self._db.executemany("DELETE FROM episode WHERE rowid = ?", rowids)
+            self._db.executemany("DELETE FROM floorplan WHERE digest = ?", plans)
 
     # -- the experiment -------------------------------------------------------------------------------
 
@@ -159,7 +186,8 @@ class Store:
         with _transaction(self._db, self.path):
             if fresh:
                 self._db.execute("DELETE FROM meta WHERE key = 'seed'")
-                for table in ("episode", "floorplan", "scenario", "policy", "run"):
+                self._db.execute("DROP TABLE IF EXISTS damaged")
+                for table in ("episode", "floorplan", "scenario", "policy", "run", "checksum"):
                     self._db.execute(f"DELETE FROM {table}")
             for name in self._other_versions(policies):
                 self._db.execute("DELETE FROM episode WHERE policy = ?", (name,))
@@ -177,6 +205,9 @@ class Store:
             self._db.execute("INSERT OR IGNORE INTO meta VALUES ('seed', ?)", (str(experiment.seed),))
             entry = (json.dumps(facts, sort_keys=True), experiment.to_toml())
             run = self._db.execute("INSERT INTO run (facts, experiment) VALUES (?, ?)", entry).lastrowid
+            for table in SETTINGS:
+                self._sign(table)
+        self._set_aside_damaged()
         assert run is not None
         return run
 
@@ -219,7 +250,7 @@ class Store:
     def finished(self, *, failed: bool = True) -> set[tuple[str, Task]]:
         """Return the keys of all stored episodes, with or without the ``failed`` ones."""
         which = "" if failed else f"WHERE outcome <> '{Outcome.FAILED}'"
-        rows = self._db.execute(f"SELECT policy, scenario, map_index, seed FROM episode {which}")
+        rows = self._rows(f"SELECT policy, scenario, map_index, seed FROM episode {which}")
         return {(policy, Task(scenario, index, seed)) for policy, scenario, index, seed in rows}
 
     def add(self, record: FlownEpisode, run: int, *, replace_failed: bool = False) -> None:
@@ -234,85 +265,20 @@ class Store:
         """
         with _transaction(self._db, self.path):
             if isinstance(record, Record):
-                row = _floorplan_row(record.floorplan)
-                self._db.execute(f"INSERT OR IGNORE INTO floorplan VALUES ({_marks(9)})", row)
-                self._floorplans[record.task] = record.floorplan.digest
+                self._insert("floorplan", floorplan_row(record.floorplan))
+                self._digests[record.task] = record.floorplan.digest
             if replace_failed:
                 key = "policy = ? AND scenario = ? AND map_index = ? AND seed = ?"
                 gone = (record.policy, *record.task, Outcome.FAILED)
                 self._db.execute(f"DELETE FROM episode WHERE {key} AND outcome = ?", gone)
-            row = _episode_row(record, run, self._floorplans[record.task])
-            self._db.execute(f"INSERT OR IGNORE INTO episode VALUES ({_marks(18)})", row)
+            self._insert("episode", episode_row(record, run, self._digests[record.task]))
 
-    def policies(self) -> dict[str, dict[str, Any]]:
-        """Return the facts of each policy by name, in the order of the experiment."""
-        rows = self._db.execute("SELECT name, facts FROM policy ORDER BY position")
-        return {name: json.loads(facts) for name, facts in rows}
-
-    def scenarios(self) -> dict[str, dict[str, Any]]:
-        """Return the settings of each scenario by name, ``fingerprint`` included, in order."""
-        rows = self._db.execute("SELECT name, fingerprint, facts FROM scenario ORDER BY position")
-        return {name: {"fingerprint": fingerprint, **json.loads(facts)} for name, fingerprint, facts in rows}
-
-    def runs(self) -> list[dict[str, Any]]:
-        """Return the facts of each run that an episode is from, oldest first."""
-        flown = "SELECT facts FROM run WHERE id IN (SELECT run FROM episode) ORDER BY id"
-        return [json.loads(facts) for (facts,) in self._db.execute(flown)]
-
-    def experiment(self) -> str:
-        """Return one experiment in TOML for all runs, empty without a run."""
-        return merged_experiments([text for (text,) in self._db.execute("SELECT experiment FROM run ORDER BY id")])
-
-    def records(self) -> Iterable[Record]:
-        """Yield all episodes, ordered by policy, scenario, map and seed."""
-        plans = {row[0]: _floorplan(row) for row in self._db.execute("SELECT * FROM floorplan")}
-        rows = self._db.execute(
-            "SELECT episode.* FROM episode JOIN policy ON policy.name = policy"
-            " JOIN scenario ON scenario.name = scenario"
-            " ORDER BY scenario.position, policy.position, map_index, seed"
-        )
-        for policy, scenario, index, seed, _, plan, team, budget, reachable, outcome, reason, steps, *blobs in rows:
-            metrics, covered, cells, actions, seconds, sent = blobs
-            yield Record(
-                policy=policy,
-                task=Task(scenario, index, seed),
-                floorplan=plans[plan],
-                team=team,
-                budget=budget,
-                reachable=reachable,
-                outcome=Outcome(outcome),
-                reason=reason,
-                metrics=json.loads(metrics),
-                covered=_unpacked(covered, np.int32, steps + 1, 1 + team),
-                cells=_unpacked(cells, np.int16, steps + 1, team, 2),
-                actions=_unpacked(actions, np.uint8, steps, team),
-                seconds=_unpacked(seconds, np.float32, steps + 1),
-                sent=_unpacked(sent, np.int64, steps + 1),
-            )
+    def _insert(self, table: str, row: Row) -> None:
+        """Insert a row with its checksum; a row of the same key is left as it is."""
+        added = self._db.execute(f"INSERT OR IGNORE INTO {table} VALUES ({_marks(len(row))})", row)
+        if added.rowcount:
+            self._sign(table, "rowid = ?", added.lastrowid)
 
 
 def _marks(count: int) -> str:
     return ", ".join("?" * count)
-
-
-def _floorplan_row(plan: Floorplan) -> tuple[Any, ...]:
-    start = plan.start or (None, None)
-    return (plan.digest, plan.name, *plan.shape, plan.resolution, plan.kept, _packed(plan.truth), *start)
-
-
-def _episode_row(record: FlownEpisode, run: int, floorplan: str) -> tuple[Any, ...]:
-    return (
-        *(record.policy, *record.task, run, floorplan, record.team, record.budget, record.reachable),
-        *(str(record.outcome), record.reason, record.steps, json.dumps(record.metrics)),
-        _packed(record.covered.astype(np.int32)),
-        _packed(record.cells.astype(np.int16)),
-        _packed(record.actions.astype(np.uint8)),
-        _packed(record.seconds.astype(np.float32)),
-        _packed(record.sent.astype(np.int64)),
-    )
-
-
-def _floorplan(facts: tuple[Any, ...]) -> Floorplan:
-    _, name, height, width, resolution, kept, cells, row, column = facts
-    start = None if row is None else (row, column)
-    return Floorplan(_unpacked(cells, np.uint8, height, width), name, resolution, kept, start)

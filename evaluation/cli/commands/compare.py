@@ -38,6 +38,7 @@ def run_compare(options: CompareOptions, typed: str) -> int:
         results = run(experiment, options.out, options, watcher=bar, command=typed)
     console.print(headline_table(results, console.width))
     print_ratios(results, options.ratio_to, console)
+    print_notes(results, console)
     print_line(console, f"Report: {options.out / 'report.html'}")
     return _print_failures(results, console)
 
@@ -49,6 +50,12 @@ def print_ratios(results: Results, asked: Sequence[str] | None, console: Console
 
     for part in ratio_lines(Ratios.of(results, asked)) if asked else ():
         console.print(part, highlight=False)
+
+
+def print_notes(results: Results, console: Console) -> None:
+    """Print what happened to the stores that the results are from."""
+    for note in results.notes:
+        print_line(console, note)
 
 
 def _print_failures(results: Results, console: Console) -> int:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.cli.commands.compare import print_ratios
+from indoor_explorers.evaluation.cli.commands.compare import print_notes, print_ratios
 from indoor_explorers.evaluation.experiment.request import POLICY_NAMES, Request
 from indoor_explorers.evaluation.options import Option, read_natural
 
@@ -57,6 +57,7 @@ def run_report(options: ReportOptions, typed: str) -> int:
     for part in against_lines(against, console.width) if against is not None else ():
         console.print(part, highlight=False)
     print_ratios(results, options.ratio_to, console)
+    print_notes(results, console)
     print_line(console, f"Report: {options.out}")
     return 0
 
