@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from queue import SimpleQueue
+from threading import Lock
 
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
 from indoor_explorers.evaluation.engines.workload import Jobs
@@ -34,9 +34,7 @@ def fly_jobs(jobs: Jobs, workers: int, limits: Limits) -> Iterator[list[FlownEpi
         yield from map(fly_job, jobs)
         return
     supervisors = [Supervisor(limits) for _ in range(min(workers, len(jobs)))]
-    idle: SimpleQueue[Supervisor] = SimpleQueue()
-    for supervisor in supervisors:
-        idle.put(supervisor)
+    idle = list(supervisors)
     threads = ThreadPoolExecutor(len(supervisors), "engine")
     try:
         yield from _as_completed(threads, jobs, idle, in_flight=len(supervisors) + 1)
@@ -47,14 +45,15 @@ def fly_jobs(jobs: Jobs, workers: int, limits: Limits) -> Iterator[list[FlownEpi
 
 
 def _as_completed(
-    threads: Executor, jobs: Jobs, idle: SimpleQueue[Supervisor], in_flight: int
+    threads: Executor, jobs: Jobs, idle: list[Supervisor], in_flight: int
 ) -> Iterator[list[FlownEpisode]]:
     """Keep a few jobs submitted at a time, so that little is lost by stopping early."""
     waiting = iter(jobs)
+    choosing = Lock()
     running: set[Future[list[FlownEpisode]]] = set()
     while True:
         while len(running) < in_flight and (job := next(waiting, None)) is not None:
-            running.add(threads.submit(_fly_with_idle, idle, job))
+            running.add(threads.submit(_fly_with_idle, idle, choosing, job))
         if not running:
             return
         done, running = wait(running, return_when=FIRST_COMPLETED)
@@ -62,10 +61,12 @@ def _as_completed(
             yield future.result()
 
 
-def _fly_with_idle(idle: SimpleQueue[Supervisor], job: Job) -> list[FlownEpisode]:
-    """Fly a job with a supervisor that is idle."""
-    supervisor = idle.get()
+def _fly_with_idle(idle: list[Supervisor], choosing: Lock, job: Job) -> list[FlownEpisode]:
+    """Fly a job with a supervisor that is idle, if possible one whose process can go on; each thread finds one."""
+    with choosing:
+        supervisor = max(idle, key=lambda each: (each.serves == job.policy, each.serves is None))
+        idle.remove(supervisor)
     try:
         return supervisor.fly(job)
     finally:
-        idle.put(supervisor)
+        idle.append(supervisor)

@@ -7,12 +7,13 @@ import weakref
 from typing import NamedTuple
 
 from indoor_explorers.env.errors import RunError
+from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.engines.worker_handle import WorkerExit, WorkerHandle
 from indoor_explorers.evaluation.episodes.record import FlownEpisode, Record
 from indoor_explorers.evaluation.episodes.running import RunningEpisode, failed_record
 from indoor_explorers.evaluation.episodes.steps import Steps
-from indoor_explorers.evaluation.experiment.experiment import Job
+from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits
 
 __all__ = ["Limits", "Supervisor"]
@@ -43,6 +44,9 @@ class Supervisor:
     episode counts as failed only in a process that has flown nothing before, so that it is not blamed for what an
     earlier one left behind; and where the process was killed from outside, only when that happens a second time.
 
+    A process that has loaded a policy from outside this package serves no other one, since such a policy may change
+    whatever others rely on, on purpose or not. The package's own policies share a process.
+
     Safe to call from several threads; they take turns.
     """
 
@@ -51,6 +55,8 @@ class Supervisor:
         self._turn = threading.Lock()
         self._closed = threading.Event()
         self._workers: list[WorkerHandle] = []
+        self.serves: PolicyChoice | None = None
+        """The policy from outside this package that its process has loaded."""
         weakref.finalize(self, _close_all, self._workers)
 
     def fly(self, job: Job) -> list[FlownEpisode]:
@@ -89,7 +95,7 @@ class Supervisor:
 
     def _try(self, job: Job) -> _Attempt:
         """Fly a job once, until it is finished or the process ends."""
-        worker = self._worker()
+        worker = self._worker(job.policy)
         fresh = worker.fresh
         try:
             worker.send(job)
@@ -105,8 +111,11 @@ class Supervisor:
             raise
         return _Attempt(records, None, fresh, None)
 
-    def _worker(self) -> WorkerHandle:
-        """Return the worker process; start one if there is none."""
+    def _worker(self, policy: PolicyChoice) -> WorkerHandle:
+        """Return the worker process for a policy; start one if there is none."""
+        if self._workers and self.serves not in (None, policy):
+            self._discard(self._workers[0], 1)
+        self.serves = None if is_own_policy(policy.use) else policy
         if self._workers:
             return self._workers[0]
         for _ in range(STARTS):

@@ -144,6 +144,7 @@ class _Batch:
                     f"pilot_{name}": float(np.mean([tally[name] for tally in tallies if name in tally]))
                     for name in names
                 }
+                flight.pilots.clear()  # deleted while the clock runs
         except BREAKING as error:
             self._fail(flight, error)
 

@@ -4,6 +4,7 @@ import contextlib
 import ctypes
 import itertools
 import os
+import resource
 import signal
 import sys
 import time
@@ -13,6 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from indoor_explorers.env import Pilot, Policy
+from indoor_explorers.planners.random_walk import RandomWalk
 from tests.seeds import seed_of
 
 
@@ -278,6 +280,29 @@ WAYS = {
     "buffer": lambda belief: memoryview(belief).__setitem__((0, 0), 1),
     "frombuffer": lambda belief: np.frombuffer(belief, np.uint8).setflags(write=True),
 }
+
+
+class Meddles(Wander):
+    """Change what other policies rely on: a rival's class, the interpreter, the process."""
+
+    def pilot(self, briefing):
+        RandomWalk.pilot = lambda self, briefing: Still.Mind(briefing)
+        Wander.pilot = lambda self, briefing: Still.Mind(briefing)
+        sys.setrecursionlimit(60)
+        sys.path.clear()
+        resource.setrlimit(resource.RLIMIT_NOFILE, (20, 20))
+        return Still.Mind(briefing)
+
+
+class HangsWhenDeleted(Wander):
+    class Mind(Wanderer):
+        def __del__(self):
+            while True:
+                with contextlib.suppress(BaseException):
+                    time.sleep(0.01)
+
+    def pilot(self, briefing):
+        return self.Mind(briefing)
 
 
 class Prints(Wander):

@@ -17,7 +17,7 @@ from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice, Task
 from indoor_explorers.evaluation.experiment.limits import Limits
-from tests.evaluation.plugins import WAYS, Wander
+from tests.evaluation.plugins import WAYS, Vandal, Wander
 
 TEAM = PRESETS["thesis-team-2"].for_evaluation().with_settings({"radio.model": "unlimited", "budget": 60})
 LIMITS = Limits(decision_timeout=1.0, memory=1_000_000_000)
@@ -127,10 +127,34 @@ def test_a_policy_that_dies_always_fails_always(supervisor):
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_what_a_uav_knows_cannot_be_written_to(way, supervisor, honest):
-    records = supervisor.fly(job("Vandal", way=way))
+def test_what_a_uav_knows_cannot_be_written_to(way, honest):
+    records = list(fly(Vandal(way), "Vandal", TEAM, job("Vandal").tasks))
     check(records, honest, "Error: ", steps=5)
     assert not any("that worked" in record.reason for record in records)
+
+
+def own(policy):
+    return Job(PolicyChoice(use=policy, name=policy), TEAM, job("").tasks)
+
+
+def test_a_policy_from_outside_has_a_process_of_its_own_and_changes_no_other_ones_flights(supervisor, honest):
+    before = supervisor.fly(own("random"))
+    supervisor.fly(job("Meddles"))
+    after, others = supervisor.fly(own("random")), supervisor.fly(job("Wander"))
+    assert [facts(record) for record in after] == [facts(record) for record in before]
+    assert [facts(record) for record in others] == [facts(honest[seed]) for seed in (1, 0, 2)]
+
+
+def test_the_packages_own_policies_share_a_process(supervisor):
+    supervisor.fly(own("random"))
+    (process,) = supervisor._workers
+    supervisor.fly(own("frontier-nearest"))
+    assert supervisor._workers == [process]
+
+
+def test_pilots_that_hang_when_they_are_deleted_are_stopped(supervisor):
+    (record,) = supervisor.fly(job("HangsWhenDeleted", [0]))
+    assert (record.outcome, record.reason) == (Outcome.FAILED, OVERDUE)
 
 
 def test_prints_do_not_disturb(supervisor, honest, capfd):
