@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import sysconfig
 import traceback
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,6 +23,7 @@ from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.recorder import Log
 from indoor_explorers.evaluation.episodes.running import RunningEpisode, failed_record
 from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer
+from indoor_explorers.evaluation.episodes.tallies import mean_tallies
 from indoor_explorers.evaluation.episodes.thinking_time import thinking_time
 from indoor_explorers.evaluation.experiment.experiment import Task
 
@@ -138,12 +140,7 @@ class _Batch:
             return
         try:
             with self._clock:
-                tallies = [pilot.tally() for pilot in flight.pilots]
-                names = sorted({name for tally in tallies for name in tally})
-                flight.tallies = {
-                    f"pilot_{name}": float(np.mean([tally[name] for tally in tallies if name in tally]))
-                    for name in names
-                }
+                flight.tallies = mean_tallies([pilot.tally() for pilot in flight.pilots])
                 flight.pilots.clear()  # deleted while the clock runs
         except BREAKING as error:
             self._fail(flight, error)
@@ -171,26 +168,35 @@ class _Batch:
                 share = (thinking_time() - start) / len(group)
                 if len(actions) != len(group):
                     raise ValueError(f"act returned {len(actions)} actions for {len(group)} pilots")
-                return [(uav, a) for uav, a in zip(group, actions, strict=True) if self._is_accepted(uav, a, share)]
+                decided = [(uav, self._accepted(uav, a, share)) for uav, a in zip(group, actions, strict=True)]
+                return [(uav, action) for uav, action in decided if action is not None]
         except BREAKING as error:
             if len({episode for episode, _ in group}) > 1:
                 raise _BatchFailed from error
             self._fail(self._flights[group[0][0]], error)
             return []
 
-    def _is_accepted(self, uav: Uav, action: object, seconds: float) -> bool:
-        """Check one decision and post its message; an invalid one fails its own episode."""
+    def _accepted(self, uav: Uav, answer: object, seconds: float) -> int | None:
+        """Check one decision, post its message and return its action; an invalid one fails its own episode."""
         episode, agent = uav
         flight = self._flights[episode]
         flight.latencies.append(seconds)
         self._seconds[episode] += seconds
         try:
-            if not is_action(action):
-                raise InputError(f"expected an action from 0 to 4, got {action!r}")
+            action = _action(answer)
             self._world.post(episode, agent, flight.pilots[agent].message)
         except (Exception, SystemExit) as error:
             self._fail(flight, error)
-        return not flight.failure
+        return None if flight.failure else action
+
+
+def _action(answer: object) -> int:
+    """Return the action that an answer means, as an int that nobody can change any more."""
+    if is_action(answer):
+        action = operator.index(answer)  # of a subclass of int its true value, whatever its methods say
+        if 0 <= action <= 4:
+            return action
+    raise InputError(f"expected an action from 0 to 4, got {answer!r}")
 
 
 def describe_error(error: BaseException) -> str:

@@ -112,18 +112,71 @@ def test_what_was_spent_is_logged_step_by_step():
     assert silent.metrics["auc_worst"] <= silent.metrics["auc_mean"] <= silent.metrics["auc"]
 
 
-def test_a_tally_that_breaks_fails_the_episode():
+@pytest.mark.parametrize(
+    ("told", "reason"),
+    [
+        ({"draws": "many"}, "expected tally 'draws' to be a finite number, got 'many'"),
+        ({"draws": float("nan")}, "expected tally 'draws' to be a finite number, got nan"),
+        ({"draws": 10**400}, "OverflowError: int too large to convert to float"),
+        (None, "expected tally() to return a dict, got NoneType"),
+        ([1.0], "expected tally() to return a dict, got list"),
+        ("draws", "expected tally() to return a dict, got str"),
+        ({str(each): 1.0 for each in range(10**4)}, "expected at most 64 names in a tally, got 10000"),
+        ({"\ud800": 1.0}, r"expected names of a tally to be texts of 1 to 64 characters, got '\\ud800'"),
+        ({"n" * 1000: 1.0}, "expected names of a tally to be texts of 1 to 64 characters, got 'nnn"),
+        ({float("nan"): 1.0}, "expected names of a tally to be texts of 1 to 64 characters, got nan"),
+    ],
+)
+def test_a_tally_that_breaks_fails_the_episode(told, reason):
     class Miscounts(Wander):
         class Mind(Wanderer):
             def tally(self):
-                return {"draws": "many"}
+                return told
 
         def pilot(self, briefing):
             return self.Mind(briefing)
 
     (record,) = fly(Miscounts(), "w", TEAM, tasks(1))
     assert record.outcome is Outcome.FAILED
+    assert reason.replace("\\\\", "\\") in record.reason
+    assert len(record.reason) < 200
     assert record.covered.shape[0] == record.steps + 1
+
+
+@pytest.mark.parametrize("value", [99, -7])
+def test_an_action_that_lies_about_itself_is_what_it_really_is(value):
+    class Liar(int):
+        def __le__(self, other):
+            return True
+
+        __ge__ = __lt__ = __gt__ = __le__
+
+        def __index__(self):
+            return 2
+
+    class Lies(Wander):
+        class Mind(Wanderer):
+            def act(self, view):
+                return Liar(value)
+
+        def pilot(self, briefing):
+            return self.Mind(briefing)
+
+    (record,) = fly(Lies(), "w", TEAM, tasks(1))
+    assert record.outcome is Outcome.FAILED
+    assert record.steps == 0
+    assert f"expected an action from 0 to 4, got {value}" in record.reason
+
+
+def test_a_reason_is_short_and_has_no_control_characters():
+    class Shouts(Wander):
+        def pilot(self, briefing):
+            raise RuntimeError("\x1b[31m\x07\u202e" + "x" * 10**5)
+
+    (record,) = fly(Shouts(), "w", TEAM, tasks(1))
+    assert r"RuntimeError: \x1b[31m\x07\u202exxx" in record.reason
+    assert record.reason.isprintable()
+    assert len(record.reason) < 600
 
 
 def test_compiling_is_no_part_of_a_decision(monkeypatch):
