@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed
-from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
+from indoor_explorers.evaluation.report.analysis.shown_best import BOLD, shown_best
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent, percent_interval
 from indoor_explorers.evaluation.report.summary.facts import denominator
-from indoor_explorers.evaluation.report.summary.successes import success_notes
+from indoor_explorers.evaluation.report.summary.notes import scenario_notes
 from indoor_explorers.evaluation.report.tables.headline_table import decision_time
 from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, tabled
-from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, contrasts
+from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
 
 @dataclass(frozen=True)
@@ -38,15 +38,16 @@ class ExportRow:
 
 def table_rows(comparison: Comparison) -> list[ExportRow]:
     """Return a row for each policy, in the experiment's order."""
-    best = {metric: shown_best(comparison, metric) for metric in (*comparison.level.times, "auc")}
+    metrics = (*comparison.level.times, "auc")
+    best = {metric: shown_best(comparison, metric, lower_is_better=metric != "auc") for metric in metrics}
     return [
         ExportRow(marked(comparison.results, policy), _cells(comparison, policy, best)) for policy in comparison.groups
     ]
 
 
-def _cells(comparison: Comparison, policy: str, best: dict[str, str | None]) -> tuple[ExportCell, ...]:
+def _cells(comparison: Comparison, policy: str, best: dict[str, list[str]]) -> tuple[ExportCell, ...]:
     *times, auc = (
-        replace(_measured(comparison, policy, metric, decimals), best=best.get(metric) == policy)
+        replace(_measured(comparison, policy, metric, decimals), best=policy in best.get(metric, []))
         for metric, decimals in (*((key, 1) for key in tabled([comparison.level])), ("auc", 3))
     )
     success = comparison.success(policy)
@@ -58,21 +59,6 @@ def _cells(comparison: Comparison, policy: str, best: dict[str, str | None]) -> 
 def _measured(comparison: Comparison, policy: str, metric: str, decimals: int) -> ExportCell:
     estimate = comparison.estimate(policy, metric)
     return ExportCell(fixed(estimate.mean, decimals), interval(estimate, decimals))
-
-
-def shown_best(comparison: Comparison, metric: str) -> str | None:
-    """Return the policy whose metric is significantly better than every other's on the tasks that all flew.
-
-    A difference is significant where the sign-flip test's p-value, adjusted by Holm's method for the number of
-    policies, is at most 0.05. Policies that know the map are not ranked.
-    """
-    common = TaskTimes.of(comparison, metric).common()
-    if len(common.policies) < 2 or not common.tasks:
-        return None
-    values = dict(zip(common.policies, common.times.T, strict=True))
-    best = (max if metric == "auc" else min)(values, key=lambda policy: float(values[policy].mean()))
-    against = contrasts(values, best, maps=common.maps, lower_is_better=metric != "auc")
-    return best if all(contrast.shown for contrast in against.values()) else None
 
 
 def caption(comparison: Comparison) -> list[str]:
@@ -88,8 +74,8 @@ def caption(comparison: Comparison) -> list[str]:
         f"Coverage is the {denominator(settings)}.",
         f"{_times(comparison.level)}; an episode that never reaches it counts as its budget of {limit} steps.",
         *(["A dash: the goal of this scenario is below that threshold."] if comparison.level != T99 else []),
-        "Bold: significantly better than every other policy (sign-flip test, p at most 0.05 after Holm's adjustment).",
-        *success_notes(comparison),
+        *([BOLD] if len(comparison.ranked_policies) > 1 else []),
+        *scenario_notes(comparison),
         *(["Policies that know the map are not ranked."] if any(map(comparison.privileged, comparison.groups)) else []),
         *footnotes(comparison.results, comparison.groups),
     ]

@@ -16,6 +16,7 @@ from plotly.offline import get_plotlyjs
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import ending
+from indoor_explorers.evaluation.report.analysis.shown_best import BOLD
 from indoor_explorers.evaluation.report.changes.against import Against
 from indoor_explorers.evaluation.report.charts.dot_plots import swatch
 from indoor_explorers.evaluation.report.panels import sweep_sections
@@ -127,6 +128,7 @@ def _environment() -> Environment:
         "colours": COLOURS,
         "interval": {"confidence": percent(CONFIDENCE), "fewest": FEWEST},
         "listed": LISTED,
+        "bold": BOLD,
     }
     return environment
 

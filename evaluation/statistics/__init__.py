@@ -20,7 +20,7 @@ from indoor_explorers.evaluation.statistics.profiles import performance_profile,
 from indoor_explorers.evaluation.statistics.ratios import Block, PairedRatio, paired_ratios, ratio_of_means
 from indoor_explorers.evaluation.statistics.resampling import maps_are_sampled, resampled_weights
 from indoor_explorers.evaluation.statistics.seeds import difference_of_seeds, mean_of_seeds
-from indoor_explorers.evaluation.statistics.significance import holm, sign_flip_test
+from indoor_explorers.evaluation.statistics.significance import all_pairs_test, holm, sign_flip_test
 from indoor_explorers.evaluation.statistics.successes import success_share, success_test
 from indoor_explorers.evaluation.statistics.wins import WinTieLoss, probability_of_improvement, win_tie_loss
 
@@ -33,6 +33,7 @@ __all__ = [
     "Estimate",
     "PairedRatio",
     "WinTieLoss",
+    "all_pairs_test",
     "bootstrap_mean",
     "bootstrap_means",
     "contrasts",

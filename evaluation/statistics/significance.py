@@ -1,14 +1,16 @@
-"""Sign-flip test of paired differences, and Holm's adjustment for several comparisons."""
+"""Sign-flip tests of paired differences: of one pair, of all pairs at once, and Holm's adjustment."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy import special
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.statistics.estimate import episode_values
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, episode_values
 from indoor_explorers.evaluation.statistics.resampling import independent_units
 
 #: The test is exact, over all 2^units flips, up to this many units.
@@ -48,6 +50,45 @@ def sign_flip_test(differences: ArrayLike, maps: ArrayLike | None = None) -> flo
     reached = abs(total) - 1e-12 * np.abs(units).sum()  # sums of the same numbers differ by their rounding
     beyond = sum(int((np.abs(total - 2 * (flipped @ units)) >= reached).sum()) for flipped in _flips(len(units)))
     return beyond / 2 ** len(units) if len(units) <= EXACT_UNITS else (beyond + 1) / (FLIPS + 1)
+
+
+class AllPairs(NamedTuple):
+    """The test of all pairs of K policies."""
+
+    adjusted_p: NDArray[np.float64]
+    """(K, K) symmetric; 1 on the diagonal."""
+    level: float
+    """The level at which a t test of one pair alone would be as strict."""
+
+
+def all_pairs_test(values: NDArray[np.float64], maps: ArrayLike | None = None) -> AllPairs:
+    """Test all pairs of K policies from (E, K) values at once, so that any of them may be chosen afterwards.
+
+    A pair's statistic is its sum of differences over the root of their sum of squares, a monotone function of
+    Student's t. A flip changes the signs of all differences of a unit together, and the adjusted p-value of a pair is
+    the share of flips in which the largest statistic of all pairs reaches the pair's own (single-step max-T; Westfall
+    & Young 1993, Resampling-Based Multiple Testing, chapter 2). Policies with the same values count as one. For two
+    policies it is :func:`sign_flip_test`.
+    """
+    units = np.stack([independent_units(episode_values(column), maps) for column in values.T], axis=1)
+    one, other = np.triu_indices(units.shape[1], 1)
+    apart = units[:, one] - units[:, other]
+    size = np.sqrt((apart**2).sum(axis=0))
+    apart = apart / np.where(size > 0, size, 1.0)
+    total, count = apart.sum(axis=0), len(units)
+    largest = np.sort(np.concatenate([np.abs(total - 2 * (f @ apart)).max(axis=1) for f in _flips(count)]))
+    beyond = len(largest) - np.searchsorted(largest, np.abs(total) - 1e-9)
+    sampled = count > EXACT_UNITS
+    adjusted = np.ones((units.shape[1],) * 2)
+    adjusted[one, other] = adjusted[other, one] = (beyond + sampled) / (len(largest) + sampled)
+    return AllPairs(adjusted, _level_of(float(np.quantile(largest, CONFIDENCE)), count))
+
+
+def _level_of(critical: float, count: int) -> float:
+    """Return the two-sided level of a t test with this critical value of the statistic, where the test can reach it."""
+    left = count - critical**2
+    reached = -critical * np.sqrt((count - 1) / left) if left > 0 else -np.inf
+    return min(1 - CONFIDENCE, max(2 * float(special.stdtr(count - 1, reached)), 2.0 ** (1 - count)))
 
 
 def holm(p_values: ArrayLike) -> NDArray[np.float64]:

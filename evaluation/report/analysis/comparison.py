@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -131,24 +132,31 @@ class Comparison:
     def contrasts(self) -> dict[str, Contrast]:
         """Steps of every other policy against the best-ranked; empty where they did not fly the same tasks.
 
-        Policies that know the map are a family of their own, so that they do not change the others' p-values.
+        All pairs of ranked policies are tested at once, since any could have come first. Policies that know the map
+        are a family of their own, so that they do not change the others' p-values.
         """
         if not self.groups or not self.aligned:
             return {}
         first = self.ranked_policies[0]
         privileged = [policy for policy in self.ranking if policy not in self.ranked_policies]
-        return self._family(self.ranked_policies) | self._family([first, *privileged])
+        return self._family(self.ranked_policies, chosen=True) | self._family([first, *privileged])
 
     @cached_property
     def success_p_values(self) -> dict[str, float]:
         """The p-value of every ranked policy's success against that of the best-ranked, adjusted for all pairs.
 
-        Any policy could have come first, so that all pairs of ranked policies are one family.
+        Any policy could have come first, so that all pairs of ranked policies are one family, in which policies that
+        succeed on the same tasks count as one.
         """
         names = self.ranked_policies if self.groups and self.aligned else []
-        pairs = list(combinations(names, 2))
-        p_values = [success_test(self._reached(one), self._reached(other), self.maps(one)) for one, other in pairs]
-        return {other: p for (one, other), p in zip(pairs, holm(p_values).tolist(), strict=True) if one == names[0]}
+        reached = {name: self._reached(name) for name in names}
+        alike = {
+            name: next(one for one in names if np.array_equal(reached[one], flags)) for name, flags in reached.items()
+        }
+        pairs = list(combinations(dict.fromkeys(alike.values()), 2))
+        p_values = holm([success_test(reached[one], reached[other], self.maps(one)) for one, other in pairs]).tolist()
+        found = {other: p for (one, other), p in zip(pairs, p_values, strict=True) if one == names[0]}
+        return {name: found.get(alike[name], 1.0) for name in names[1:]}
 
     def success_differs(self, policy: str) -> bool:
         """Return whether a policy is shown to reach the threshold more or less often than the best-ranked."""
@@ -158,9 +166,17 @@ class Comparison:
     def _reached(self, policy: str) -> NDArray[np.bool_]:
         return self.results.reached(self.scenario, policy, self.level.key)
 
-    def _family(self, policies: Sequence[str]) -> dict[str, Contrast]:
+    def _family(self, policies: Sequence[str], *, chosen: bool = False) -> dict[str, Contrast]:
         values = {policy: self._times(policy) for policy in policies}
-        return contrasts(values, policies[0], maps=self.maps(policies[0]))
+        return contrasts(values, policies[0], maps=self.maps(policies[0]), chosen=chosen)
+
+    @cached_property
+    def twins(self) -> list[list[str]]:
+        """The policies that flew the same episodes, action for action, in groups of two or more."""
+        groups: dict[str, list[str]] = {}
+        for policy, records in self.groups.items():
+            groups.setdefault(_flights(records, self.level.key), []).append(policy)
+        return [names for names in groups.values() if len(names) > 1]
 
     def differences(self, policy: str) -> NDArray[np.float64]:
         """Return (E,) steps of a policy minus those of the best-ranked, task by task; needs :attr:`aligned`."""
@@ -169,3 +185,12 @@ class Comparison:
     def _times(self, policy: str) -> NDArray[np.float64]:
         """Return (E,) steps to the threshold of the scenario."""
         return self.results.values(self.scenario, policy, self.level.key)
+
+
+def _flights(records: Sequence[Record], metric: str) -> str:
+    """Return a digest of tasks, actions and coverage."""
+    digest = hashlib.sha256()
+    for record in records:
+        digest.update(repr((record.task, record.metrics.get(metric))).encode())
+        digest.update(record.actions.tobytes() + record.covered.tobytes())
+    return digest.hexdigest()

@@ -49,10 +49,11 @@ TERMS = {
         "P(better)", "", "share of tasks on which the policy needed fewer steps than the other; ties count one half"
     ),
     "holm": Definition(
-        "p (Holm)",
+        "p (adjusted)",
         "",
-        "two-sided p-value of the sign-flip test of the paired differences, adjusted by Holm's method for all "
-        f"comparisons of the table; a difference is significant up to {1 - CONFIDENCE:.2f}",
+        "two-sided p-value of the sign-flip test of the paired differences, of all pairs of ranked policies at once "
+        "(single-step max-T, Westfall and Young 1993), so that it holds for the policy that came first; those that "
+        f"know the map by Holm's method; a difference is significant up to {1 - CONFIDENCE:.2f}",
     ),
     "effect": Definition(
         "effect size",

@@ -8,7 +8,7 @@ from markupsafe import Markup, escape
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, p_value, percent, with_interval
-from indoor_explorers.evaluation.report.summary.successes import success_notes
+from indoor_explorers.evaluation.report.summary.notes import success_notes
 from indoor_explorers.evaluation.statistics import FEWEST, Contrast
 
 NAME = Markup("<b>{}</b>")
@@ -76,11 +76,11 @@ def verdict(contrast: Contrast) -> str:
         return "too few episodes for a test"
     p = p_value(contrast.adjusted_p)
     if contrast.shown:
-        return f"the difference is significant (Holm-adjusted p {p})"
+        return f"the difference is significant (adjusted p {p})"
     could = f"detectable: {fixed(contrast.detectable, 1)} steps"
     if math.isinf(contrast.detectable):
         could = "too few maps or episodes to detect any"
-    return f"the difference is not significant (Holm-adjusted p {p}; {could})"
+    return f"the difference is not significant (adjusted p {p}; {could})"
 
 
 def _alone(comparison: Comparison, first: str) -> Markup:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from rich import box
 from rich.table import Table
@@ -11,8 +11,9 @@ from rich.text import Text
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed
+from indoor_explorers.evaluation.report.analysis.shown_best import BOLD, shown_best
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, percent, with_interval
-from indoor_explorers.evaluation.report.summary.successes import success_notes
+from indoor_explorers.evaluation.report.summary.notes import scenario_notes
 from indoor_explorers.evaluation.report.tables.policy_names import BATCH_SHARE, footnotes, marked
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared, tabled
 from indoor_explorers.evaluation.results.results import Results
@@ -57,15 +58,18 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
     if known:
         table.add_column(f"{level.title if level else 'steps'} / {known}", justify="right", no_wrap=True)
     notes = footnotes(results, [policy for _, policy in results.groups], times=width >= wide)
+    notes += [BOLD] if len(results.policies) - len(results.privileged_policies) > 1 else []
     for scenario in results.scenarios:
         if len(results.scenarios) > 1:
             name = scenario if level else f"{scenario} ({results.level(scenario).title})"
             table.add_row(Text(name, "bold"))
         comparison = Comparison(results, scenario)
         notes += _notes(comparison, named=len(results.scenarios) > 1)
+        best = {key: shown_best(comparison, key) for key in comparison.level.times} if comparison.groups else {}
+        best["auc"] = shown_best(comparison, "auc", lower_is_better=False)
         for policy in comparison.groups:
             ratio = [Text(_ratio(comparison, policy))] if known else []
-            table.add_row(*_row(comparison, policy, times)[: 1 + len(shown)], *ratio)
+            table.add_row(*_row(comparison, policy, times, best)[: 1 + len(shown)], *ratio)
         table.add_section()
     table.caption = "\n".join(notes) or None
     return table
@@ -73,7 +77,7 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
 
 def _notes(comparison: Comparison, named: bool) -> list[str]:
     """Return the lines below the table about one scenario, which they name where there are several."""
-    notes = success_notes(comparison) if comparison.groups else []
+    notes = scenario_notes(comparison) if comparison.groups else []
     return [f"{comparison.scenario}: {note}" if named else note for note in notes]
 
 
@@ -84,16 +88,17 @@ def reference_of(results: Results) -> str | None:
     )
 
 
-def _row(comparison: Comparison, policy: str, times: Sequence[str]) -> list[Text]:
-    level = comparison.level.key
-    best = policy == comparison.ranked_policies[0] and len(comparison.ranked_policies) > 1
+def _row(comparison: Comparison, policy: str, times: Sequence[str], best: Mapping[str, Sequence[str]]) -> list[Text]:
     failures = len(failed(comparison.groups[policy]))
     return [
         Text(marked(comparison.results, policy), "dim" if comparison.privileged(policy) else ""),
-        *(Text(_steps(comparison.estimate(policy, key)), "bold" if best and key == level else "") for key in times),
+        *(
+            Text(_steps(comparison.estimate(policy, key)), "bold" if policy in best.get(key, ()) else "")
+            for key in times
+        ),
         Text(percent(comparison.reached(policy))),
         Text(str(failures), "bold red" if failures else ""),
-        Text(fixed(comparison.estimate(policy, "auc").mean, 3)),
+        Text(fixed(comparison.estimate(policy, "auc").mean, 3), "bold" if policy in best["auc"] else ""),
         Text(decision_time(comparison, policy)),
     ]
 

@@ -13,6 +13,7 @@ from markupsafe import Markup
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, WASTED, excused
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed
+from indoor_explorers.evaluation.report.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.report.charts.dot_plots import Scale, episode_dot_plot
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, interval, percent, percent_interval
 from indoor_explorers.evaluation.report.style.palette import Styles
@@ -29,7 +30,7 @@ class Column:
     unit: str = ""
     lower_is_better: bool = True
     ranked: bool = True
-    """Whether the best value is emphasised."""
+    """Whether a value shown to be the best is bold."""
 
     @property
     def kind(self) -> str:
@@ -88,7 +89,8 @@ def columns_of(level: CoverageThreshold) -> tuple[Column, ...]:
 
 def _time_columns(level: CoverageThreshold, asked: bool) -> list[Column]:
     time = Column(level.key, level.title, "steps")
-    return [time, Column(f"{level.key}_reached", f"reached {percent(level.share)}", "", False)] if asked else [time]
+    reached = Column(f"{level.key}_reached", f"reached {percent(level.share)}", ranked=False)
+    return [time, reached] if asked else [time]
 
 
 def results_table(comparison: Comparison, styles: Styles) -> list[tuple[str, list[TableCell]]]:
@@ -170,13 +172,6 @@ def _failures(comparison: Comparison) -> dict[str, TableCell]:
 
 
 def emphasised(comparison: Comparison, column: Column, cells: dict[str, TableCell]) -> dict[str, TableCell]:
-    """Mark the best cells among the policies that do not know the map; none if all are equal."""
-    rated = {policy: value for policy in comparison.ranked_policies if (value := cells[policy].value) is not None}
-    if len(rated) < 2:
-        return cells
-    best = min(rated.values()) if column.lower_is_better else max(rated.values())
-    shown = next(cells[policy].text for policy, value in rated.items() if value == best)
-    winners = {policy for policy in rated if cells[policy].text == shown}
-    if len(winners) == len(rated):
-        return cells
+    """Mark the cells that are shown to be the best; mostly there is none."""
+    winners = shown_best(comparison, column.key, lower_is_better=column.lower_is_better)
     return {policy: replace(cell, best=policy in winners) for policy, cell in cells.items()}

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from indoor_explorers.evaluation.exports import write_exports
-from indoor_explorers.evaluation.exports.cells import caption, shown_best, table_rows
+from indoor_explorers.evaluation.exports.cells import caption, table_rows
 from indoor_explorers.evaluation.exports.latex import escaped as tex
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import escaped as md
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.special_names import NAMES, SCENARIO, results
@@ -98,9 +99,9 @@ def with_t99(held, **shifts):
 def test_best_is_what_was_shown_to_be_better_than_every_other():
     held = results(8)
     slow, slower = [9, 8, 9, 10, 9, 8, 9, 10], [19, 18, 17, 19, 20, 19, 18, 19]
-    assert shown_best(with_t99(held, a=slow, b=[0] * 8, c=slower), "t99") == NAMES[1]
-    assert shown_best(with_t99(held, a=[0, 1, -1, 0, 1, -1, 1, 0], b=[0] * 8, c=slower), "t99") is None
-    assert shown_best(with_t99(held, a=slow, b=[0] * 8, c=[9, -8, 9, -7, 9, -9, 9, -6]), "t99") is None
+    assert shown_best(with_t99(held, a=slow, b=[0] * 8, c=slower), "t99") == [NAMES[1]]
+    assert shown_best(with_t99(held, a=[0, 1, -1, 0, 1, -1, 1, 0], b=[0] * 8, c=slower), "t99") == []
+    assert shown_best(with_t99(held, a=slow, b=[0] * 8, c=[9, -8, 9, -7, 9, -9, 9, -6]), "t99") == []
     bold = with_t99(held, a=slow, b=[0] * 8, c=slower).results
     assert rf"{{{tex(NAMES[1])}}}" in next(line for line in latex_tables(bold).splitlines() if r"\textbf{30.0}" in line)
     assert "**30.0**" in markdown_tables(bold)

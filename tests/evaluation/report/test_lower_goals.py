@@ -16,10 +16,11 @@ from rich.console import Console
 from indoor_explorers.env import Scenario
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.exports.cells import caption, shown_best
+from indoor_explorers.evaluation.exports.cells import caption
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.exports.tidy import write_episodes
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.report.analysis.sweeps import radio_sweeps, team_scalings
 from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.charts.interactive import times_data
@@ -208,7 +209,7 @@ def test_tables_for_papers_are_of_the_level(near: Results) -> None:
     assert "| policy | T90 [steps] | T99 [steps] | 90 % reached |" in text
     assert re.search(r"\| quick \| \**50\.3\** \[.*?\] \| \u2013 \| 100\u202f% \[.*?\]\u202f% \|", text)
     assert "T90 is the first step with 90 % coverage" in " ".join(caption(comparison))
-    assert shown_best(comparison, "t90") == "quick"
+    assert shown_best(comparison, "t90") == ["quick"]
 
 
 def test_the_summary_keeps_its_rows(near: Results) -> None:

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.statistics import holm, sign_flip_test
+from indoor_explorers.evaluation.statistics import all_pairs_test, holm, sign_flip_test, significance
 
 
 @pytest.mark.parametrize(
@@ -105,3 +105,36 @@ def test_a_family_invents_a_difference_at_most_5_times_in_100(count):
         p = [sign_flip_test(values[:, k] - values[:, 0]) for k in range(1, 7)]
         invented += bool((holm(p) <= 0.05).any())
     assert invented / runs <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / runs)
+
+
+def test_the_test_of_two_policies_is_the_sign_flip_test():
+    for units in (8, 30):
+        values = np.random.default_rng(units).gamma(4, 5, (units, 2))
+        found = all_pairs_test(values)
+        assert found.adjusted_p[0, 1] == found.adjusted_p[1, 0] == sign_flip_test(values[:, 0] - values[:, 1])
+
+
+def test_policies_with_the_same_values_count_as_one_when_all_pairs_are_tested():
+    values = np.random.default_rng(0).gamma(4, 5, (12, 3)) + [0.0, 4.0, 9.0]
+    alone, doubled = all_pairs_test(values), all_pairs_test(values[:, [0, 1, 2, 2, 0]])
+    np.testing.assert_array_equal(doubled.adjusted_p[:3, :3], alone.adjusted_p)
+    assert doubled.adjusted_p[0, 4] == 1.0
+    assert doubled.level == alone.level
+
+
+def test_the_best_of_seven_equal_policies_is_seldom_shown_to_be_better(monkeypatch):
+    monkeypatch.setattr(significance, "FLIPS", 999)
+    rng = np.random.default_rng(1)
+    shown = 0
+    for _ in range(400):
+        values = rng.gamma(4, 10, (30, 1)) + rng.gamma(2, 10, (30, 7))
+        best = int(values.mean(axis=0).argmin())
+        shown += (all_pairs_test(values).adjusted_p[best] <= 0.05).any()
+    assert shown / 400 <= 0.05 + 2 * np.sqrt(0.05 * 0.95 / 400)
+
+
+def test_a_true_difference_is_still_found_beside_noisy_policies():
+    rng = np.random.default_rng(2)
+    values = rng.normal(50, 3, (30, 6)) + [0, 4, 4, 0, 0, 40] + [0, 0, 0, 30, 0, 0]
+    values[:, 4] += rng.normal(10, 30, 30)
+    assert (all_pairs_test(values).adjusted_p[0, [1, 2, 3, 5]] <= 0.05).all()

@@ -1,0 +1,31 @@
+"""Which policies are shown to be the best in a metric: those printed in bold."""
+
+from __future__ import annotations
+
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
+from indoor_explorers.evaluation.statistics import CONFIDENCE, all_pairs_test
+
+#: What bold means in every table of results.
+BOLD = (
+    "Bold: significantly better than every other policy "
+    f"(sign-flip test of all pairs at once, p at most {1 - CONFIDENCE:.2f})."
+)
+
+
+def shown_best(comparison: Comparison, metric: str, *, lower_is_better: bool = True) -> list[str]:
+    """Return the policies whose metric is significantly better than every other's on the tasks that all flew.
+
+    That is one policy, or several with the same values on every task, which count as one; mostly there is none.
+    Policies that know the map are not ranked. See :func:`~indoor_explorers.evaluation.statistics.all_pairs_test`.
+    """
+    common = TaskTimes.of(comparison, metric).common()
+    if len(common.policies) < 2 or not common.tasks:
+        return []
+    means = common.times.mean(axis=0)
+    best = int(means.argmin() if lower_is_better else means.argmax())
+    same = (common.times == common.times[:, [best]]).all(axis=0)
+    others = all_pairs_test(common.times, common.maps).adjusted_p[best, ~same]
+    if not len(others) or (others > 1 - CONFIDENCE).any():
+        return []
+    return [name for name, is_best in zip(common.policies, same.tolist(), strict=True) if is_best]

@@ -1,0 +1,43 @@
+"""Sentences below a scenario's table: who flew the same episodes, who fails more often, what could have been seen."""
+
+from __future__ import annotations
+
+import math
+
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.style.formatting import fixed
+
+
+def scenario_notes(comparison: Comparison) -> list[str]:
+    """Return all sentences about a scenario; empty where there is nothing to say."""
+    return [*twin_notes(comparison), *success_notes(comparison), *detectable_notes(comparison)]
+
+
+def twin_notes(comparison: Comparison) -> list[str]:
+    """Name the policies that flew the same episodes, which count as one."""
+    return [f"{', '.join(names[:-1])} and {names[-1]} flew the same episodes." for names in comparison.twins]
+
+
+def success_notes(comparison: Comparison) -> list[str]:
+    """Name the policies whose success differs significantly from that of the best-ranked; empty without any."""
+    differ = [name for name in comparison.ranked_policies if comparison.success_differs(name)]
+    first = comparison.ranked_policies[0] if differ else ""
+    return [
+        f"Reached {comparison.level.percent} {word} often than {first}, significantly: {', '.join(names)}."
+        for word, sign in (("less", -1), ("more", 1))
+        if (names := [name for name in differ if sign * (comparison.reached(name) - comparison.reached(first)) > 0])
+    ]
+
+
+def detectable_notes(comparison: Comparison) -> list[str]:
+    """Say what difference to the best-ranked policy could have been seen; empty where nothing was compared."""
+    rivals = [comparison.contrasts[name] for name in comparison.ranked_policies[1:] if name in comparison.contrasts]
+    sizes = sorted(
+        each.detectable for each in rivals if 0 < each.detectable < math.inf and each.difference.low is not None
+    )
+    if not sizes:
+        return []
+    least, most = fixed(sizes[0], 1), fixed(sizes[-1], 1)
+    span = most if least == most else f"{least} to {most}"
+    first, level = comparison.ranked_policies[0], comparison.level.title
+    return [f"Differences of {level} to {first} of {span} steps, by policy, would have been seen with 80 % power."]

@@ -1,0 +1,87 @@
+"""What page, terminal and tables say about a scenario: who fails more often, who flew the same, what could be seen."""
+
+from dataclasses import replace
+
+import pytest
+from rich.console import Console
+from scipy import stats
+
+from indoor_explorers.evaluation.exports.latex import latex_tables
+from indoor_explorers.evaluation.exports.markdown import markdown_tables
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.shown_best import BOLD
+from indoor_explorers.evaluation.report.page import render
+from indoor_explorers.evaluation.report.summary.headline import headline
+from indoor_explorers.evaluation.report.tables.headline_table import headline_table
+from tests.evaluation.report.records import flown
+
+SAYS = "less often than sound, significantly: fails"
+
+
+@pytest.fixture(scope="module")
+def results():
+    sound = [20 + seed % 7 for seed in range(30)]
+    fails = [None if seed < 12 else 21 + seed % 5 for seed in range(30)]
+    return flown({"sound": sound, "fails": fails, "like": sound})
+
+
+def test_the_summary_has_the_interval_at_its_end(results):
+    table = results.summary()
+    row = table.query("policy == 'fails' and metric == 't99'").iloc[0]
+    low, high = stats.binomtest(18, 30).proportion_ci(0.95, "exact")
+    assert list(table.columns)[-3:] == ["success", "success_low", "success_high"]
+    assert tuple(row[-3:]) == pytest.approx((0.6, low, high))
+
+
+def test_page_terminal_and_tables_say_who_fails_more_often(results):
+    comparison, console = Comparison(results, "room"), Console(width=160)
+    with console.capture() as capture:
+        console.print(headline_table(results, 160))
+    assert comparison.success_p_values["fails"] == pytest.approx(2 / 2**12)
+    for text in (headline(comparison), capture.get(), markdown_tables(results), latex_tables(results)):
+        assert SAYS in text
+    page = render(results)
+    assert "18/30 [41, 77]\u202f%" in page
+    assert "reached less often (p &lt; 0.001)" in page
+
+
+def test_nothing_is_said_where_few_episodes_differ():
+    quick = [10 + seed for seed in range(30)]
+    results = flown({"sound": quick, "fails": [None, None, *quick[2:]]})
+    assert not Comparison(results, "room").success_differs("fails")
+    assert "often than" not in markdown_tables(results)
+
+
+def test_policies_that_flew_the_same_episodes_are_named_and_count_as_one(results):
+    alone = Comparison(replace(results, records=[r for r in results.records if r.policy != "like"]), "room")
+    assert Comparison(results, "room").twins == [["sound", "like"]]
+    assert Comparison(results, "room").contrasts["fails"].adjusted_p == alone.contrasts["fails"].adjusted_p
+    console = Console(width=160)
+    with console.capture() as capture:
+        console.print(headline_table(results, 160))
+    for text in (capture.get(), markdown_tables(results), latex_tables(results), render(results)):
+        assert "sound and like flew the same episodes." in text
+
+
+def test_bold_is_one_thing_everywhere_and_what_could_have_been_seen_is_said():
+    slow, slower = ([40 + late + seed % 5 for seed in range(12)] for late in (0, 9))
+    results = flown({"quick": [20 + seed % 7 for seed in range(12)], "slow": slow, "slower": slower})
+    console = Console(width=160)
+    with console.capture() as capture:
+        console.print(headline_table(results, 160))
+    page = render(results)
+    for text in (capture.get(), markdown_tables(results), latex_tables(results), page):
+        assert BOLD in " ".join(text.replace("\\", "").split())
+        assert "Differences of T99 to quick of" in text
+    assert page.count('data-metric="t99" class="best"') == 1
+    assert bold_rows(results) == {"quick"}
+    level = flown({"quick": [20 + seed % 7 for seed in range(12)], "level": [20 + seed % 5 for seed in range(12)]})
+    assert 'class="best"' not in render(level)
+    assert bold_rows(level) == set()
+
+
+def bold_rows(results):
+    """The policies with a bold figure in the terminal."""
+    lines = Console(width=160).render_lines(headline_table(results, 160))
+    bold = [line for line in lines if any(each.style and each.style.bold and "[" in each.text for each in line)]
+    return {"".join(each.text for each in line).split()[0] for line in bold}
