@@ -36,7 +36,7 @@ def read_setting(text: str) -> tuple[str, Any]:
         raise ArgumentTypeError(f"expected key=value such as goal=0.9, got {text!r}")
     try:
         return key, tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
+    except ValueError:  # not TOML, or an integer of thousands of digits
         return key, value
 
 

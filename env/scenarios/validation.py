@@ -19,18 +19,24 @@ _PLAINLY = {
     "tuple_type": "expected a list",
 }
 
+#: Largest TOML file that is read.
+MOST_BYTES = 1_000_000
+
 Model = TypeVar("Model", bound=BaseModel)
 
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Read a TOML file, with one clear line for everything that can go wrong."""
     try:
-        if path.stat().st_size > 1_000_000:
-            raise InputError(f"{path}: expected a TOML file of at most 1 MB, got {path.stat().st_size} bytes")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        size = path.stat().st_size
+        text = path.read_bytes() if size <= MOST_BYTES else b""
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+    if size > MOST_BYTES:
+        raise InputError(f"{path}: expected a TOML file of at most 1 MB, got {size} bytes")
+    try:
+        return tomllib.loads(text.decode())
+    except (ValueError, RecursionError) as error:  # not TOML, not UTF-8, or an integer of thousands of digits
         raise InputError(f"{path}: expected TOML, got {error}") from error
 
 
@@ -51,8 +57,16 @@ def validated(model: type[Model], data: Mapping[str, Any], where: str) -> Model:
         if first["type"].startswith("union_tag"):
             value = first["ctx"].get("tag", "none")
             place, hint = f"{place}.source", did_you_mean(value, SOURCES)
-        received = f", got {value!r}{hint}" if place and len(repr(value)) < 80 else ""
+        shown = _shown(value)
+        received = f", got {shown}{hint}" if place and len(shown) < 80 else ""
         raise InputError(f"{where}: {place + ': ' if place else ''}{message}{received}") from error
+
+
+def _shown(value: object) -> str:
+    try:
+        return repr(value)
+    except ValueError:  # Python prints no integer of more than 4,300 digits
+        return "a number of thousands of digits"
 
 
 def _place(location: tuple[int | str, ...]) -> str:

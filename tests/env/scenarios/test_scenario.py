@@ -37,6 +37,8 @@ def test_a_file_may_start_from_a_preset(tmp_path):
         ("team = 2\nspawn = [[0, 0]]", "spawn lists 1 cells for a team of 2"),
         ('preset = "thesis-opne"', "unknown scenario 'thesis-opne'; did you mean 'thesis-open'"),
         ("team = ", "expected TOML"),
+        pytest.param(f"team = {'9' * 5000}", "expected TOML, got Exceeds the limit", id="many digits"),
+        pytest.param(f"team = 0x{'f' * 5000}", "team: .*, got a number of thousands of digits", id="in hexadecimal"),
         ("preset = 3", "expected preset to be the name"),
         ("lidar = 3", "lidar: expected a table of settings, got 3"),
         ("map = 3", "map: expected a table of settings, got 3"),
