@@ -18,8 +18,9 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
     """Compare policies and return the summary as a table with the columns of ``summary.csv``.
 
     Writes ``out/results.db``, ``report.html``, and what :func:`~indoor_explorers.evaluation.exports.write_exports`
-    does. Episodes that ``out/results.db`` already holds are not flown again, except failed ones with
-    ``retry_failed``. A policy that breaks costs only its own episodes. With 0 workers episodes are flown in this
+    does. Plug-in policies are first checked for hidden knowledge, and marked if they fail. Episodes that
+    ``out/results.db`` already holds are not flown again, except failed ones with ``retry_failed``. A policy that
+    breaks costs only its own episodes. With 0 workers plug-ins are not checked, and episodes are flown in this
     process, where a policy that hangs, leaks memory or ends the process is not caught.
 
     Args:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 from indoor_explorers.env import InputError
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.engines.factory import make_engine
+from indoor_explorers.evaluation.engines.knowledge import with_failed_checks
 from indoor_explorers.evaluation.engines.loading import load_facts
 from indoor_explorers.evaluation.engines.workload import Workload
 from indoor_explorers.evaluation.episodes.record import FlownEpisode
@@ -75,6 +76,8 @@ def fly_missing(
     _make_folder(out)
     with Store(out / "results.db") as store:
         chosen_baselines([*store.policies(), *about], [], how.ratio_to)  # refuses unknown ones before anything is flown
+        if how.workers != 0:
+            about = with_failed_checks(experiment, about, store.policies())
         facts = run_facts(command, how.engine, how.workers)
         number = store.begin_run(experiment, about, facts, refly=how.refly, fresh=how.fresh)
         finished = store.finished(failed=not how.retry_failed)

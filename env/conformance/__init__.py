@@ -2,6 +2,6 @@
 
 from indoor_explorers.env.conformance.findings import Finding, Violation, shown
 from indoor_explorers.env.conformance.flying import is_privileged
-from indoor_explorers.env.conformance.suite import CHECKS, check_policy, run_checks
+from indoor_explorers.env.conformance.suite import CHECKS, check_policy, failed_check, run_checks
 
-__all__ = ["CHECKS", "Finding", "Violation", "check_policy", "is_privileged", "run_checks", "shown"]
+__all__ = ["CHECKS", "Finding", "Violation", "check_policy", "failed_check", "is_privileged", "run_checks", "shown"]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.conformance.causes import shared_things
-from indoor_explorers.env.conformance.findings import CannotFly, Differs, Violation
+from indoor_explorers.env.conformance.findings import CannotFly, Differs
 from indoor_explorers.env.conformance.flying import Changed, is_privileged
 from indoor_explorers.env.conformance.harness import FIRST, SOLO, STEPS, TEAM, Harness
 from indoor_explorers.env.conformance.traces import Setup, Trace, compare
@@ -110,7 +110,7 @@ def _explored_by(harness: Harness, setups: list[Setup], own: list[Setup]) -> lis
     except CannotFly as error:
         if setups == own:
             raise
-        raise Violation(
+        raise Differs(
             f"the policy fails on a map that is not the one of its generator's seed ({error.found})",
             "draw numbers from briefing.rng and do nothing else with it",
         ) from error
@@ -135,7 +135,7 @@ def check_generator(harness: Harness) -> str:
             try:
                 (again,) = harness.fly(scenario, [trace.setup], told=maps)
             except CannotFly as error:
-                raise Violation(
+                raise Differs(
                     f"the policy fails when its briefing describes other maps ({error.found})", DECLARE
                 ) from error
             found = compare(again, trace, range(scenario.team))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from indoor_explorers.env.conformance.answers import check_actions, check_decisions, check_messages, check_tally
 from indoor_explorers.env.conformance.determinism import (
@@ -41,20 +41,25 @@ CHECKS: dict[str, Callable[[Harness], str]] = {
     "latency": report_latency,
     "latency, large map": report_large_latency,
 }
+#: The checks for knowledge that a policy may not have, after those without which they tell nothing.
+KNOWLEDGE = (
+    *(REPEATABLE, "pilots share nothing"),
+    *("no hidden knowledge", "map of the seed", "map generator", "unlinked teammates"),
+)
 
 
-def run_checks(policy: Policy) -> Iterator[Finding]:
-    """Run every check on a policy, also after one has failed, and yield what each found.
+def run_checks(policy: Policy, names: Iterable[str] = CHECKS) -> Iterator[Finding]:
+    """Run every check on a policy, or those of some ``names``, also after one has failed, and yield what each found.
 
     A finding that an earlier one explains refers to it: the same error raised again, or another difference of a policy
     that never flies the same episode twice. There is no time limit.
     """
     harness = Harness(policy)
     earlier: dict[str, Finding] = {}
-    for name, check in CHECKS.items():
+    for name in names:
         start = time.perf_counter()
         try:
-            text, error = check(harness), None
+            text, error = CHECKS[name](harness), None
         except Violation as violation:
             text, error = violation.found, violation
         finding = Finding(name, error is None, text, time.perf_counter() - start, error)
@@ -70,6 +75,17 @@ def _explained(finding: Finding, earlier: dict[str, Finding]) -> Finding:
     if isinstance(finding.error, Differs) and finding.name != REPEATABLE and not earlier[REPEATABLE].passed:
         return finding._replace(text=f"cannot be told: see {REPEATABLE}", conclusive=False)
     return finding
+
+
+def failed_check(policy: Policy) -> str:
+    """Return the first of the checks for hidden knowledge that a policy fails, and how to fix it; empty for none.
+
+    A policy that cannot be flown is not judged.
+    """
+    for finding in run_checks(policy, KNOWLEDGE):
+        if isinstance(finding.error, Differs):
+            return f"{finding.name}: {finding.text}; to fix it, {finding.fix}"
+    return ""
 
 
 def check_policy(policy: Policy) -> dict[str, str]:

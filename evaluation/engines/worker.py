@@ -15,11 +15,11 @@ import time
 import traceback
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import Any, NamedTuple
 
 from numba.core import event
 
-from indoor_explorers.env import Briefing, InputError, Pilot, Policy
+from indoor_explorers.env import Briefing, InputError, Pilot, Policy, make_policy
 from indoor_explorers.env.errors import PolicyError, RunError
 from indoor_explorers.evaluation.episodes.runner import BREAKING, describe_error, fly
 from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer
@@ -35,10 +35,18 @@ _Listener: Any = event.Listener
 _register: Any = event.register
 
 
+class KnowledgeCheck(NamedTuple):
+    """Asks for the check for hidden knowledge that a policy fails."""
+
+    policy: PolicyChoice
+
+
 def serve(connection: Connection, buffer: SharedStepBuffer, driver: int) -> None:
     """Serve until the connection closes: of a job send every record, then None; of a policy its facts as JSON.
 
     An exception is sent where that fails.
+
+    Of a :class:`KnowledgeCheck` send the check that the policy fails, empty for none, or None if it cannot be checked.
 
     Ctrl-C is handled by the driver; when the driver is killed, this process exits. What policies print goes to the
     standard error, as the standard output belongs to the command.
@@ -54,6 +62,8 @@ def serve(connection: Connection, buffer: SharedStepBuffer, driver: int) -> None
             asked = connection.recv()
             if isinstance(asked, Job):
                 _serve_job(asked, connection, buffer)
+            elif isinstance(asked, KnowledgeCheck):
+                _serve_check(asked.policy, connection, buffer.clock)
             else:
                 _serve_facts(asked, connection, buffer.clock)
 
@@ -101,6 +111,19 @@ def _not_loaded(choice: PolicyChoice, error: BaseException) -> str:
         return f"policy {choice.name!r} cannot be loaded: {text}; correct it or leave it out"
     text = text.removeprefix(f"{type(error).__name__}: ")
     return text if repr(choice.use) in text else f"policy {choice.name!r}: {text}"
+
+
+def _serve_check(choice: PolicyChoice, connection: Connection, clock: Clock) -> None:
+    """Check a policy as one decision, before which the world has been compiled."""
+    from indoor_explorers.env.conformance import failed_check
+
+    failed_check(make_policy("random"))
+    answer = None
+    with contextlib.suppress(BaseException), clock:
+        policy = choice.make()
+        answer = failed_check(policy)
+    connection.send(answer)
+    threading.Event().wait()  # the policy is not deleted here: the driver ends the process
 
 
 def _make_policy(job: Job, clock: Clock) -> Policy:

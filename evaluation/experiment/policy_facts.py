@@ -25,7 +25,8 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
         "privileged": _flag(policy, "privileged"),
         "parameters": {name: repr(value) for name, value in parameters.items()},
     }
-    facts |= _provenance(policy, taken=(*facts, "sources", "defaults", "hash", "uses_generator", "batched"))
+    taken = (*facts, "sources", "defaults", "hash", "uses_generator", "batched", "failed_check")
+    facts |= _provenance(policy, taken)
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
     facts |= {"sources": outside_files(policy, use), "defaults": _defaults(policy)}
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}

@@ -13,7 +13,7 @@ from indoor_explorers.evaluation.exports.cells import ExportCell, ExportRow, cap
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, MINUS, THIN_SPACE, slug
 from indoor_explorers.evaluation.report.tables.headline_table import headings
-from indoor_explorers.evaluation.report.tables.policy_names import DAGGER
+from indoor_explorers.evaluation.report.tables.policy_names import DAGGER, DOUBLE_DAGGER
 from indoor_explorers.evaluation.results.results import Results
 
 #: Characters with a meaning in LaTeX, or that not every engine supports.
@@ -32,6 +32,7 @@ COMMANDS = {
     EN_DASH: r"\textendash{}",
     "\u00b5": r"$\mu$",
     DAGGER: r"$\dagger$",
+    DOUBLE_DAGGER: r"$\ddagger$",
     "\u00df": r"\ss{}",
 }
 #: Accents by their combining characters.

@@ -98,6 +98,7 @@ class ShownPolicies:
     privileged: list[str]
     uses_generator: list[str]
     batched: list[str]
+    failed_checks: dict[str, str]
     swatches: dict[str, Markup]
     """Line and marker of each policy, as in the charts."""
 
@@ -108,6 +109,7 @@ def _policies(results: Results, styles: Styles) -> ShownPolicies:
         results.privileged_policies,
         results.generator_policies,
         results.batched_policies,
+        results.failed_checks,
         {name: swatch(style) for name, style in styles.items()},
     )
 

@@ -85,6 +85,11 @@ class Results:
         return [name for name, about in self.policies.items() if about.get("uses_generator")]
 
     @property
+    def failed_checks(self) -> dict[str, str]:
+        """The check for hidden knowledge that a policy failed and how to fix it, by the policy's name."""
+        return {name: about["failed_check"] for name, about in self.policies.items() if about.get("failed_check")}
+
+    @property
     def batched_policies(self) -> list[str]:
         """The policies that decide for many UAVs at once: their decision times are shares of a batch's."""
         return [name for name, about in self.policies.items() if about.get("batched")]

@@ -13,7 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from indoor_explorers.env import Pilot, Policy
+from indoor_explorers.env import Pilot, Policy, World, make_policy
 from indoor_explorers.planners.random_walk import RandomWalk
 from tests.seeds import seed_of
 
@@ -122,6 +122,15 @@ class Leaks(Wander):
 
     def pilot(self, briefing):
         return self.Mind(briefing)
+
+
+class KnowsMap(Wander):
+    """Find the seed by trying small ones, and plan on the map that it draws."""
+
+    def pilot(self, briefing):
+        world = World(briefing.scenario)
+        world.reset([seed_of(briefing)])
+        return make_policy("reference").pilot(world.briefing(0, briefing.agent, privileged=True))
 
 
 class Breaks(Wander):

@@ -58,7 +58,8 @@ def verdict_on(results: Results) -> Verdict:
     """Check all results, including those of tasks that are not common."""
     copies, repeats = _copies(results)
     warnings = [
-        *_missing(results), *_unlike(results), *copies, *_failed(results), *_few(results), *_runs(results),
+        *_missing(results), *_unlike(results), *copies, *_failed(results), *_failed_checks(results), *_few(results),
+        *_runs(results),
     ]  # fmt: skip
     notes = [*repeats, *_unlike_sizes(results), *_few_maps(results), *_privileged(results), *_censored(results)]
     return Verdict(not warnings, _headline(results), warnings, notes)
@@ -155,6 +156,12 @@ def _failed(results: Results) -> Iterator[str]:
     if counts:
         listed = ", ".join(f"{name} in {counted(number, 'episode')}" for name, number in sorted(counts.items()))
         yield f"Failed policies: {listed}. Their coverage up to the failure counts."
+
+
+def _failed_checks(results: Results) -> Iterator[str]:
+    """Name the policies whose choices depend on what no UAV knows, or differ from flight to flight."""
+    for name, text in results.failed_checks.items():
+        yield f"{name} failed the check {text}. Its figures may rest on what no UAV knows, or differ next time."
 
 
 def _few(results: Results) -> Iterator[str]:

@@ -8,14 +8,20 @@ from indoor_explorers.evaluation.results.results import Results
 
 #: Marks policies that read the settings of the maps' generator.
 DAGGER = "\N{DAGGER}"
+#: Marks policies that failed a check for hidden knowledge.
+DOUBLE_DAGGER = "\N{DOUBLE DAGGER}"
 #: Follows a decision time that is a share of a batch's.
 BATCH_SHARE = "batch share"
 
 
 def marked(results: Results, policy: str) -> str:
-    """Return the name of a policy, marked where it knows the map or reads the settings of the maps' generator."""
-    knows = " (knows the map)" if policy in results.privileged_policies else ""
-    return policy + knows + (f" {DAGGER}" if policy in results.generator_policies else "")
+    """Return the name of a policy, marked where it knows the map, reads generator settings or failed a check."""
+    marks = [
+        *(["(knows the map)"] if policy in results.privileged_policies else []),
+        *([DAGGER] if policy in results.generator_policies else []),
+        *([DOUBLE_DAGGER] if policy in results.failed_checks else []),
+    ]
+    return " ".join([policy, *marks])
 
 
 def footnotes(results: Results, policies: Iterable[str], *, times: bool = True) -> list[str]:
@@ -23,6 +29,11 @@ def footnotes(results: Results, policies: Iterable[str], *, times: bool = True) 
     shown, notes = set(policies), []
     if shown.intersection(results.generator_policies):
         notes.append(f"{DAGGER} reads the settings of the maps' generator, never the map.")
+    notes += [
+        f"{DOUBLE_DAGGER} {name} failed the check {text}."
+        for name, text in results.failed_checks.items()
+        if name in shown
+    ]
     if times and shown.intersection(results.batched_policies):
         what = "the policy decides for many UAVs at once, and each one's time is its share of the whole"
         notes.append(f"{BATCH_SHARE.capitalize()}: {what}.")

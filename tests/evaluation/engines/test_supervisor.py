@@ -1,9 +1,7 @@
 """A policy that breaks, in whatever way, costs its own episodes and nothing else."""
 
-import sys
 import threading
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,14 +33,6 @@ def facts(record):
     kept = {name: value for name, value in record.metrics.items() if name not in OF_THE_MACHINE}
     arrays = record.covered, record.cells, record.actions, record.sent
     return record.task, record.outcome, record.reason, kept, [array.tolist() for array in arrays]
-
-
-@pytest.fixture(scope="module", autouse=True)
-def plugins_found():
-    """Let worker processes import the plug-ins by the path that they inherit."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys, "path", [*sys.path, str(Path(__file__).resolve().parents[3])])
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
 from indoor_explorers.evaluation.report import headline_table, write_figures, write_report
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.tables.policy_names import DAGGER
+from indoor_explorers.evaluation.report.tables.policy_names import DAGGER, DOUBLE_DAGGER
 from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
@@ -115,6 +115,19 @@ def test_policies_that_read_the_generators_settings_are_marked(results: Results)
             assert (f"{DAGGER} reads the settings of the maps' generator" in text) == expected
         assert ("knows the generator</span>" in render(found)) == expected
         assert (f"generator that draws the maps, never the map: {name}." in render(found)) == expected
+
+
+def test_policies_that_failed_a_check_are_marked(results: Results) -> None:
+    name, told = "broken", "map of the seed: knows it; to fix it, forget it"
+    policies = results.policies | {name: results.policies[name] | {"failed_check": told}}
+    marked = Results(policies, results.scenarios, results.runs, list(results.records))
+    for found, expected in ((results, False), (marked, True)):
+        texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(Ratios.of(found)))]
+        for text in (*texts, latex_tables(found).replace(r"$\ddagger$", DOUBLE_DAGGER)):
+            assert (f"{name} {DOUBLE_DAGGER}" in text) == expected
+            assert (f"{DOUBLE_DAGGER} {name} failed the check {told}." in " ".join(text.split())) == expected
+        assert ("failed a check</span>" in render(found)) == expected
+        assert (f"{name} failed the check {told}. Its figures may rest on" in render(found)) == expected
 
 
 def test_shares_of_a_batch_are_marked(results: Results) -> None:
