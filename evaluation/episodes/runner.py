@@ -11,8 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-import indoor_explorers.env
-import indoor_explorers.evaluation
 from indoor_explorers.env import InputError, Policy, Scenario, World
 from indoor_explorers.env.errors import PolicyError, one_line
 from indoor_explorers.env.maps.floorplan import Floorplan
@@ -32,7 +30,7 @@ BATCH_CELLS = 20_000_000
 #: Exceptions of a policy that fail its episode; Ctrl-C does not.
 BREAKING = (Exception, SystemExit, DecisionTimeout)
 #: Folders whose code asks policies, and that of Python itself.
-_OURS = {Path(each.__path__[0]) for each in (indoor_explorers.env, indoor_explorers.evaluation)}
+_OURS = {Path(__file__).parents[2] / floor for floor in ("env", "evaluation")}
 _STDLIB = Path(sysconfig.get_path("stdlib"))
 
 
