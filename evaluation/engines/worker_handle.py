@@ -15,6 +15,7 @@ from loky.backend.process import LokyProcess
 
 from indoor_explorers.env.grid.compiled import QUIET
 from indoor_explorers.evaluation.engines.worker import serve
+from indoor_explorers.evaluation.episodes.record import FROM_OUTSIDE, KILLED, TOO_MUCH_MEMORY
 from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer, overdue_reason
 from indoor_explorers.evaluation.episodes.steps import Steps
 from indoor_explorers.evaluation.experiment.limits import Limits
@@ -25,8 +26,6 @@ ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPEN
 CHECK_INTERVAL = 0.25
 #: Seconds that an interrupted decision has to end before its process is killed.
 GRACE = 2.0
-#: Signals that may come from outside, such as from the system when it is short of memory.
-FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 #: Seconds that a process may take to end after it was told to.
 SHUTDOWN_GRACE = 5.0
 
@@ -109,7 +108,7 @@ class WorkerHandle:
         if code >= 0:
             return WorkerExit(f"the process of the policy ended with exit code {code}")
         name = signal.Signals(-code).name if -code in set(signal.Signals) else "unknown"
-        return WorkerExit(f"the process of the policy was killed by signal {-code} ({name})", -code in FROM_OUTSIDE)
+        return WorkerExit(f"{KILLED} {-code} ({name})", -code in FROM_OUTSIDE)
 
     def _exit_code(self) -> int | None:
         """Wait for its end and return its exit code, None if it is still running.
@@ -127,7 +126,7 @@ class WorkerHandle:
         """Return which limit it violates, so that it has to be killed; None for none."""
         used = memory_of(self._process.pid)
         if used > self._limits.memory:
-            return f"worker used more than {self._limits.memory / 1e9:.3g} GB of memory (--memory-limit)"
+            return f"{TOO_MUCH_MEMORY} {self._limits.memory / 1e9:.3g} GB of memory (--memory-limit)"
         limit, waited = self._limits.decision_timeout, self._decision_seconds()
         if limit is None or waited <= limit:
             return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from functools import cached_property
@@ -17,6 +18,14 @@ from indoor_explorers.evaluation.experiment.experiment import Task
 AXES = {"steps": "steps", "distance": "cells", "seconds": "s", "bytes": "bytes"}
 
 
+#: Signals that may come from outside, such as from the system when it is short of memory.
+FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
+#: How the reasons of failures begin whose process was killed, or used too much memory.
+KILLED, TOO_MUCH_MEMORY = "the process of the policy was killed by signal", "worker used more than"
+#: How the reasons of failures begin that may be the machine's.
+OF_THE_MACHINE = (*(f"{KILLED} {int(number)} " for number in FROM_OUTSIDE), TOO_MUCH_MEMORY)
+
+
 class Outcome(StrEnum):
     """How an episode ended."""
 
@@ -28,6 +37,11 @@ class Outcome(StrEnum):
     """Every UAV crashed or was ended as stuck first."""
     FAILED = "failed"
     """The policy failed: it raised, returned no action, took too long or too much memory, or ended its process."""
+
+
+def is_of_machine(reason: str) -> bool:
+    """Return whether the machine may have caused a failure; exceptions and time-outs are the policy's."""
+    return reason.startswith(OF_THE_MACHINE)
 
 
 @dataclass(frozen=True, eq=False)

@@ -87,7 +87,8 @@ class ComparisonRequest(Request):
     memory_limit: Annotated[float | None, Option(metavar="GB", read=read_gigabytes)] = None
     """Fail an episode when its process uses more memory (default: four fifths of the machine's memory / workers)."""
     retry_failed: Annotated[bool, Option()] = False
-    """Fly failed episodes again and replace them; without this they count as finished."""
+    """Fly failed episodes again; without this they count as finished. Where the process was killed or ran out of
+    memory, the new attempt replaces the failed one; any other failure is the policy's, and still counts."""
     refly: Annotated[bool, Option()] = False
     """Fly all episodes of a policy again whose sources, files or parameters are not those of the stored ones; without
     this such a policy is refused."""

@@ -41,6 +41,7 @@ def _joined(one: Results, other: Results) -> Results:
         one.records + [record for record in other.records if (record.policy, record.task) not in held],
         tuple(dict.fromkeys(one.experiments + other.experiments)),
         tuple(dict.fromkeys(one.notes + other.notes)),
+        {**other.retries, **one.retries},
     )
 
 

@@ -39,6 +39,8 @@ EPISODES = (
     "SELECT episode.rowid, episode.*, policy.name, scenario.name FROM episode"
     " LEFT JOIN policy ON policy.name = policy LEFT JOIN scenario ON scenario.name = scenario"
 )
+#: Errors of reading a database; SQLite's messages may quote damaged text that is no UTF-8.
+SQL_ERRORS = (sqlite3.Error, UnicodeDecodeError)
 #: Seconds to wait for another process that writes.
 PATIENCE = 60.0
 
@@ -127,9 +129,16 @@ class StoreReader:
             raise damaged_episodes(self.path, found)
         return [each for each in read if isinstance(each, Record)]
 
+    def retries(self) -> dict[tuple[str, Task], int]:
+        """Return how often episodes were flown again after a failure, of those that were."""
+        if not self._has("attempt"):
+            return {}
+        rows = self._rows("SELECT policy, scenario, map_index, seed, count(*) FROM attempt GROUP BY 1, 2, 3, 4")
+        return {(policy, Task(scenario, index, seed)): count for policy, scenario, index, seed, count in rows}
+
     def notes(self) -> tuple[str, ...]:
         """Return what readers of the results are to know about damaged episodes: a line, or nothing."""
-        if not self._rows("SELECT 1 FROM sqlite_master WHERE name = 'damaged'"):
+        if not self._has("damaged"):
             return ()
         ((count,),) = self._rows("SELECT count(*) FROM damaged")
         what = "1 damaged episode was" if count == 1 else f"{count} damaged episodes were"
@@ -183,16 +192,21 @@ class StoreReader:
         if first != "ok":
             raise damaged(self.path, first)
         known = self._checksums()
-        for table in SETTINGS if known is not None else ():
+        if known is None:
+            return
+        for table in (*SETTINGS, *(["attempt"] if self._has("attempt") else [])):
             for row in self._rows(f"SELECT * FROM {table}"):
-                if checksum(table, row) not in (known or ()):
+                if checksum(table, row) not in known:
                     raise damaged(self.path, f"{table} {row[0]!r}: {NO_CHECKSUM}")
 
     def _checksums(self) -> set[bytes] | None:
         """Return the checksums of all rows; None for a store that is older than they are."""
-        if not self._rows("SELECT 1 FROM sqlite_master WHERE name = 'checksum'"):
+        if not self._has("checksum"):
             return None
         return {digest for (digest,) in self._rows("SELECT digest FROM checksum")}
+
+    def _has(self, table: str) -> bool:
+        return bool(self._rows(f"SELECT 1 FROM sqlite_master WHERE name = '{table}'"))
 
     def _facts(self, text: str, what: str) -> dict[str, Any]:
         with self._understood(what):
@@ -219,7 +233,7 @@ class StoreReader:
         """Refuse a file that SQLite cannot read."""
         try:
             yield
-        except sqlite3.Error as error:
+        except SQL_ERRORS as error:
             raise InputError(f"{self.path}: expected a results store, got: {one_line(error)}; {REPLACE}") from error
 
 

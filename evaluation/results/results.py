@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,8 @@ SUMMARY_COLUMNS = (
     *("success", "success_low", "success_high"),
 )
 
+#: The attempt that counts for an episode that was flown again.
+WHICH_COUNTS = "the first attempt counts where the policy failed, the last where the machine did"
 #: Facts of a run about its machine.
 MACHINE = ("system", "processor", "cores")
 
@@ -51,6 +54,8 @@ class Results:
     """The experiment of each store in TOML, with every policy that any of its runs flew."""
     notes: tuple[str, ...] = ()
     """Lines on what happened to the stores."""
+    retries: Mapping[tuple[str, Task], int] = field(default_factory=dict)
+    """How often episodes were flown again after a failure, of those that were."""
 
     @classmethod
     def load(cls, folder: Path) -> Results:
@@ -62,7 +67,9 @@ class Results:
             text = store.experiment()
             experiments = (text,) if text else ()
             records = list(store.records())
-            return cls(store.policies(), store.scenarios(), store.runs(), records, experiments, store.notes())
+            return cls(
+                store.policies(), store.scenarios(), store.runs(), records, experiments, store.notes(), store.retries()
+            )
 
     @cached_property
     def groups(self) -> dict[tuple[str, str], list[Record]]:
@@ -95,12 +102,19 @@ class Results:
         return [name for name, about in self.policies.items() if about.get("batched")]
 
     @property
+    def retry_notes(self) -> list[str]:
+        """How many episodes of which policies were flown again after a failure: a line, or nothing."""
+        counts = Counter(policy for policy, _ in self.retries)
+        listed = ", ".join(f"{count} of {policy}" for policy, count in counts.items())
+        return [f"episodes flown again after a failure: {listed}; {WHICH_COUNTS}"] if counts else []
+
+    @property
     def warnings(self) -> list[str]:
         """The notes, and a line for each fact that differs between the runs and can change results.
 
         Such facts are commits, versions and machines.
         """
-        lines = list(self.notes)
+        lines = [*self.notes, *self.retry_notes]
         for key in dict.fromkeys(key for run in self.runs for key in run if _can_change_results(key)):
             values = dict.fromkeys(str(run.get(key, "not recorded")) for run in self.runs)
             if len(values) > 1:
@@ -237,6 +251,7 @@ class Results:
             "steps": record.steps,
             **record.metrics,
             **({"t99_to_reference": ratio} if self.references else {}),
+            **({"retries": self.retries.get((record.policy, record.task), 0)} if self.retries else {}),
         }
 
 

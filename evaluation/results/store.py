@@ -17,11 +17,11 @@ from typing import Any
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import RunError
-from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, Record
+from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, Record, is_of_machine
 from indoor_explorers.evaluation.experiment.experiment import Experiment, Task
 from indoor_explorers.evaluation.results.damage import damaged, one_line
 from indoor_explorers.evaluation.results.policy_version import version_difference
-from indoor_explorers.evaluation.results.reading import FORMAT, PATIENCE, SETTINGS, StoreReader, connect
+from indoor_explorers.evaluation.results.reading import FORMAT, PATIENCE, SETTINGS, SQL_ERRORS, StoreReader, connect
 from indoor_explorers.evaluation.results.rows import Row, checksum, episode_row, floorplan_row
 
 #: Differences that a refusal names.
@@ -50,6 +50,13 @@ CREATE TABLE episode (
 """
 #: Added to older stores when they are written to.
 CHECKSUMS = "CREATE TABLE checksum (digest BLOB PRIMARY KEY) STRICT, WITHOUT ROWID"
+#: Attempts at an episode that do not count, each with how it ended; added to older stores too.
+ATTEMPTS = """
+CREATE TABLE IF NOT EXISTS attempt (
+    policy TEXT NOT NULL, scenario TEXT NOT NULL, map_index INTEGER NOT NULL, seed INTEGER NOT NULL,
+    outcome TEXT NOT NULL, reason TEXT NOT NULL, steps INTEGER NOT NULL
+) STRICT
+"""
 
 
 @contextmanager
@@ -66,11 +73,11 @@ def _transaction(db: sqlite3.Connection, path: Path) -> Iterator[None]:
             yield
     except sqlite3.OperationalError as error:
         raise _not_written(path, error) from error
-    except sqlite3.DatabaseError as error:
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
         raise damaged(path, error) from error
 
 
-def _not_written(path: Path, error: sqlite3.Error) -> RunError:
+def _not_written(path: Path, error: Exception) -> RunError:
     return RunError(
         f"{path} cannot be written: {one_line(error)}; the finished episodes are kept: make room on the disk, and the "
         "same command goes on from there"
@@ -115,7 +122,8 @@ class Store(StoreReader):
                 self._create()
                 self._check()
                 self._add_checksums()
-        except sqlite3.DatabaseError as error:
+                self._db.execute(ATTEMPTS)
+        except SQL_ERRORS as error:
             if getattr(error, "sqlite_errorcode", 0) & 0xFF in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
                 raise _not_written(path, error) from error
             what = "expected a results store" if existed else "cannot be created"
@@ -187,10 +195,11 @@ class Store(StoreReader):
             if fresh:
                 self._db.execute("DELETE FROM meta WHERE key = 'seed'")
                 self._db.execute("DROP TABLE IF EXISTS damaged")
-                for table in ("episode", "floorplan", "scenario", "policy", "run", "checksum"):
+                for table in ("episode", "floorplan", "scenario", "policy", "run", "checksum", "attempt"):
                     self._db.execute(f"DELETE FROM {table}")
             for name in self._other_versions(policies):
                 self._db.execute("DELETE FROM episode WHERE policy = ?", (name,))
+                self._db.execute("DELETE FROM attempt WHERE policy = ?", (name,))
             for name, about in policies.items():
                 self._db.execute(
                     "INSERT INTO policy VALUES (?, (SELECT count(*) FROM policy), ?)"
@@ -256,8 +265,8 @@ class Store(StoreReader):
     def add(self, record: FlownEpisode, run: int, *, replace_failed: bool = False) -> None:
         """Add one episode in a transaction of its own; an episode that is already stored is left as it is.
 
-        The first episode of a task must be a :class:`Record`, which has the map. With ``replace_failed`` it replaces
-        a failed one.
+        The first episode of a task must be a :class:`Record`, which has the map. With ``replace_failed`` it is
+        another attempt at a failed one, and replaces it if the machine failed; the policy's own failure stays.
 
         Raises:
             RunError: the disk is full; episodes added before are kept.
@@ -268,10 +277,21 @@ class Store(StoreReader):
                 self._insert("floorplan", floorplan_row(record.floorplan))
                 self._digests[record.task] = record.floorplan.digest
             if replace_failed:
-                key = "policy = ? AND scenario = ? AND map_index = ? AND seed = ?"
-                gone = (record.policy, *record.task, Outcome.FAILED)
-                self._db.execute(f"DELETE FROM episode WHERE {key} AND outcome = ?", gone)
+                self._add_attempt(record)
             self._insert("episode", episode_row(record, run, self._digests[record.task]))
+
+    def _add_attempt(self, record: FlownEpisode) -> None:
+        """Add another attempt at a failed episode: the first one counts unless the machine failed."""
+        which = "FROM episode WHERE policy = ? AND scenario = ? AND map_index = ? AND seed = ? AND outcome = ?"
+        key = (record.policy, *record.task)
+        first = self._db.execute(f"SELECT outcome, reason, steps {which}", (*key, Outcome.FAILED)).fetchone()
+        if first is None:
+            return
+        if is_of_machine(first[1]):
+            self._db.execute(f"DELETE {which}", (*key, Outcome.FAILED))
+            self._insert("attempt", (*key, *first))
+        else:
+            self._insert("attempt", (*key, str(record.outcome), record.reason, record.steps))
 
     def _insert(self, table: str, row: Row) -> None:
         """Insert a row with its checksum; a row of the same key is left as it is."""

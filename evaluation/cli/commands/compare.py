@@ -17,6 +17,13 @@ if TYPE_CHECKING:
     from indoor_explorers.evaluation.results.results import Results
 
 
+#: What is printed below the causes of failures.
+FINISHED = (
+    "failed episodes count as finished; --retry-failed flies them again, and replaces those whose process was killed "
+    "or ran out of memory"
+)
+
+
 class CompareOptions(ComparisonRequest):
     """The options of ``compare``."""
 
@@ -54,7 +61,7 @@ def print_ratios(results: Results, asked: Sequence[str] | None, console: Console
 
 def print_notes(results: Results, console: Console) -> None:
     """Print what happened to the stores that the results are from."""
-    for note in results.notes:
+    for note in (*results.notes, *results.retry_notes):
         print_line(console, note)
 
 
@@ -72,7 +79,7 @@ def _print_failures(results: Results, console: Console) -> int:
         )
         print_line(console, line, "red")
     if broken:
-        print_line(console, "failed episodes count as finished; --retry-failed flies them again", "red")
+        print_line(console, FINISHED, "red")
     return 1 if broken else 0
 
 

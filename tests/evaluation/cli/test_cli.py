@@ -219,9 +219,11 @@ def test_failed_episodes_are_flown_again_on_request_alone(capsys, tmp_path, monk
     assert "4 of 4 episodes are in the store already" in printed
     assert "--retry-failed flies them again" in printed
     status, printed, _ = run(capsys, *words, "--retry-failed")
-    assert status == 0
+    assert status == 1, "what the policy did at the first attempt counts"
     assert "2 of 4 episodes are in the store already; flying 2" in printed
+    assert f"episodes flown again after a failure: 2 of {PLUGINS}:Mended; the first attempt counts" in printed
     assert stored(tmp_path) == 4
+    assert "Episodes flown again after a failure: 2 of" in (tmp_path / "report.html").read_text()
 
 
 @pytest.mark.parametrize(

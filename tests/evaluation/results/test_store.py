@@ -14,6 +14,7 @@ from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task, build_experiment
 from indoor_explorers.evaluation.experiment.planning import plan
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.results.store import Store
 from tests.evaluation.plugins import Wander
 
@@ -170,9 +171,19 @@ def test_a_full_disk_is_said_and_what_was_added_stays(tmp_path):
         assert len(list(store.records())) == 40
 
 
-def test_only_failed_episodes_are_replaced(tmp_path):
+@pytest.mark.parametrize(
+    ("reason", "replaced"),
+    [
+        ("the process of the policy was killed by signal 9 (SIGKILL)", True),
+        ("worker used more than 2 GB of memory (--memory-limit)", True),
+        ("the process of the policy was killed by signal 11 (SIGSEGV)", False),
+        ("RuntimeError: motor failure", False),
+        ("no decision within 60 s", False),
+    ],
+)
+def test_only_failures_of_the_machine_are_replaced_and_every_retry_is_kept(reason, replaced, tmp_path):
     good = filled(tmp_path / "results.db")[0]
-    failed = replace(good, outcome=Outcome.FAILED, task=good.task._replace(seed=99))
+    failed = replace(good, outcome=Outcome.FAILED, reason=reason, task=good.task._replace(seed=99))
     other = {"actions": good.actions[:1], "covered": good.covered[:2], "cells": good.cells[:2]}
     other |= {"seconds": good.seconds[:2], "sent": good.sent[:2]}
     with Store(tmp_path / "results.db") as store:
@@ -181,12 +192,19 @@ def test_only_failed_episodes_are_replaced(tmp_path):
         for record in (good, replace(failed, outcome=Outcome.BUDGET)):
             store.add(replace(record, **other), 1)
         assert all(copy.steps > 1 for copy in store.records())
+        assert store.retries() == {}
         for record in (good, replace(failed, outcome=Outcome.BUDGET)):
             store.add(replace(record, **other), 1, replace_failed=True)
         steps = {copy.task.seed: copy.steps for copy in store.records()}
-        assert steps.pop(99) == 1
+        assert (steps.pop(99) == 1) is replaced
         assert min(steps.values()) > 1
-        assert store.finished() == store.finished(failed=False)
+        assert (store.finished() == store.finished(failed=False)) is replaced
+        assert store.retries() == {("w", failed.task): 1}
+    results = Results.load(tmp_path)
+    assert results.warnings[0].startswith(
+        "episodes flown again after a failure: 1 of w; the first attempt counts where"
+    )
+    assert results.episodes()["retries"].tolist() == [0, 0, 0, 1]
 
 
 def test_a_file_that_is_no_store_is_refused(tmp_path):
