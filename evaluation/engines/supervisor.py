@@ -11,8 +11,9 @@ from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.engines.worker_handle import WorkerExit, WorkerHandle
 from indoor_explorers.evaluation.episodes.record import FlownEpisode, Record
-from indoor_explorers.evaluation.episodes.running import RunningEpisode, failed_record
+from indoor_explorers.evaluation.episodes.running import RunningEpisode, simulated_record
 from indoor_explorers.evaluation.episodes.steps import Steps
+from indoor_explorers.evaluation.episodes.verification import verified
 from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits
 
@@ -45,7 +46,8 @@ class Supervisor:
     earlier one left behind; and where the process was killed from outside, only when that happens a second time.
 
     A process that has loaded a policy from outside this package serves no other one, since such a policy may change
-    whatever others rely on, on purpose or not. The package's own policies share a process.
+    whatever others rely on, on purpose or not. The package's own policies share a process. The episodes of a policy
+    from outside are simulated again here, where it was never loaded.
 
     Safe to call from several threads; they take turns.
     """
@@ -68,12 +70,8 @@ class Supervisor:
 
         """
         with self._turn:
-            if len(job.tasks) == 1:
-                return [self._fly_alone(job)]
-            tried = self._try(job)
-            held = {record.task for record in tried.records}
-            alone = (job._replace(tasks=(task,)) for task in job.tasks if task not in held)
-            return tried.records + [self._fly_alone(one) for one in alone]
+            records = self._fly_all(job)
+        return records if is_own_policy(job.policy.use) else [verified(record, job) for record in records]
 
     def close(self) -> None:
         """End the process; a running job raises a RunError."""
@@ -82,6 +80,14 @@ class Supervisor:
             worker.kill()
         with self._turn:
             _close_all(self._workers)
+
+    def _fly_all(self, job: Job) -> list[FlownEpisode]:
+        if len(job.tasks) == 1:
+            return [self._fly_alone(job)]
+        tried = self._try(job)
+        held = {record.task for record in tried.records}
+        alone = (job._replace(tasks=(task,)) for task in job.tasks if task not in held)
+        return tried.records + [self._fly_alone(one) for one in alone]
 
     def _fly_alone(self, job: Job) -> FlownEpisode:
         exits = 0
@@ -146,4 +152,4 @@ def _failed(job: Job, ended: WorkerExit, steps: Steps) -> Record:
     (task,) = job.tasks
     floorplan = draw_floorplan(job.scenario, task.seed, task.map_index)
     flight = RunningEpisode(0, task, floorplan, job.bounds.get(task), failure=ended.reason)
-    return failed_record(flight, job.policy.name, job.scenario, steps)
+    return simulated_record(flight, job.policy.name, job.scenario, steps)

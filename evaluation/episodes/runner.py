@@ -19,7 +19,7 @@ from indoor_explorers.env.simulation.rollout import Uav, rollout
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.recorder import Log
-from indoor_explorers.evaluation.episodes.running import RunningEpisode, failed_record
+from indoor_explorers.evaluation.episodes.running import RunningEpisode, simulated_record
 from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer
 from indoor_explorers.evaluation.episodes.tallies import mean_tallies
 from indoor_explorers.evaluation.episodes.thinking_time import thinking_time
@@ -84,7 +84,9 @@ def _fly_batch(
     batch = _Batch(policy, world, flights, buffer)
     batch.fly()
     return [
-        failed_record(flight, name, scenario, steps) if flight.failure else flight.record(name, world, batch.log, steps)
+        simulated_record(flight, name, scenario, steps)
+        if flight.failure
+        else flight.record(name, world, batch.log, steps)
         for flight in flights
         for steps in [batch.log.steps(flight.place)]
     ]

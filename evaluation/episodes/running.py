@@ -92,17 +92,20 @@ class RunningEpisode:
         }
 
 
-def failed_record(flight: RunningEpisode, policy: str, scenario: Scenario, broken: Steps) -> Record:
-    """Return the record of an episode that failed: the complete steps before are simulated again.
+def simulated_record(flight: RunningEpisode, policy: str, scenario: Scenario, flown: Steps) -> Record:
+    """Return the record of an episode whose ``flown`` steps are simulated again from its actions.
 
-    So everything in it is as it was after the last complete step, whatever happened to the world it was flown in.
+    So everything in it but times and bytes follows from the actions, whatever happened to the world it was flown in.
+    It has fewer steps than were flown where the episode is over before.
     """
     world, again = World(scenario), replace(flight, place=0)
     again.begin(world)
     log = Log(world)
-    for actions in broken.actions:
+    for actions in flown.actions:
+        if not log.running.any():
+            break
         world.step(actions[None])
         log.add(actions[None], np.zeros(1))
     steps = log.steps(0)
-    steps.seconds[1:], steps.sent[1:] = broken.seconds[1:], broken.sent[1:]
+    steps.seconds[1:], steps.sent[1:] = flown.seconds[1 : steps.steps + 1], flown.sent[1 : steps.steps + 1]
     return again.record(policy, world, log, steps)

@@ -14,6 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from indoor_explorers.env import Pilot, Policy, World, make_policy
+from indoor_explorers.evaluation.episodes import running
 from indoor_explorers.planners.random_walk import RandomWalk
 from tests.seeds import seed_of
 
@@ -301,6 +302,23 @@ class Meddles(Wander):
         sys.path.clear()
         resource.setrlimit(resource.RLIMIT_NOFILE, (20, 20))
         return Still.Mind(briefing)
+
+
+class Boasts(Wander):
+    """Change how its own episodes are measured in its process."""
+
+    def pilot(self, briefing):
+        running.team_metrics = lambda *_: {"auc": 1.0, "t99": 1.0}
+        return Wanderer(briefing)
+
+
+class Teleports(Wander):
+    """Change what its own steps do in its process."""
+
+    def pilot(self, briefing):
+        begin = World.__dict__["step"]
+        World.step = lambda world, actions: begin(world, 0 * actions)
+        return Wanderer(briefing)
 
 
 class HangsWhenDeleted(Wander):

@@ -13,6 +13,7 @@ from indoor_explorers.evaluation.engines.worker_handle import WorkerHandle
 from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.episodes.verification import CHANGED
 from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice, Task
 from indoor_explorers.evaluation.experiment.limits import Limits
 from tests.evaluation.plugins import WAYS, Vandal, Wander
@@ -133,6 +134,15 @@ def test_a_policy_from_outside_has_a_process_of_its_own_and_changes_no_other_one
     after, others = supervisor.fly(own("random")), supervisor.fly(job("Wander"))
     assert [facts(record) for record in after] == [facts(record) for record in before]
     assert [facts(record) for record in others] == [facts(honest[seed]) for seed in (1, 0, 2)]
+
+
+def test_what_counts_is_worked_out_where_the_policy_was_not_loaded(supervisor, honest):
+    assert [facts(record) for record in supervisor.fly(job("Boasts"))] == [facts(honest[seed]) for seed in (1, 0, 2)]
+
+
+def test_an_episode_that_does_not_follow_from_its_actions_failed(supervisor):
+    for record in supervisor.fly(job("Teleports")):
+        assert (record.outcome, record.reason, record.steps) == (Outcome.FAILED, CHANGED, 0)
 
 
 def test_the_packages_own_policies_share_a_process(supervisor):
