@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Sequence
 
 from indoor_explorers.evaluation.exports.cells import ExportCell, ExportRow, caption, table_rows
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, MINUS, THIN_SPACE, slug
+from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
 from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.report.tables.policy_names import DAGGER, DOUBLE_DAGGER
 from indoor_explorers.evaluation.results.results import Results
@@ -51,17 +53,22 @@ PREAMBLE = "% One table a scenario. Needs \\usepackage{booktabs} in the preamble
 
 def latex_tables(results: Results) -> str:
     """Return a floating table for each scenario that was flown."""
-    comparisons = {f"{k:02d}": Comparison(results, name) for k, name in enumerate(results.scenarios, 1)}
-    return PREAMBLE + "".join(_table(each, number) for number, each in comparisons.items() if each.groups)
+    common = results.on_common_tasks
+    comparisons = {f"{k:02d}": Comparison(common, name) for k, name in enumerate(results.scenarios, 1)}
+    return PREAMBLE + "".join(
+        _table(each, number, missing_episodes(results, each.scenario))
+        for number, each in comparisons.items()
+        if each.groups
+    )
 
 
-def _table(comparison: Comparison, number: str) -> str:
+def _table(comparison: Comparison, number: str, missing: Sequence[str]) -> str:
     name, shown = escaped(comparison.scenario), headings([comparison.level])
     lines = [
         "",
         r"\begin{table}[htbp]",
         r"  \centering\footnotesize\setlength{\tabcolsep}{4pt}",
-        rf"  \caption{{Scenario {name}. {escaped(' '.join(caption(comparison)))}}}",
+        rf"  \caption{{Scenario {name}. {escaped(' '.join([*caption(comparison), *missing]))}}}",
         rf"  \label{{tab:{number}-{slug(comparison.scenario)}}}",
         rf"  \begin{{tabular}}{{l{'r' * len(shown)}}}",
         r"    \toprule",

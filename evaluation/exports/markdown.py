@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from indoor_explorers.evaluation.exports.cells import ExportCell, caption, table_rows
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
 from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.report.tables.ratio_table import RatioTable, bound_notes, ratio_tables
@@ -18,11 +20,12 @@ SPECIAL = re.compile(r"([\\`*_\[\]<>&|~$#])")
 
 def markdown_tables(results: Results) -> str:
     """Return a heading, a table and its caption for each scenario that was flown."""
-    comparisons = [Comparison(results, scenario) for scenario in results.scenarios]
-    return "\n".join(_section(comparison) for comparison in comparisons if comparison.groups)
+    comparisons = [Comparison(results.on_common_tasks, scenario) for scenario in results.scenarios]
+    missing = {scenario: missing_episodes(results, scenario) for scenario in results.scenarios}
+    return "\n".join(_section(each, missing[each.scenario]) for each in comparisons if each.groups)
 
 
-def _section(comparison: Comparison) -> str:
+def _section(comparison: Comparison, missing: Sequence[str]) -> str:
     shown = headings([comparison.level])
     lines = [
         f"## {escaped(comparison.scenario)}",
@@ -31,7 +34,7 @@ def _section(comparison: Comparison) -> str:
         _line(["---", *["---:"] * len(shown)]),
         *(_line([escaped(row.policy), *map(_figure, row.cells)]) for row in table_rows(comparison)),
         "",
-        escaped(" ".join(caption(comparison))),
+        escaped(" ".join([*caption(comparison), *missing])),
         "",
     ]
     return "\n".join(lines)

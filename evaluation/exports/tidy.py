@@ -30,7 +30,7 @@ def write_curves(results: Results, path: Path) -> None:
 
 def _curve_rows(results: Results) -> Iterator[tuple[str, str, int, float, float, float]]:
     for scenario in results.scenarios:
-        comparison = Comparison(results, scenario)
+        comparison = Comparison(results.on_common_tasks, scenario)
         for policy, records in comparison.groups.items():
             steps = sampled_steps(comparison, POINTS)
             band = curve_band(coverage_at(records, steps), maps=comparison.maps(policy))

@@ -23,7 +23,6 @@ from indoor_explorers.evaluation.report.panels import sweep_sections
 from indoor_explorers.evaluation.report.sections import section_of
 from indoor_explorers.evaluation.report.style.formatting import counted, percent
 from indoor_explorers.evaluation.report.style.palette import COLOURS, Styles, policy_styles
-from indoor_explorers.evaluation.report.summary.comparability import on_common_tasks
 from indoor_explorers.evaluation.report.summary.definitions import definitions
 from indoor_explorers.evaluation.report.summary.facts import shown
 from indoor_explorers.evaluation.report.summary.overview import overview
@@ -69,7 +68,7 @@ def render(
 ) -> str:
     """Return the page as text; its arguments are those of :func:`write_report`."""
     ratios = Ratios.of(results, ratio_to)
-    common, styles = on_common_tasks(results), policy_styles(results.policies)
+    common, styles = results.on_common_tasks, policy_styles(results.policies)
     comparisons = {f"s{number}": Comparison(common, name) for number, name in enumerate(results.scenarios, 1)}
     return (
         _environment()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -142,6 +142,19 @@ class Results:
         """Return the tasks of a scenario that any policy has flown."""
         return {record.task for (name, _), records in self.groups.items() if name == scenario for record in records}
 
+    def common_tasks(self, scenario: str) -> set[Task]:
+        """Return the tasks of a scenario that all policies with episodes of it have flown."""
+        groups = self.groups.items()
+        flown = [{record.task for record in records} for (name, _), records in groups if name == scenario]
+        return set.intersection(*flown) if flown else set()
+
+    @cached_property
+    def on_common_tasks(self) -> Results:
+        """The results of the common tasks of each scenario, which all tables compare; of all where there is none."""
+        kept = {scenario: self.common_tasks(scenario) or self.tasks(scenario) for scenario in self.scenarios}
+        records = [record for record in self.records if record.task in kept[record.task.scenario]]
+        return self if len(records) == len(self.records) else replace(self, records=records)
+
     def curves(self, scenario: str, policy: str, who: str = "team") -> NDArray[np.float64]:
         """Return (E, T + 1) coverage by step of ``who`` (see :meth:`Record.coverage`), constant after the end."""
         records = self.groups[scenario, policy]
@@ -190,8 +203,8 @@ class Results:
         return success_share(self.reached(scenario, policy, metric))
 
     def summary(self) -> pd.DataFrame:
-        """Return one row per scenario, policy and metric with the columns of summary.csv."""
-        return pd.DataFrame(self._summary_rows(), columns=list(SUMMARY_COLUMNS))
+        """Return one row per scenario, policy and metric with the columns of summary.csv, over the common tasks."""
+        return pd.DataFrame(self.on_common_tasks._summary_rows(), columns=list(SUMMARY_COLUMNS))
 
     def _summary_rows(self) -> Iterator[tuple[Any, ...]]:
         for (scenario, policy), records in self.groups.items():

@@ -23,7 +23,8 @@ from indoor_explorers.evaluation.results.results import Results
 
 
 def write_figures(results: Results, folder: Path) -> list[Path]:
-    """Write the figures of every scenario into ``folder`` and return their paths."""
+    """Write the figures of the common tasks of every scenario into ``folder`` and return their paths."""
+    results = results.on_common_tasks
     folder.mkdir(parents=True, exist_ok=True)
     styles = policy_styles(results.policies)
     paths = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,23 +35,9 @@ class Verdict:
     """What else a reader should know."""
 
 
-def on_common_tasks(results: Results) -> Results:
-    """Return the results of the tasks that all policies of a scenario flew; all tasks if there is no common one."""
-    kept = {}
-    for scenario in results.scenarios:
-        common = _common(results, scenario)
-        kept[scenario] = common or results.tasks(scenario)
-    return replace(results, records=[r for r in results.records if r.task in kept[r.task.scenario]])
-
-
 def _flown(results: Results, scenario: str) -> dict[str, set[Task]]:
     groups = results.groups.items()
     return {policy: {record.task for record in records} for (name, policy), records in groups if name == scenario}
-
-
-def _common(results: Results, scenario: str) -> set[Task]:
-    flown = _flown(results, scenario).values()
-    return set.intersection(*flown) if flown else set()
 
 
 def verdict_on(results: Results) -> Verdict:
@@ -72,7 +58,7 @@ def _headline(results: Results) -> str:
     if not results.records:
         return "Nothing has been flown yet."
     if any(True for _ in _missing(results)):
-        common = sum(len(_common(results, scenario)) for scenario in results.scenarios)
+        common = sum(len(results.common_tasks(scenario)) for scenario in results.scenarios)
         return f"The policies did not fly the same tasks: {counted(common, 'task')} of {sum(tasks)} in common."
     same = " the same" if number > 1 else ""
     return f"{who} flew{same} {counted(sum(tasks), 'task')}: {_made_of(results)}."
@@ -97,21 +83,24 @@ def _layout(tasks: set[Task], results: Results, scenario: str) -> str:
 
 
 def _missing(results: Results) -> Iterator[str]:
-    """Name the policies that lack episodes, and what is compared then."""
     for scenario in results.scenarios:
-        everything, flown = results.tasks(scenario), _flown(results, scenario)
-        lacking = {name: len(everything) - len(flown.get(name, ())) for name in results.policies}
-        lacking = {name: number for name, number in lacking.items() if number}
-        if not lacking or not everything:
-            continue
-        listed = ", ".join(f"{name} lacks {number} of {len(everything)}" for name, number in lacking.items())
-        common = len(_common(results, scenario))
-        rest = (
-            f"only the {counted(common, 'task')} that all of these policies flew are compared"
-            if common
-            else "no task was flown by all, so the figures are about different tasks"
-        )
-        yield f"Missing episodes in {scenario}: {listed}; {rest}."
+        yield from missing_episodes(results, scenario)
+
+
+def missing_episodes(results: Results, scenario: str) -> list[str]:
+    """Name the policies that lack episodes of a scenario, and what is compared then; empty where there are none."""
+    everything, flown = results.tasks(scenario), _flown(results, scenario)
+    lacking = {name: len(everything) - len(flown.get(name, ())) for name in results.policies}
+    listed = ", ".join(f"{name} lacks {number} of {len(everything)}" for name, number in lacking.items() if number)
+    if not listed or not everything:
+        return []
+    common = len(results.common_tasks(scenario))
+    rest = (
+        f"only the {counted(common, 'task')} that all of these policies flew are compared"
+        if common
+        else "no task was flown by all, so the figures are about different tasks"
+    )
+    return [f"Missing episodes in {scenario}: {listed}; {rest}."]
 
 
 def _unlike(results: Results) -> Iterator[str]:
@@ -165,7 +154,7 @@ def _failed_checks(results: Results) -> Iterator[str]:
 
 
 def _few(results: Results) -> Iterator[str]:
-    few = [name for name in results.scenarios if 0 < len(_common(results, name)) < FEWEST]
+    few = [name for name in results.scenarios if 0 < len(results.common_tasks(name)) < FEWEST]
     if few:
         where = "" if len(few) == len(results.scenarios) else f" in {', '.join(few)}"
         yield f"Fewer than {FEWEST} episodes a policy{where}: dots instead of intervals, and no tests."
@@ -182,7 +171,7 @@ def _few_maps(results: Results) -> Iterator[str]:
     """Name the scenarios whose intervals hold for their own maps alone."""
     for name in results.scenarios:
         comparison = Comparison(results, name)
-        if len(_common(results, name)) >= FEWEST and not comparison.over_maps:
+        if len(results.common_tasks(name)) >= FEWEST and not comparison.over_maps:
             number = comparison.map_count
             which = "its one map" if number == 1 else f"its {number} maps"
             yield f"Intervals of {name} hold for {which} alone, not for other maps of this kind."

@@ -13,6 +13,7 @@ from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed
 from indoor_explorers.evaluation.report.analysis.shown_best import BOLD, shown_best
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, percent, with_interval
+from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
 from indoor_explorers.evaluation.report.summary.notes import scenario_notes
 from indoor_explorers.evaluation.report.tables.policy_names import BATCH_SHARE, footnotes, marked
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared, tabled
@@ -63,8 +64,8 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
         if len(results.scenarios) > 1:
             name = scenario if level else f"{scenario} ({results.level(scenario).title})"
             table.add_row(Text(name, "bold"))
-        comparison = Comparison(results, scenario)
-        notes += _notes(comparison, named=len(results.scenarios) > 1)
+        comparison = Comparison(results.on_common_tasks, scenario)
+        notes += missing_episodes(results, scenario) + _notes(comparison, named=len(results.scenarios) > 1)
         best = {key: shown_best(comparison, key) for key in comparison.level.times} if comparison.groups else {}
         best["auc"] = shown_best(comparison, "auc", lower_is_better=False)
         for policy in comparison.groups:

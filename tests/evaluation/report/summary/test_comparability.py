@@ -8,7 +8,7 @@ import pytest
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.summary.comparability import on_common_tasks, verdict_on
+from indoor_explorers.evaluation.report.summary.comparability import verdict_on
 from indoor_explorers.evaluation.report.summary.overview import lead, overview_row
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.report.reports import Page
@@ -38,7 +38,7 @@ def test_missing_episodes_leave_only_common_tasks(sound: Results) -> None:
     assert not verdict.fine
     assert "11 tasks of 12 in common" in verdict.headline
     assert "wavy lacks 1 of 6; only the 5 tasks" in verdict.warnings[0]
-    common = on_common_tasks(partial)
+    common = partial.on_common_tasks
     assert {r.task.seed for r in common.groups["rooms", "straight"]} == {0, 1, 3, 4, 5}
     assert len(common.groups["four", "straight"]) == 6
     assert Page(render(partial)).figures["straight", "t99"][0] == np.mean(common.values("rooms", "straight", "t99"))
@@ -46,7 +46,7 @@ def test_missing_episodes_leave_only_common_tasks(sound: Results) -> None:
 
 def test_policies_without_a_common_task_keep_theirs_and_are_told_apart(sound: Results) -> None:
     odd = replace(sound, records=[r for r in sound.records if (r.task.seed % 2 == 0) == (r.policy == "wavy")])
-    assert len(on_common_tasks(odd).records) == len(odd.records)
+    assert len(odd.on_common_tasks.records) == len(odd.records)
     assert any("no task was flown by all" in text for text in verdict_on(odd).warnings)
     assert '"banner doubt"' in render(odd)
 

@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
+import pandas as pd
 import pytest
 from rich.console import Console
 from scipy import stats
 
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
+from indoor_explorers.evaluation.exports.tidy import write_curves
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.shown_best import BOLD
 from indoor_explorers.evaluation.report.page import render
@@ -85,3 +87,20 @@ def bold_rows(results):
     lines = Console(width=160).render_lines(headline_table(results, 160))
     bold = [line for line in lines if any(each.style and each.style.bold and "[" in each.text for each in line)]
     return {"".join(each.text for each in line).split()[0] for line in bold}
+
+
+def test_an_incomplete_store_is_compared_on_the_common_tasks_everywhere(tmp_path):
+    first, second = [10 * (1 + seed) for seed in range(10)], [12 * (1 + seed) for seed in range(6)]
+    results = flown({"whole": first, "easy": second})
+    row = results.summary().query("policy == 'whole' and metric == 't99'").iloc[0]
+    assert (row["episodes"], row["mean"]) == (6, pytest.approx(35.0))
+    console = Console(width=160)
+    with console.capture() as capture:
+        console.print(headline_table(results, 160))
+    for text in (capture.get(), markdown_tables(results), latex_tables(results), render(results)):
+        assert "easy lacks 4 of 10; only the 6 tasks that all of these policies flew are compared" in " ".join(
+            text.split()
+        )
+        assert "35.0" in text
+    write_curves(results, tmp_path / "curves.csv")
+    assert set(pd.read_csv(tmp_path / "curves.csv")["policy"]) == {"whole", "easy"}
