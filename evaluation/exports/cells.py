@@ -9,7 +9,7 @@ from indoor_explorers.evaluation.report.analysis.failures import failed
 from indoor_explorers.evaluation.report.analysis.shown_best import BOLD, shown_best
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent, percent_interval
 from indoor_explorers.evaluation.report.summary.facts import denominator
-from indoor_explorers.evaluation.report.summary.notes import scenario_notes
+from indoor_explorers.evaluation.report.summary.notes import narrow_notes, scenario_notes
 from indoor_explorers.evaluation.report.tables.headline_table import decision_time
 from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, tabled
@@ -76,6 +76,7 @@ def caption(comparison: Comparison) -> list[str]:
         *(["A dash: the goal of this scenario is below that threshold."] if comparison.level != T99 else []),
         *([BOLD] if len(comparison.ranked_policies) > 1 else []),
         *scenario_notes(comparison),
+        *narrow_notes(comparison),
         *(["Policies that know the map are not ranked."] if any(map(comparison.privileged, comparison.groups)) else []),
         *footnotes(comparison.results, comparison.groups),
     ]

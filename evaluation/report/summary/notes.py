@@ -6,6 +6,11 @@ import math
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import fixed
+from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
+from indoor_explorers.evaluation.statistics import FEWEST
+
+#: Up to so many episodes that never reached a threshold make the interval of its mean too narrow.
+FEW_NEVER = 5
 
 
 def scenario_notes(comparison: Comparison) -> list[str]:
@@ -41,3 +46,19 @@ def detectable_notes(comparison: Comparison) -> list[str]:
     span = most if least == most else f"{least} to {most}"
     first, level = comparison.ranked_policies[0], comparison.level.title
     return [f"Differences of {level} to {first} of {span} steps, by policy, would have been seen with 80 % power."]
+
+
+def narrow_notes(comparison: Comparison) -> list[str]:
+    """Name the policies whose interval of a time is too narrow: a few episodes never reached it."""
+    return [
+        f"The interval of {CoverageThreshold(metric).title} is too narrow: {'; '.join(few)} never reached."
+        for metric in comparison.level.times
+        if (few := [text for policy in comparison.groups if (text := _few_never(comparison, policy, metric))])
+    ]
+
+
+def _few_never(comparison: Comparison, policy: str, metric: str) -> str:
+    reached = comparison.results.reached(comparison.scenario, policy, metric)
+    never = int((~reached).sum())
+    few = len(reached) >= FEWEST and 0 < never <= FEW_NEVER
+    return f"{policy}, {never} of {len(reached)}" if few else ""

@@ -93,3 +93,12 @@ def test_a_band_over_sampled_maps_holds_curves_that_differ_by_map():
             inside, ignoring = inside + (held and labels is not None), ignoring + (held and labels is None)
     assert inside / runs >= 0.90
     assert ignoring / runs <= 0.60
+
+
+def test_rare_failures_make_intervals_of_means_too_narrow_as_the_document_says():
+    rng, held = np.random.default_rng(3), 0
+    for _ in range(200):
+        times = np.where(rng.random(30) < 0.02, 400, rng.normal(55, 9, 30))
+        _, low, high = bootstrap_mean(times, resamples=500)
+        held += low <= 0.98 * 55 + 0.02 * 400 <= high
+    assert held / 200 < 0.6

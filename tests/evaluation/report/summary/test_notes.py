@@ -2,18 +2,17 @@
 
 from dataclasses import replace
 
-import pandas as pd
 import pytest
 from rich.console import Console
 from scipy import stats
 
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
-from indoor_explorers.evaluation.exports.tidy import write_curves
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.shown_best import BOLD
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.summary.headline import headline
+from indoor_explorers.evaluation.report.summary.notes import narrow_notes
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 from tests.evaluation.report.records import flown
 
@@ -89,7 +88,7 @@ def bold_rows(results):
     return {"".join(each.text for each in line).split()[0] for line in bold}
 
 
-def test_an_incomplete_store_is_compared_on_the_common_tasks_everywhere(tmp_path):
+def test_an_incomplete_store_is_compared_on_the_common_tasks_everywhere():
     first, second = [10 * (1 + seed) for seed in range(10)], [12 * (1 + seed) for seed in range(6)]
     results = flown({"whole": first, "easy": second})
     row = results.summary().query("policy == 'whole' and metric == 't99'").iloc[0]
@@ -97,10 +96,15 @@ def test_an_incomplete_store_is_compared_on_the_common_tasks_everywhere(tmp_path
     console = Console(width=160)
     with console.capture() as capture:
         console.print(headline_table(results, 160))
+    said = "easy lacks 4 of 10; only the 6 tasks that all of these policies flew are compared"
     for text in (capture.get(), markdown_tables(results), latex_tables(results), render(results)):
-        assert "easy lacks 4 of 10; only the 6 tasks that all of these policies flew are compared" in " ".join(
-            text.split()
-        )
+        assert said in " ".join(text.split())
         assert "35.0" in text
-    write_curves(results, tmp_path / "curves.csv")
-    assert set(pd.read_csv(tmp_path / "curves.csv")["policy"]) == {"whole", "easy"}
+
+
+def test_intervals_with_a_few_episodes_that_never_reached_it_are_called_too_narrow():
+    quick = [20 + seed % 7 for seed in range(30)]
+    results = flown({"quick": quick, "rare": [None, None, *quick[2:]], "often": [None] * 20 + quick[20:]})
+    for text in (markdown_tables(results), latex_tables(results), render(results)):
+        assert "The interval of T99 is too narrow: rare, 2 of 30 never reached." in text
+    assert narrow_notes(Comparison(flown({"quick": quick}), "room")) == []
