@@ -35,17 +35,16 @@ def success_notes(comparison: Comparison) -> list[str]:
 
 
 def detectable_notes(comparison: Comparison) -> list[str]:
-    """Say what difference to the best-ranked policy could have been seen; empty where nothing was compared."""
+    """Say what difference to the best-ranked policy would have been seen, by those not told apart from it if any."""
     rivals = [comparison.contrasts[name] for name in comparison.ranked_policies[1:] if name in comparison.contrasts]
-    sizes = sorted(
-        each.detectable for each in rivals if 0 < each.detectable < math.inf and each.difference.low is not None
-    )
+    tested = [each for each in rivals if each.difference.low is not None and 0 < each.detectable < math.inf]
+    sizes = sorted(each.detectable for each in [each for each in tested if not each.shown] or tested)
     if not sizes:
         return []
     least, most = fixed(sizes[0], 1), fixed(sizes[-1], 1)
     span = most if least == most else f"{least} to {most}"
     first, level = comparison.ranked_policies[0], comparison.level.title
-    return [f"Differences of {level} to {first} of {span} steps, by policy, would have been seen with 80 % power."]
+    return [f"A difference of {level} to {first} of {span} steps would have been seen with 80 % power."]
 
 
 def narrow_notes(comparison: Comparison) -> list[str]:

@@ -60,6 +60,7 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
         table.add_column(f"{level.title if level else 'steps'} / {known}", justify="right", no_wrap=True)
     notes = footnotes(results, [policy for _, policy in results.groups], times=width >= wide)
     notes += [BOLD] if len(results.policies) - len(results.privileged_policies) > 1 else []
+    bounds: set[str] = set()
     for scenario in results.scenarios:
         if len(results.scenarios) > 1:
             name = scenario if level else f"{scenario} ({results.level(scenario).title})"
@@ -70,16 +71,18 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
         best["auc"] = shown_best(comparison, "auc", lower_is_better=False)
         for policy in comparison.groups:
             ratio = [Text(_ratio(comparison, policy))] if known else []
+            bounds |= {each.plain[:1] for each in ratio} & {">", "<"}
             table.add_row(*_row(comparison, policy, times, best)[: 1 + len(shown)], *ratio)
         table.add_section()
+    notes += [f"{' and '.join(sorted(bounds))}: a bound, as some episodes never reached it."] if bounds else []
     table.caption = "\n".join(notes) or None
     return table
 
 
 def _notes(comparison: Comparison, named: bool) -> list[str]:
     """Return the lines below the table about one scenario, which they name where there are several."""
-    notes = scenario_notes(comparison) if comparison.groups else []
-    return [f"{comparison.scenario}: {note}" if named else note for note in notes]
+    text = " ".join(scenario_notes(comparison)) if comparison.groups else ""
+    return [f"{comparison.scenario}: {text}" if named else text] if text else []
 
 
 def reference_of(results: Results) -> str | None:
