@@ -67,7 +67,7 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
             table.add_row(Text(name, "bold"))
         comparison = Comparison(results.on_common_tasks, scenario)
         notes += missing_episodes(results, scenario) + _notes(comparison, named=len(results.scenarios) > 1)
-        best = {key: shown_best(comparison, key) for key in comparison.level.times} if comparison.groups else {}
+        best = {key: shown_best(comparison, key) for key in comparison.level.times}
         best["auc"] = shown_best(comparison, "auc", lower_is_better=False)
         for policy in comparison.groups:
             ratio = [Text(_ratio(comparison, policy))] if known else []
