@@ -89,3 +89,13 @@ def test_what_cannot_be_compared_is_refused():
         contrasts({"base": [1.0], "other": [1.0, 2.0]}, "base")
     with pytest.raises(InputError, match="at least one paired difference"):
         contrasts({"base": [], "other": []}, "base")
+
+
+def test_policies_with_the_same_values_count_as_one():
+    values = flown()
+    alone, doubled = (
+        contrasts(values, "base"),
+        contrasts({**values, "copy": values["same"], "twin": values["base"]}, "base"),
+    )
+    assert all(doubled[name].adjusted_p == contrast.adjusted_p for name, contrast in alone.items())
+    assert (doubled["copy"].adjusted_p, doubled["twin"].adjusted_p) == (alone["same"].adjusted_p, 1.0)
