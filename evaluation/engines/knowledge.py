@@ -8,7 +8,7 @@ from typing import Any
 
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.engines.worker import KnowledgeCheck
-from indoor_explorers.evaluation.engines.worker_handle import WorkerHandle
+from indoor_explorers.evaluation.engines.worker_handle import ask_once
 from indoor_explorers.evaluation.experiment.experiment import Experiment, PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits, limits_for
 from indoor_explorers.evaluation.results.policy_version import version_difference
@@ -55,12 +55,5 @@ def _key(choice: PolicyChoice) -> tuple[str, str]:
 
 def _failed_check(choice: PolicyChoice) -> str | None:
     """Return which check a policy fails, empty for none; None if it takes too long or ends its process."""
-    worker = WorkerHandle(Limits(TIME_LIMIT, limits_for(AT_ONCE, None, None).memory))
-    try:
-        if worker.receive() is not None:
-            return None
-        worker.send(KnowledgeCheck(choice))
-        answer = worker.receive()
-        return answer if isinstance(answer, str) else None
-    finally:
-        worker.close()
+    answer = ask_once(KnowledgeCheck(choice), Limits(TIME_LIMIT, limits_for(AT_ONCE, None, None).memory))
+    return answer if isinstance(answer, str) else None

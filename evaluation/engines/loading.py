@@ -8,7 +8,7 @@ from typing import Any
 from indoor_explorers.env import InputError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.engines.worker import LOADING
-from indoor_explorers.evaluation.engines.worker_handle import WorkerExit, WorkerHandle
+from indoor_explorers.evaluation.engines.worker_handle import WorkerExit, ask_once
 from indoor_explorers.evaluation.episodes.shared_steps import overdue_reason
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits
@@ -27,14 +27,7 @@ def load_facts(choice: PolicyChoice, limits: Limits | None) -> dict[str, Any]:
     """
     if limits is None or is_own_policy(choice.use):
         return policy_facts(choice.make(), choice.use)
-    worker = WorkerHandle(limits)
-    try:
-        answer = worker.receive()
-        if answer is None:
-            worker.send(choice)
-            answer = worker.receive()
-    finally:
-        worker.close()
+    answer = ask_once(choice, limits)
     if isinstance(answer, WorkerExit):
         raise InputError(_died(choice, answer, limits))
     if isinstance(answer, InputError):

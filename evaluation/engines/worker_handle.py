@@ -152,6 +152,18 @@ class WorkerHandle:
         return self._waited
 
 
+def ask_once(question: Any, limits: Limits) -> Any:
+    """Return the answer of a worker process of its own to one question, or how that process ended."""
+    worker = WorkerHandle(limits)
+    try:
+        if (ended := worker.receive()) is not None:
+            return ended
+        worker.send(question)
+        return worker.receive()
+    finally:
+        worker.close()
+
+
 def memory_of(process: int | None) -> int:
     """Return the bytes of memory that a process uses, 0 where the system does not say."""
     try:
