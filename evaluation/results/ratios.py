@@ -125,11 +125,8 @@ class Ratios:
 
     @cached_property
     def _tasks(self) -> dict[str, list[Task]]:
-        """The tasks of each scenario that all its policies flew."""
-        flown: dict[str, list[set[Task]]] = {name: [] for name in self.results.scenarios}
-        for (scenario, _), records in self.results.groups.items():
-            flown[scenario].append({record.task for record in records})
-        return {name: sorted(set.intersection(*tasks)) if tasks else [] for name, tasks in flown.items()}
+        """The tasks of each scenario that all its policies flew, in order."""
+        return {name: sorted(self.results.common_tasks(name)) for name in self.results.scenarios}
 
     def _others(self, scenarios: Sequence[str], to: str) -> list[str]:
         """Return the policies but the baseline that flew all the scenarios."""
