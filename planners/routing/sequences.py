@@ -66,9 +66,10 @@ def _best(
     """Fill what :func:`best_sequences` returns; values are 0 and sequences -1 at first."""
     count = away.shape[0]
     power, rate, trust = utility
-    most = 0.0
+    largest = 0.0
     for a in range(count):
-        most = max(most, gains[a] ** power)
+        largest = max(largest, gains[a])
+    most = largest**power
     for a in range(count):
         sequences[a, 0] = a
         if away[a] >= UNREACHABLE:
