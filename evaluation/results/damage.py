@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.experiment.experiment import Task
 
 #: Errors of reading a damaged row.
@@ -31,14 +32,9 @@ class Damage(NamedTuple):
         return f"policy {self.policy!r}, scenario {scenario!r}, map {index}, seed {seed}: {self.why}"
 
 
-def one_line(error: object) -> str:
-    """Return the text of an error as one line; SQLite's may quote a table's definition."""
-    return " ".join(str(error).split())
-
-
 def damaged(path: Path, what: object, remedy: str = REPLACE) -> InputError:
     """Return the error that a store is damaged."""
-    return InputError(f"{path} is damaged: {one_line(what)}; {remedy}")
+    return InputError(f"{path} is damaged: {one_line(str(what))}; {remedy}")
 
 
 def damaged_episodes(path: Path, found: Sequence[Damage]) -> InputError:

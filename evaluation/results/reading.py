@@ -15,6 +15,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.errors import one_line
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
@@ -27,7 +28,6 @@ from indoor_explorers.evaluation.results.damage import (
     Damage,
     damaged,
     damaged_episodes,
-    one_line,
 )
 from indoor_explorers.evaluation.results.rows import Row, checksum, floorplan_of, record_of
 
@@ -234,7 +234,9 @@ class StoreReader:
         try:
             yield
         except SQL_ERRORS as error:
-            raise InputError(f"{self.path}: expected a results store, got: {one_line(error)}; {REPLACE}") from error
+            raise InputError(
+                f"{self.path}: expected a results store, got: {one_line(str(error))}; {REPLACE}"
+            ) from error
 
 
 def _complaint(row: Row, plans: Mapping[str, Floorplan], known: set[bytes] | None) -> str:

@@ -1,4 +1,4 @@
-"""The rows of a store's tables: packing records and maps into them, unpacking, and the checksum of a row."""
+"""The tables of a store and their rows: packing records and maps, unpacking them, and the checksum of a row."""
 
 from __future__ import annotations
 
@@ -16,6 +16,38 @@ from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, R
 from indoor_explorers.evaluation.experiment.experiment import Task
 
 Row = tuple[Any, ...]
+
+#: The tables of every store.
+SCHEMA = """
+CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
+CREATE TABLE run (id INTEGER PRIMARY KEY, facts TEXT NOT NULL, experiment TEXT NOT NULL) STRICT;
+CREATE TABLE policy (name TEXT PRIMARY KEY, position INTEGER NOT NULL, facts TEXT NOT NULL) STRICT;
+CREATE TABLE scenario (
+    name TEXT PRIMARY KEY, position INTEGER NOT NULL, fingerprint TEXT NOT NULL, facts TEXT NOT NULL
+) STRICT;
+CREATE TABLE floorplan (
+    digest TEXT PRIMARY KEY, name TEXT NOT NULL, height INTEGER NOT NULL, width INTEGER NOT NULL,
+    resolution REAL, kept REAL NOT NULL, cells BLOB NOT NULL, start_row INTEGER, start_column INTEGER
+) STRICT;
+CREATE TABLE episode (
+    policy TEXT NOT NULL REFERENCES policy (name), scenario TEXT NOT NULL REFERENCES scenario (name),
+    map_index INTEGER NOT NULL, seed INTEGER NOT NULL, run INTEGER NOT NULL REFERENCES run (id),
+    floorplan TEXT NOT NULL REFERENCES floorplan (digest), team INTEGER NOT NULL, budget INTEGER NOT NULL,
+    reachable INTEGER NOT NULL, outcome TEXT NOT NULL, reason TEXT NOT NULL, steps INTEGER NOT NULL,
+    metrics TEXT NOT NULL, covered BLOB NOT NULL, cells BLOB NOT NULL, actions BLOB NOT NULL,
+    seconds BLOB NOT NULL, sent BLOB NOT NULL,
+    PRIMARY KEY (policy, scenario, map_index, seed)
+) STRICT;
+"""
+#: Added to older stores when they are written to.
+CHECKSUMS = "CREATE TABLE checksum (digest BLOB PRIMARY KEY) STRICT, WITHOUT ROWID"
+#: Attempts at an episode that do not count, each with how it ended; added to older stores too.
+ATTEMPTS = """
+CREATE TABLE IF NOT EXISTS attempt (
+    policy TEXT NOT NULL, scenario TEXT NOT NULL, map_index INTEGER NOT NULL, seed INTEGER NOT NULL,
+    outcome TEXT NOT NULL, reason TEXT NOT NULL, steps INTEGER NOT NULL
+) STRICT
+"""
 
 
 def checksum(table: str, row: Row) -> bytes:

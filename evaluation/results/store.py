@@ -16,47 +16,24 @@ from pathlib import Path
 from typing import Any
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.errors import RunError
+from indoor_explorers.env.errors import RunError, one_line
 from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, Record, is_of_machine
 from indoor_explorers.evaluation.experiment.experiment import Experiment, Task
-from indoor_explorers.evaluation.results.damage import damaged, one_line
+from indoor_explorers.evaluation.results.damage import damaged
 from indoor_explorers.evaluation.results.policy_version import version_difference
 from indoor_explorers.evaluation.results.reading import FORMAT, PATIENCE, SETTINGS, SQL_ERRORS, StoreReader, connect
-from indoor_explorers.evaluation.results.rows import Row, checksum, episode_row, floorplan_row
+from indoor_explorers.evaluation.results.rows import (
+    ATTEMPTS,
+    CHECKSUMS,
+    SCHEMA,
+    Row,
+    checksum,
+    episode_row,
+    floorplan_row,
+)
 
 #: Differences that a refusal names.
 MOST_NAMED = 4
-
-SCHEMA = """
-CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
-CREATE TABLE run (id INTEGER PRIMARY KEY, facts TEXT NOT NULL, experiment TEXT NOT NULL) STRICT;
-CREATE TABLE policy (name TEXT PRIMARY KEY, position INTEGER NOT NULL, facts TEXT NOT NULL) STRICT;
-CREATE TABLE scenario (
-    name TEXT PRIMARY KEY, position INTEGER NOT NULL, fingerprint TEXT NOT NULL, facts TEXT NOT NULL
-) STRICT;
-CREATE TABLE floorplan (
-    digest TEXT PRIMARY KEY, name TEXT NOT NULL, height INTEGER NOT NULL, width INTEGER NOT NULL,
-    resolution REAL, kept REAL NOT NULL, cells BLOB NOT NULL, start_row INTEGER, start_column INTEGER
-) STRICT;
-CREATE TABLE episode (
-    policy TEXT NOT NULL REFERENCES policy (name), scenario TEXT NOT NULL REFERENCES scenario (name),
-    map_index INTEGER NOT NULL, seed INTEGER NOT NULL, run INTEGER NOT NULL REFERENCES run (id),
-    floorplan TEXT NOT NULL REFERENCES floorplan (digest), team INTEGER NOT NULL, budget INTEGER NOT NULL,
-    reachable INTEGER NOT NULL, outcome TEXT NOT NULL, reason TEXT NOT NULL, steps INTEGER NOT NULL,
-    metrics TEXT NOT NULL, covered BLOB NOT NULL, cells BLOB NOT NULL, actions BLOB NOT NULL,
-    seconds BLOB NOT NULL, sent BLOB NOT NULL,
-    PRIMARY KEY (policy, scenario, map_index, seed)
-) STRICT;
-"""
-#: Added to older stores when they are written to.
-CHECKSUMS = "CREATE TABLE checksum (digest BLOB PRIMARY KEY) STRICT, WITHOUT ROWID"
-#: Attempts at an episode that do not count, each with how it ended; added to older stores too.
-ATTEMPTS = """
-CREATE TABLE IF NOT EXISTS attempt (
-    policy TEXT NOT NULL, scenario TEXT NOT NULL, map_index INTEGER NOT NULL, seed INTEGER NOT NULL,
-    outcome TEXT NOT NULL, reason TEXT NOT NULL, steps INTEGER NOT NULL
-) STRICT
-"""
 
 
 @contextmanager
@@ -79,8 +56,8 @@ def _transaction(db: sqlite3.Connection, path: Path) -> Iterator[None]:
 
 def _not_written(path: Path, error: Exception) -> RunError:
     return RunError(
-        f"{path} cannot be written: {one_line(error)}; the finished episodes are kept: make room on the disk, and the "
-        "same command goes on from there"
+        f"{path} cannot be written: {one_line(str(error))}; the finished episodes are kept: make room on the disk, and "
+        "the same command goes on from there"
     )
 
 
@@ -128,7 +105,7 @@ class Store(StoreReader):
                 raise _not_written(path, error) from error
             what = "expected a results store" if existed else "cannot be created"
             raise InputError(
-                f"{path}: {what}, got: {one_line(error)}; choose another folder, or one that can be written"
+                f"{path}: {what}, got: {one_line(str(error))}; choose another folder, or one that can be written"
             ) from error
 
     def _create(self) -> None:
