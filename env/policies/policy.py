@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, TypeGuard
 
 import numpy as np
@@ -54,6 +54,13 @@ class Policy(ABC):
 
     def provenance(self) -> dict[str, str]:
         """Return facts about this policy besides its parameters, such as a hash of its weights, for the results."""
+        return {}
+
+    def seen_seeds(self) -> Mapping[str, Sequence[range]]:
+        """Return the episode seeds that the policy was trained, validated or tuned on, by use, such as "training".
+
+        Results say where they rest on such seeds.
+        """
         return {}
 
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> Sequence[int]:

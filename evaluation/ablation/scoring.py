@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.scenarios.seed_sets import seed_set
 from indoor_explorers.evaluation.ablation.runs import TrainingRun, read_state
 from indoor_explorers.evaluation.driver import fly_missing
 from indoor_explorers.evaluation.experiment.experiment import build_experiment
@@ -22,8 +23,6 @@ from indoor_explorers.evaluation.training import find_learner
 
 #: Folder of the evaluation episodes inside that of the ablation.
 FLIGHTS = "judged"
-#: First seed of the evaluation episodes: trainings begin at 2^40, comparisons at 0.
-FIRST_SEED = 2**39
 #: File that a training writes, with its evaluations.
 RECORD = "training.json"
 
@@ -71,7 +70,7 @@ def score(
         return []
     module, task = find_learner(runs[0].learner), scenario.for_evaluation()
     policies = [module.flown(_weights(run)) | {"name": run.title} for run in finished]
-    experiment = build_experiment(policies, [task], episodes=episodes, seed=FIRST_SEED, settings={})
+    experiment = build_experiment(policies, [task], episodes=episodes, seed=seed_set("ablation").first, settings={})
     fly_missing(experiment, out / FLIGHTS, ComparisonRequest(workers=workers), command=command)
     results = Results.load(out / FLIGHTS)
     names = dict.fromkeys(run.variant for run in runs)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+from collections.abc import Mapping
 from typing import Any
 
 from indoor_explorers.env import InputError, Policy
+from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.evaluation.experiment.sources import outside_files
 
 
@@ -25,12 +27,27 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
         "privileged": _flag(policy, "privileged"),
         "parameters": {name: repr(value) for name, value in parameters.items()},
     }
-    taken = (*facts, "sources", "defaults", "hash", "uses_generator", "batched", "failed_check")
+    taken = (*facts, "sources", "defaults", "hash", "uses_generator", "batched", "failed_check", "seen_seeds")
     facts |= _provenance(policy, taken)
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
     facts |= {"sources": outside_files(policy, use), "defaults": _defaults(policy)}
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
-    return facts
+    seen = _seen_seeds(policy)
+    return facts | ({"seen_seeds": seen} if seen else {})
+
+
+def _seen_seeds(policy: Policy) -> dict[str, list[list[int]]]:
+    """Return the first and the last of each range of seeds that a policy declares, by use."""
+    given, what = (
+        policy.seen_seeds(),
+        f"{type(policy).__name__}: expected seen_seeds() to return lists of ranges by use",
+    )
+    if not isinstance(given, Mapping):
+        raise InputError(f"{what}, got {type(given).__name__}")
+    for use, ranges in given.items():
+        if use not in list(SeedUse) or not all(isinstance(seeds, range) for seeds in ranges):
+            raise InputError(f"{what} ({', '.join(SeedUse)}), got other uses or no ranges")
+    return {str(use): told for use, ranges in given.items() if (told := [[r[0], r[-1]] for r in ranges if r])}
 
 
 def _defaults(policy: Policy) -> dict[str, str]:

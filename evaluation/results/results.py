@@ -20,6 +20,7 @@ from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
 from indoor_explorers.evaluation.results.reading import StoreReader
+from indoor_explorers.evaluation.results.seen_seeds import seen_seeds_line
 from indoor_explorers.evaluation.statistics import (
     Estimate,
     bootstrap_mean,
@@ -107,6 +108,12 @@ class Results:
         counts = Counter(policy for policy, _ in self.retries)
         listed = ", ".join(f"{count} of {policy}" for policy, count in counts.items())
         return [f"episodes flown again after a failure: {listed}; {WHICH_COUNTS}"] if counts else []
+
+    @property
+    def seed_notes(self) -> list[str]:
+        """Which policies were trained, validated or chosen on some of the seeds: a line, or nothing."""
+        line = seen_seeds_line(self.policies, {record.task.seed for record in self.records})
+        return [line] if line else []
 
     @property
     def warnings(self) -> list[str]:

@@ -29,6 +29,7 @@ from indoor_explorers.learners.baselines.trainee import BaselineRecord
 from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.sessions.process import one_thread
 from indoor_explorers.learners.sessions.record import RECORD, read_record
+from indoor_explorers.learners.sessions.seeds import recorded_seeds
 
 
 @dataclass(frozen=True)
@@ -108,6 +109,10 @@ class TrainedPolicy(Policy):
         record = self.trained().record
         digest = hashlib.sha256(self.model_file().read_bytes()).hexdigest()
         return {"weights_sha256": digest, "learner": record.learner, "trained_on": record.fingerprint}
+
+    def seen_seeds(self) -> dict[str, list[range]]:
+        """Return the seeds of the training and its evaluations."""
+        return recorded_seeds(folder_and_model(self.path, self.MODEL)[0] / RECORD)
 
     def pilot(self, briefing: Briefing) -> TrainedPilot:
         """Make the pilot of one UAV for one episode."""

@@ -27,6 +27,8 @@ from indoor_explorers.learners.dddqn.observation.observe import observation_cont
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE
 from indoor_explorers.learners.dddqn.weights import Loaded, load_weights, shipped
 from indoor_explorers.learners.guard import Guard
+from indoor_explorers.learners.sessions.record import record_of
+from indoor_explorers.learners.sessions.seeds import recorded_seeds
 from indoor_explorers.learners.sessions.tensors import WEIGHTS
 
 
@@ -107,6 +109,12 @@ class Dddqn(Policy):
             return {"weights_sha256": hashes[self.weights]}
         used = SUITED_ALONE if self.map_alone else SUITED
         return {f"weights_{name}_sha256": digest for name, digest in hashes.items()} | {"weights_for": used}
+
+    def seen_seeds(self) -> dict[str, list[range]]:
+        """Return the seeds of the trainings of these weights, and of the rooms that they were chosen on."""
+        records = [recorded_seeds(record_of(path)) for path in self._paths().values()]
+        uses = dict.fromkeys(use for record in records for use in record)
+        return {use: list(dict.fromkeys(seeds for record in records for seeds in record.get(use, ()))) for use in uses}
 
     def pilot(self, briefing: Briefing) -> DddqnPilot:
         """Make the pilot of one UAV for one episode."""

@@ -105,6 +105,12 @@ def write_record(record: TrainingRecord, folder: Path, results: Mapping[str, Any
         partial.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
 
 
+def record_of(weights: Path) -> Path:
+    """Return the path of the record of the training that made a weights file: that of shipped ones has their name."""
+    shipped = weights.with_suffix(".json")
+    return shipped if shipped.exists() else weights.parent / RECORD
+
+
 def read_record(folder: Path, kind: type[Kind], learners: Collection[str]) -> Kind:
     """Return the record of a folder.
 

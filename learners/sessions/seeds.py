@@ -1,12 +1,13 @@
-"""Episode seeds of trainings: each training has a block of its own, which nothing else uses."""
+"""Episode seeds of trainings: each training has two blocks of its own, which nothing else uses."""
 
 from __future__ import annotations
 
-from indoor_explorers.env.errors import InputError
+import json
+from pathlib import Path
 
-#: Seeds in a block. Comparisons have the first block; then each training has two, one for its training episodes and one
-#: for its evaluations.
-SEED_BLOCK = 2**40
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK, SeedUse
+
 #: Number of training seeds; with this many, every episode's seed fits into 63 bits.
 MOST_SEEDS = 2**20
 
@@ -31,3 +32,21 @@ def prior_seeds(seed: int) -> int:
 def evaluation_seeds(seed: int) -> int:
     """Return the first episode seed of a training's evaluations."""
     return training_seeds(seed) + SEED_BLOCK
+
+
+def recorded_seeds(path: Path) -> dict[str, list[range]]:
+    """Return the episode seeds behind some weights by their use, from the record of the training; empty without one.
+
+    ``compared_on`` in a record holds the first and the last seed of rooms that former weights or settings were compared
+    on.
+    """
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        first, validation = training_seeds(record["seed"]), evaluation_seeds(record["seed"])
+        return {
+            SeedUse.TRAINING: [range(first, first + SEED_BLOCK)],
+            SeedUse.VALIDATION: [range(validation, validation + record["config"]["evaluation_episodes"])],
+            SeedUse.TUNING: [range(low, high + 1) for low, high in record.get("compared_on", ())],
+        }
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}

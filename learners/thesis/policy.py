@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.guard import WatchedPilot
+from indoor_explorers.learners.sessions.record import record_of
+from indoor_explorers.learners.sessions.seeds import recorded_seeds
 from indoor_explorers.learners.thesis.inference import q_values
 from indoor_explorers.learners.thesis.observation import LEVELS, painted, window
 from indoor_explorers.learners.thesis.sizes import MOVES, ImageFormat
@@ -54,6 +56,10 @@ class DddqnThesis(Policy):
     def provenance(self) -> dict[str, str]:
         """Return the hash of the weights."""
         return {"weights_sha256": hashlib.sha256(self.path.read_bytes()).hexdigest()}
+
+    def seen_seeds(self) -> dict[str, list[range]]:
+        """Return the seeds of the training and its evaluations."""
+        return recorded_seeds(record_of(self.path))
 
     def pilot(self, briefing: Briefing) -> DddqnThesisPilot:
         """Make the pilot of one UAV for one episode."""

@@ -60,8 +60,8 @@ def print_ratios(results: Results, asked: Sequence[str] | None, console: Console
 
 
 def print_notes(results: Results, console: Console) -> None:
-    """Print what happened to the stores that the results are from."""
-    for note in (*results.notes, *results.retry_notes):
+    """Print what happened to the stores that the results are from, and which policies know their seeds."""
+    for note in (*results.notes, *results.retry_notes, *results.seed_notes):
         print_line(console, note)
 
 

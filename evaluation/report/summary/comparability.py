@@ -47,7 +47,14 @@ def verdict_on(results: Results) -> Verdict:
         *_missing(results), *_unlike(results), *copies, *_failed(results), *_failed_checks(results), *_few(results),
         *_runs(results),
     ]  # fmt: skip
-    notes = [*repeats, *_unlike_sizes(results), *_few_maps(results), *_privileged(results), *_censored(results)]
+    notes = [
+        *repeats,
+        *_unlike_sizes(results),
+        *_few_maps(results),
+        *_privileged(results),
+        *_censored(results),
+        *_seeds(results),
+    ]
     return Verdict(not warnings, _headline(results), warnings, notes)
 
 
@@ -198,6 +205,10 @@ def _privileged(results: Results) -> Iterator[str]:
     if results.batched_policies:
         names = ", ".join(results.batched_policies)
         yield f"Policies that decide for many UAVs at once, whose decision times are shares of a batch: {names}."
+
+
+def _seeds(results: Results) -> Iterator[str]:
+    yield from (f"{text[0].upper()}{text[1:]}." for text in results.seed_notes)
 
 
 def _censored(results: Results) -> Iterator[str]:

@@ -12,6 +12,7 @@ from indoor_explorers.evaluation.engines.loading import load_facts
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits
 from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
+from indoor_explorers.evaluation.results.policy_version import version_difference
 from tests.evaluation.plugins import Wander
 
 LIMITS = Limits(decision_timeout=1.0, memory=2_000_000_000)
@@ -81,6 +82,23 @@ def test_provenance_is_texts_by_name(answer, message):
     odd = type("Odd", (Wander,), {"provenance": lambda self: answer})
     with pytest.raises(InputError, match=re.escape(message)):
         policy_facts(odd(), "odd")
+
+
+@pytest.mark.parametrize("answer", [None, {"training": [3]}, {"fun": [range(3)]}, {3: [range(3)]}])
+def test_seen_seeds_are_ranges_by_use(answer):
+    odd = type("Odd", (Wander,), {"seen_seeds": lambda self: answer})
+    with pytest.raises(InputError, match=r"Odd: expected seen_seeds\(\) to return lists of ranges by use"):
+        policy_facts(odd(), "odd")
+
+
+def test_seeds_that_a_policy_has_seen_are_facts_that_make_no_other_version_of_it():
+    about = {"seen_seeds": lambda self: {"training": [range(3, 9), range(0)], "tuning": []}}
+    facts = policy_facts(type("Wander", (Wander,), about)(), "wander")
+    assert facts["seen_seeds"] == {"training": [[3, 8]]}
+    plain = policy_facts(type("Wander", (Wander,), {})(), "wander")
+    assert "seen_seeds" not in plain
+    assert facts["hash"] == plain["hash"]
+    assert not version_difference(plain, facts)
 
 
 def test_flags_are_true_or_false():

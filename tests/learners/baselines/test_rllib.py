@@ -17,10 +17,10 @@ import torch
 from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 
 from indoor_explorers.env import InputError, World, check_policy, make_policy
+from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.learners.baselines.rllib import Rllib
 from indoor_explorers.learners.baselines.rllib_ppo import TrainingConfig
 from indoor_explorers.learners.baselines.rllib_training import TrainingTeam
-from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from tests.learners.baselines.tiny import flown, record_of, train
 from tests.learners.dddqn.rooms import small_room
 

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
+from indoor_explorers.env.scenarios.seed_sets import use_of
 from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, PROSPECT, TOURS
@@ -243,3 +244,10 @@ def test_a_pilot_sees_what_the_training_saw(tmp_path: Path, frames: int) -> None
             assert np.array_equal(pilot.scenes, flight.scenes[n : n + 1])
             assert np.array_equal(pilot.moves, flight.moves[n : n + 1])
         flight.step(actions)
+
+
+def test_shipped_weights_tell_the_rooms_that_former_ones_were_compared_on() -> None:
+    seen = make_policy("dddqn").seen_seeds()
+    assert range(1_000_000, 1_000_500) in seen["tuning"]
+    assert [use_of(seeds) for seeds in (seen["training"][0], seen["validation"][0])] == ["training", "validation"]
+    assert "tuning" not in {use for use, ranges in make_policy("dddqn:thesis-open-map").seen_seeds().items() if ranges}

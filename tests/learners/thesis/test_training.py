@@ -9,10 +9,10 @@ import torch
 from safetensors.numpy import load_file
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.record import RECORD
-from indoor_explorers.learners.sessions.seeds import SEED_BLOCK
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.train import train
 from indoor_explorers.learners.thesis.training import EPISODES, ThesisTraining

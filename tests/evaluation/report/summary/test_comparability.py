@@ -80,6 +80,22 @@ def test_unlike_runs_are_named(sound: Results, facts: dict[str, str], words: str
     assert any(words in text for text in verdict.warnings)
 
 
+def test_seeds_that_a_policy_has_seen_are_noted(sound: Results) -> None:
+    def notes(use: str, first: int, last: int) -> list[str]:
+        about = sound.policies["straight"] | {"seen_seeds": {use: [[first, last]]}}
+        return [
+            text
+            for text in verdict_on(replace(sound, policies=sound.policies | {"straight": about})).notes
+            if "new to" in text
+        ]
+
+    assert notes("training", 6, 9) == []
+    assert notes("validation", 4, 9) == [
+        "Not new to straight: seeds 4 to 5, on which its weights were validated; --seed 20000000 begins a fresh set."
+    ]
+    assert "seed 0, which its training flew" in notes("training", 0, 0)[0]
+
+
 def test_failures_few_episodes_and_spent_budgets_are_told(results: Results, hostile: Results) -> None:
     assert any(text.startswith("Failed policies: broken in 12 episodes") for text in verdict_on(results).warnings)
     assert any("Fewer than 5 episodes" in text for text in verdict_on(hostile).warnings)

@@ -1,0 +1,77 @@
+"""What episode seeds are for: disjoint ranges, so that no policy is tested on what it was trained, tuned or chosen on.
+
+Test sets have a number. One of them serves the tables of one release; ``published`` counts how often figures on it were
+published, so that everybody can see how far that rule was kept. STATISTICS.md has the same table.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import NamedTuple
+
+#: Seeds in a block. Everything that is flown for a comparison is in the first block; then each training has two, one
+#: for its training episodes and one for its validation.
+SEED_BLOCK = 2**40
+
+
+class SeedUse(StrEnum):
+    """What the episodes of a range of seeds are for."""
+
+    TRIAL = "trial"
+    """First looks, examples and tests of the code: no published figure."""
+    TUNING = "tuning"
+    """Choices of settings, of planners' parameters, and among weights."""
+    TEST = "test"
+    """Published figures."""
+    TRAINING = "training"
+    """Training episodes, and the maps that a map prior is fitted to."""
+    VALIDATION = "validation"
+    """Evaluations during a training, by which its best weights are kept."""
+
+
+class SeedSet(NamedTuple):
+    """A range of seeds with one use."""
+
+    name: str
+    use: SeedUse
+    first: int
+    size: int
+    published: int = 0
+    """How often figures on these seeds were published, counting every change of them."""
+
+    @property
+    def seeds(self) -> range:
+        """The seeds."""
+        return range(self.first, self.first + self.size)
+
+
+SEED_SETS = (
+    SeedSet("trials", SeedUse.TRIAL, 0, 1_000),
+    SeedSet("test-2", SeedUse.TEST, 1_000, 100, published=2),
+    SeedSet("test-1", SeedUse.TEST, 1_000_000, 500, published=13),
+    SeedSet("test-3", SeedUse.TEST, 5_000_000, 500, published=1),
+    SeedSet("test-4", SeedUse.TEST, 8_000_000, 100, published=1),
+    SeedSet("tuning", SeedUse.TUNING, 9_000_000, 1_000_000, published=1),
+    SeedSet("test-5", SeedUse.TEST, 20_000_000, 1_000_000),
+    SeedSet("ablation", SeedUse.TUNING, 2**39, 2**20, published=1),
+)
+
+
+def seed_set(name: str) -> SeedSet:
+    """Return the set of that name."""
+    return next(each for each in SEED_SETS if each.name == name)
+
+
+def use_of(seeds: range) -> SeedUse | None:
+    """Return the use that all of some seeds have; None where they have several, or one has none."""
+    first, last = seeds[0] // SEED_BLOCK, seeds[-1] // SEED_BLOCK
+    if first != last:
+        return None
+    if first > 0:
+        return SeedUse.TRAINING if first % 2 else SeedUse.VALIDATION
+    return next((each.use for each in SEED_SETS if seeds[0] in each.seeds and seeds[-1] in each.seeds), None)
+
+
+def fresh_test_set() -> SeedSet:
+    """Return the first test set that no figure was published on."""
+    return next(each for each in SEED_SETS if each.use is SeedUse.TEST and not each.published)
