@@ -77,8 +77,10 @@ def test_documents_import_public_names_alone():
 
 
 def test_links_lead_somewhere():
-    for target in re.findall(r"\]\((?!http)([^)]+)\)", README):
+    for target, anchor in re.findall(r"\]\((?!http)([^)#]+)#?([^)]*)\)", README):
         assert (ROOT / target).exists(), target
+        headings = re.findall(r"^#+ (.+)$", (ROOT / target).read_text(), re.MULTILINE) if anchor else [""]
+        assert anchor in [heading.lower().replace(" ", "-") for heading in headings], (target, anchor)
 
 
 def test_the_scripts_behind_the_costs_of_a_cluster_run(tmp_path):
