@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 
 if TYPE_CHECKING:
@@ -17,6 +18,23 @@ if TYPE_CHECKING:
 Message = tuple[float, ...] | None
 #: The most numbers one message may hold.
 MESSAGE_LIMIT = 16
+
+
+def message_numbers(message: Message) -> Message:
+    """Return the numbers of a message as plain ones, None for no message.
+
+    Raises:
+        InputError: there are too many.
+        ValueError: they are no numbers; or TypeError.
+
+    """
+    if message is None:
+        return None
+    if len(message) > MESSAGE_LIMIT:
+        raise InputError(f"expected a message of at most {MESSAGE_LIMIT} numbers, got {len(message)}")
+    numbers = np.empty(len(message))
+    numbers[:] = message
+    return tuple(numbers.tolist())
 
 
 class Mate(NamedTuple):

@@ -12,7 +12,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, read_only
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
+from indoor_explorers.env.policies.view import Briefing, Mate, Message, View, message_numbers
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.env.simulation.engine import Engine, bind, new_work
@@ -166,14 +166,12 @@ class World:
 
     def post(self, episode: int, agent: int, message: Message) -> None:
         """Put an agent's message into its outbox; it is sent after each move until it is replaced."""
-        state = self.state
-        if message is None:
+        state, numbers = self.state, message_numbers(message)
+        if numbers is None:
             state.outbox_size[episode, agent] = -1
             return
-        if len(message) > MESSAGE_LIMIT:
-            raise InputError(f"expected a message of at most {MESSAGE_LIMIT} numbers, got {len(message)}")
-        state.outbox[episode, agent, : len(message)] = message
-        state.outbox_size[episode, agent] = len(message)
+        state.outbox[episode, agent, : len(numbers)] = numbers
+        state.outbox_size[episode, agent] = len(numbers)
 
     def view(self, episode: int, agent: int) -> View:
         """Return the current view of one agent."""

@@ -9,7 +9,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.engines.worker import LOADING
 from indoor_explorers.evaluation.engines.worker_handle import WorkerExit, ask_once
-from indoor_explorers.evaluation.episodes.shared_steps import overdue_reason
+from indoor_explorers.evaluation.episodes.shared_clock import overdue_reason
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits
 from indoor_explorers.evaluation.experiment.policy_facts import policy_facts

@@ -21,8 +21,10 @@ from numba.core import event
 
 from indoor_explorers.env import Briefing, InputError, Pilot, Policy, make_policy
 from indoor_explorers.env.errors import PolicyError, RunError
-from indoor_explorers.evaluation.episodes.runner import BREAKING, describe_error, fly
-from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer
+from indoor_explorers.evaluation.episodes.failures import BREAKING, describe_error
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.episodes.shared_clock import Clock, DecisionTimeout
+from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer
 from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice
 from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
 

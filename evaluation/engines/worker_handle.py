@@ -16,7 +16,8 @@ from loky.backend.process import LokyProcess
 from indoor_explorers.env.grid.compiled import QUIET
 from indoor_explorers.evaluation.engines.worker import serve
 from indoor_explorers.evaluation.episodes.record import FROM_OUTSIDE, KILLED, TOO_MUCH_MEMORY
-from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer, overdue_reason
+from indoor_explorers.evaluation.episodes.shared_clock import overdue_reason
+from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer
 from indoor_explorers.evaluation.episodes.steps import Steps
 from indoor_explorers.evaluation.experiment.limits import Limits
 

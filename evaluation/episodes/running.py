@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from indoor_explorers.env import Pilot, Scenario, World
+from indoor_explorers.env import Scenario, World
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.episodes.lower_bounds import least_steps
@@ -27,7 +27,6 @@ class RunningEpisode:
     floorplan: Floorplan
     bound: int | None = None
     """Lower bound on the steps to 99 %; None before it is computed."""
-    pilots: list[Pilot] = field(default_factory=list)
     latencies: list[float] = field(default_factory=list)
     """Seconds of each decision."""
     tallies: dict[str, float | None] = field(default_factory=dict)

@@ -6,7 +6,8 @@ import pytest
 from numba.core import event
 
 from indoor_explorers.evaluation.engines.worker import Compiling
-from indoor_explorers.evaluation.episodes.shared_steps import Clock, DecisionTimeout, SharedStepBuffer
+from indoor_explorers.evaluation.episodes.shared_clock import Clock, DecisionTimeout
+from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer
 from indoor_explorers.evaluation.episodes.steps import step_type
 
 

@@ -1,0 +1,45 @@
+"""Describes what a policy raised: the reason of a failed episode."""
+
+from __future__ import annotations
+
+import sysconfig
+import traceback
+from pathlib import Path
+
+from indoor_explorers.env import InputError
+from indoor_explorers.env.errors import PolicyError, one_line
+from indoor_explorers.evaluation.episodes.shared_clock import DecisionTimeout
+
+#: Exceptions of a policy that fail its episode; Ctrl-C does not.
+BREAKING = (Exception, SystemExit, DecisionTimeout)
+#: Folders whose code asks policies, and that of Python itself.
+_OURS = {Path(__file__).parents[2] / floor for floor in ("env", "evaluation")}
+_STDLIB = Path(sysconfig.get_path("stdlib"))
+
+
+def describe_error(error: BaseException) -> str:
+    """Return the type, message and place of a policy's exception as one short line that can be printed."""
+    try:
+        text = str(error)
+    except BaseException as worse:
+        text = f"its message raised {type(worse).__name__}"
+    kind = "" if isinstance(error, DecisionTimeout) else f"{type(error).__name__}: "
+    place = one_line(_place(error))
+    return one_line(kind + text) + (place and f" ({place})")
+
+
+def _place(error: BaseException) -> str:
+    """Return where a policy raised, empty if it did not: the last line of its code, or of a library that it called."""
+    if isinstance(error, DecisionTimeout):  # anywhere
+        return ""
+    cause = error.__cause__ if isinstance(error, (InputError, PolicyError)) else None
+    trace = traceback.extract_tb((cause or error).__traceback__)
+    frames = [frame for frame in trace if not _OURS.intersection(_folders(frame)) and "importlib" not in frame.filename]
+    own = [frame for frame in frames if "site-packages" not in frame.filename and _STDLIB not in _folders(frame)]
+    for frame in (own or frames)[-1:]:
+        return f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}"
+    return ""
+
+
+def _folders(frame: traceback.FrameSummary) -> set[Path]:
+    return set(Path(frame.filename).parents)
