@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.ablation.scoring import VariantScore
 from indoor_explorers.evaluation.report.style.palette import COLOURS, PolicyStyle, policy_styles
-from indoor_explorers.evaluation.report.style.print_style import LOOK, plain, save, sheet, strokes
+from indoor_explorers.evaluation.report.style.print_style import plain, print_style, save, sheet, strokes
 
 #: Number of learning curves besides the full one's: those of the variants that differ most.
 CURVES = 4
@@ -30,7 +29,7 @@ GREY, DOT = "#666666", "#222222"
 def write_figure(found: Sequence[VariantScore], scenario: str, folder: Path) -> Path:
     """Write the figure as SVG, PNG and PDF, and return the path of the PNG."""
     folder.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context(LOOK):
+    with print_style():
         paths = save(ablation_figure(found, scenario), folder, "ablation")
     return next(path for path in paths if path.suffix == ".png")
 

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Picture
@@ -20,7 +19,7 @@ from indoor_explorers.evaluation.bench.deciding import SIDES, TEAM_SIDE, TEAMS
 from indoor_explorers.evaluation.bench.figure import Figure
 from indoor_explorers.evaluation.bench.growth import SERIES, GrowthSeries
 from indoor_explorers.evaluation.report.style.palette import COLOURS
-from indoor_explorers.evaluation.report.style.print_style import FORMATS, LOOK
+from indoor_explorers.evaluation.report.style.print_style import FORMATS, print_style
 
 #: Factor between the highest and lowest point and the frame.
 ROOM = 2.5
@@ -32,7 +31,7 @@ def write_growth(measured: Iterable[Figure], folder: Path) -> list[Path]:
     paths = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with mpl.rc_context(LOOK):
+        with print_style():
             for name, picture in (("growth", growth_figure(values)), ("decisions", decisions_figure(values))):
                 for ending in ("svg", "png"):
                     paths.append(folder / f"{name}.{ending}")

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.report.style.palette import COLOURS, DASHES, MARKERS
-from indoor_explorers.evaluation.report.style.print_style import FORMATS, LOOK
+from indoor_explorers.evaluation.report.style.print_style import FORMATS, print_style
 from indoor_explorers.evaluation.thesis.experiments import GROUPS
 from indoor_explorers.evaluation.thesis.results import Run
 
@@ -34,7 +33,7 @@ def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
     """Write all figures as SVG and PNG and return their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
-    with mpl.rc_context(LOOK):
+    with print_style():
         for stem, figure in figures(runs):
             for ending in ("svg", "png"):
                 paths.append(folder / f"{stem}.{ending}")

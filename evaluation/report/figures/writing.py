@@ -11,14 +11,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import matplotlib as mpl
-
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.figures.panel_figures import scenario_figures, sweep_figures
 from indoor_explorers.evaluation.report.figures.scenario_figures import coverage_figure, times_figure
 from indoor_explorers.evaluation.report.style.formatting import slug
 from indoor_explorers.evaluation.report.style.palette import policy_styles
-from indoor_explorers.evaluation.report.style.print_style import LOOK, save
+from indoor_explorers.evaluation.report.style.print_style import print_style, save
 from indoor_explorers.evaluation.results.results import Results
 
 
@@ -28,7 +26,7 @@ def write_figures(results: Results, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     styles = policy_styles(results.policies)
     paths = []
-    with mpl.rc_context(LOOK), _older_objects_uncollected():
+    with print_style(), _older_objects_uncollected():
         for number, scenario in enumerate(results.scenarios, 1):
             comparison = Comparison(results, scenario)
             if comparison.groups:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.report.style.fonts import families
 from indoor_explorers.evaluation.report.style.palette import DASHES, MARKERS, PolicyStyle
 
 FORMATS: Mapping[str, dict[str, Any]] = {
@@ -20,8 +23,7 @@ FORMATS: Mapping[str, dict[str, Any]] = {
 }
 #: Inches around what is drawn.
 PADDING = 0.08
-LOOK: dict[Any, Any] = {
-    "font.family": "DejaVu Sans",
+_LOOK: dict[Any, Any] = {
     "font.size": 8.5,
     "axes.labelsize": 8.5,
     "axes.titlesize": 9.5,
@@ -40,6 +42,13 @@ LOOK: dict[Any, Any] = {
     "svg.hashsalt": "indoor-explorers",
     "pdf.fonttype": 42,
 }
+
+
+@contextmanager
+def print_style() -> Iterator[None]:
+    """Draw in this style within a ``with`` block."""
+    with mpl.rc_context({**_LOOK, "font.family": families()}):
+        yield
 
 
 def sheet(width: float, height: float) -> Figure:

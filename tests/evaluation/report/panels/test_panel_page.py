@@ -5,7 +5,6 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
-import matplotlib as mpl
 import pytest
 
 from indoor_explorers.evaluation.experiment.experiment import Task
@@ -13,7 +12,7 @@ from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.figures.panel_figures import scenario_figures, sweep_figures
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.style.palette import policy_styles
-from indoor_explorers.evaluation.report.style.print_style import LOOK, save
+from indoor_explorers.evaluation.report.style.print_style import print_style, save
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.report.records import flown, made_up, results_of, room
 
@@ -118,7 +117,7 @@ def test_figures_for_print_are_those_with_content_and_deterministic(swept: Resul
     written = []
     for folder in (tmp_path / "a", tmp_path / "b"):
         folder.mkdir()
-        with mpl.rc_context(LOOK):
+        with print_style():
             figures = [*scenario_figures(comparison, styles), *sweep_figures(part, styles)]
             assert [name for name, _ in figures] == ["profile", "pareto", "rank-plot", "teams-01"]
             written.append([path.read_bytes() for name, figure in figures for path in save(figure, folder, name)])
