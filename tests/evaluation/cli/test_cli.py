@@ -122,9 +122,8 @@ def test_more_episodes_and_policies_are_added(capsys, tmp_path):
     [signal.SIGINT, *(pytest.param(kind, marks=pytest.mark.slow) for kind in (signal.SIGKILL, signal.SIGTERM))],
 )
 def test_killing_and_running_again_gives_the_same_summary(kind, capsys, tmp_path):
-    words = ["compare", "--policies", f"{PLUGINS}:Slow", "--scenario", "thesis-open"]
-    words += ["--episodes", "24", "--workers", "2"]
-    running = start(*words, "--out", tmp_path / "killed")
+    words = ["compare", "--policies", "horizon", "--scenario", "thesis-obstacles", "--episodes", "24"]
+    running = start(*words, "--workers", "2", "--out", tmp_path / "killed")
     deadline = time.monotonic() + 60
     while stored(tmp_path / "killed") == 0 and running.poll() is None and time.monotonic() < deadline:
         time.sleep(0.02)
@@ -138,7 +137,7 @@ def test_killing_and_running_again_gives_the_same_summary(kind, capsys, tmp_path
         assert (running.returncode, errors.replace(NOTICE, "").count("\n")) == (130, 1), errors
         assert "what is finished is kept" in errors
     for out in ("killed", "whole"):
-        status, _, errors = run(capsys, *words, "--out", tmp_path / out)
+        status, _, errors = run(capsys, *words, "--workers", "0", "--out", tmp_path / out)
         assert (status, errors) == (0, "")
     assert stored(tmp_path / "killed") == 24
     assert rows(tmp_path / "killed") == rows(tmp_path / "whole")
