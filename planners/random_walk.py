@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from indoor_explorers.env.policies.view import Briefing, View
 @dataclass(frozen=True, kw_only=True)
 class RandomWalk(Policy):
     """Move to a free neighbouring cell drawn uniformly; stay only when walled in."""
+
+    plans_for: ClassVar[str] = "nothing"
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -16,6 +16,10 @@ def is_action(action: object) -> TypeGuard[int]:
     return isinstance(action, (int, np.integer)) and not isinstance(action, bool) and bool(0 <= action <= 4)
 
 
+#: Values of :attr:`Policy.plans_for`.
+ALL_CELLS, TRAINED_GOAL = "all cells", "the goal of its training"
+
+
 class Pilot(ABC):
     """Choose the actions of one UAV in one episode."""
 
@@ -42,6 +46,10 @@ class Policy(ABC):
 
     #: True for a policy that reads ``briefing.generator``, which any policy may; results mark it.
     uses_generator: ClassVar[bool] = False
+
+    #: The coverage that it plans for, in a few words, such as "all cells"; empty if it does not say. Results tell where
+    #: policies plan for different coverage.
+    plans_for: ClassVar[str] = ""
 
     #: True if :meth:`act` is faster for many UAVs at once than one by one, such as with one forward pass. It is then
     #: called for all UAVs of a batch at once, and a decision's time is its share of the batch's; otherwise it is

@@ -37,7 +37,7 @@ class SeedSet(NamedTuple):
     first: int
     size: int
     published: int = 0
-    """How often figures on these seeds were published, counting every change of them."""
+    """How often figures of learned policies on these seeds were published, counting every change of them."""
 
     @property
     def seeds(self) -> range:

@@ -46,7 +46,9 @@ MEASURES: dict[str, Measure] = {
         "sight, distance, and a spanning tree of places that must be looked at",
     ),
     "t99_to_reference": Measure(
-        "T99 / reference", "", "T99 / T99 of the policy that knows the map, on the same map, spawns and seed"
+        "T99 / reference",
+        "",
+        "T99 / T99 of the policy that knows the map, a good tour but no bound, on the same map, spawns and seed",
     ),
     "path_length": Measure("path length", "cells", "cells flown by all UAVs together"),
     "path_max": Measure("longest path", "cells", "cells flown by the UAV that flew farthest"),

@@ -12,6 +12,11 @@ from indoor_explorers.env import InputError, Policy
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.evaluation.experiment.sources import outside_files
 
+#: Facts that no provenance may name, besides those that identify a policy.
+DERIVED = ("defaults", "hash", "uses_generator", "batched", "failed_check", "seen_seeds", "plans_for")
+#: Characters of what a policy says it plans for.
+LONGEST_AIM = 80
+
 
 def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     """Return the facts that results store about a policy: class, parameters, weights, sources, flags, and a hash.
@@ -27,13 +32,23 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
         "privileged": _flag(policy, "privileged"),
         "parameters": {name: repr(value) for name, value in parameters.items()},
     }
-    taken = (*facts, "sources", "defaults", "hash", "uses_generator", "batched", "failed_check", "seen_seeds")
+    taken = (*facts, "sources", *DERIVED)
     facts |= _provenance(policy, taken)
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
     facts |= {"sources": outside_files(policy, use), "defaults": _defaults(policy)}
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
-    seen = _seen_seeds(policy)
-    return facts | ({"seen_seeds": seen} if seen else {})
+    more = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy)}
+    return facts | {name: told for name, told in more.items() if told}
+
+
+def _plans_for(policy: Policy) -> str:
+    text = policy.plans_for
+    if not isinstance(text, str) or len(text) > LONGEST_AIM or not text.isprintable():
+        raise InputError(
+            f"{type(policy).__name__}: expected plans_for to be a line of at most {LONGEST_AIM} characters, "
+            f"such as 'all cells', got {type(text).__name__}"
+        )
+    return text
 
 
 def _seen_seeds(policy: Policy) -> dict[str, list[list[int]]]:

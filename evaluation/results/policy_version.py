@@ -10,7 +10,9 @@ from indoor_explorers.evaluation.experiment.sources import changed_files
 #: Limits of a message: fields named, and characters of a value.
 NAMED, SHOWN = 8, 60
 #: Facts about a policy that follow from the others; older stores do not have all of them.
-DERIVED_FACTS = ("uses_generator", "batched", "defaults", "hash", "weights_for", "failed_check", "seen_seeds")
+DERIVED_FACTS = (
+    *("uses_generator", "batched", "defaults", "hash", "weights_for", "failed_check", "seen_seeds", "plans_for"),
+)
 
 
 def identity(about: Mapping[str, Any], older: Mapping[str, Any]) -> dict[str, Any]:

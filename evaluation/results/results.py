@@ -84,13 +84,21 @@ class Results:
 
     @property
     def privileged_policies(self) -> list[str]:
-        """The policies that are given the true map: yardsticks, in table order."""
+        """The policies that are given the true map and are not ranked, in table order."""
         return [name for name, about in self.policies.items() if about.get("privileged")]
 
     @property
     def generator_policies(self) -> list[str]:
         """The policies that read the settings of the maps' generator, in table order."""
         return [name for name, about in self.policies.items() if about.get("uses_generator")]
+
+    @property
+    def aims(self) -> dict[str, list[str]]:
+        """The policies by the coverage that they plan for, in table order; "not stated" where they do not say."""
+        found: dict[str, list[str]] = {}
+        for name, about in self.policies.items():
+            found.setdefault(about.get("plans_for", "not stated"), []).append(name)
+        return found
 
     @property
     def failed_checks(self) -> dict[str, str]:

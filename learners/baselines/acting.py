@@ -19,7 +19,7 @@ from safetensors import SafetensorError
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.observations import Encoder, make_encoder
-from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.registry import missing_module
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.scenarios.validation import validated
@@ -71,6 +71,8 @@ class TrainedPolicy(Policy):
     """
 
     MODEL: ClassVar[str]
+    plans_for: ClassVar[str] = TRAINED_GOAL
+
     """Name of the file with the best network."""
     LEARNERS: ClassVar[tuple[str, ...]]
     """Learners whose networks this policy flies; each has a module of that name."""

@@ -47,6 +47,7 @@ class Dddqn(Policy):
     """
 
     uses_generator: ClassVar[bool] = True
+    plans_for: ClassVar[str] = "90 % and 99 %"
 
     weights: str | None = None
     """Name of shipped weights, or path of a training's folder or weights; None: the shipped ones for the scenario."""

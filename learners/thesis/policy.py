@@ -6,11 +6,12 @@ import hashlib
 from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.sessions.record import record_of
@@ -32,6 +33,8 @@ class DddqnThesis(Policy):
         InputError: ``weights`` is missing or not a file of this network.
 
     """
+
+    plans_for: ClassVar[str] = TRAINED_GOAL
 
     weights: str | None = None
     """Path of a safetensors file from training; None: the weights that ship."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
@@ -26,6 +27,8 @@ class FrontierBurgard(Policy):
     All utilities are equal at first; that of a cluster falls with its closeness to a taken cluster, if no known wall
     is between the two.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     hold: float = 1.0
     """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
 from indoor_explorers.planners.parameters import at_least
@@ -19,6 +20,8 @@ class FrontierHungarian(Policy):
     environment", IROS 2008, doi:10.1109/IROS.2008.4650734, with clusters in place of its segments. With more UAVs than
     clusters, the UAVs are divided evenly among the clusters.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     hold: float = 1.0
     """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""

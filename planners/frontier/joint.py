@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
@@ -95,6 +96,8 @@ class FrontierJoint(JointParameters, Policy):
     of a sequence are worth less to UAVs that choose later. Each UAV computes all turns before its own, from the map,
     cells and goals that all of them know. :class:`OutOfContact` gives the factors for teammates out of contact.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

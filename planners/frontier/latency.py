@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.coordination.teammates import remembered
 from indoor_explorers.planners.frontier.minpos import ranks
@@ -42,6 +42,8 @@ class FrontierLatency(Policy):
     computed again when the map has changed; an order that begins elsewhere must save ``hold``. Paths are the
     straightest of the shortest ones.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     depth: float = 0.5
     """Distance at which an unknown cell has 1 / e of the weight of a near one, in lidar ranges."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.coordination.teammates import remembered
 from indoor_explorers.planners.information.clusters import frontier_clusters, nearest_cells
@@ -26,6 +27,8 @@ class FrontierMinPos(Policy):
     A. Bautin, O. Simonin, F. Charpillet, "MinPos: a novel frontier allocation algorithm for multi-robot
     exploration", ICIRA 2012, doi:10.1007/978-3-642-33515-0_49.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
@@ -17,6 +18,8 @@ class FrontierNearest(Policy):
     B. Yamauchi, "A frontier-based approach for autonomous exploration", CIRA 1997,
     doi:10.1109/CIRA.1997.613851.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
 from indoor_explorers.planners.information.clusters import middles
@@ -29,6 +30,8 @@ class FrontierTour(Policy):
     Therefore the distance to a cluster is that to its nearest cell, not to its centre, which moves while it is
     explored; and the first cluster of the tour is kept, by its position, when clusters change shape.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     hold: float = 0.3
     """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""

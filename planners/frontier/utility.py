@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.burgard import SequentialPilot
 from indoor_explorers.planners.frontier.group_pilot import Choices
@@ -31,6 +31,8 @@ class FrontierUtility(Policy):
     environments", IJRR 21, 2002, doi:10.1177/0278364902021010834. Teams take the clusters in turn as in
     :mod:`indoor_explorers.planners.frontier.burgard`.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     form: Form = "size"
     """Form of the score: ``size``, ``difference`` or ``discounted``."""

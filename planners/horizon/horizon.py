@@ -47,6 +47,7 @@ class Horizon(Policy):
     """
 
     uses_generator: ClassVar[bool] = True
+    plans_for: ClassVar[str] = "the scenario's goal in rooms, all cells elsewhere"
 
     width: int = 100
     """Beam width: states kept at each step."""

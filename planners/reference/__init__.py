@@ -1,1 +1,1 @@
-"""The reference tour: a yardstick that knows the map."""
+"""The reference tour: a good tour, found with the map known, and no bound."""

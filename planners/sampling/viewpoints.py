@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.coordination.teammates import linked, message_of, told_goal
@@ -74,6 +74,8 @@ def few(
 @dataclass(frozen=True, kw_only=True)
 class ViewpointPolicy(Policy):
     """Parameters of all planners on viewpoints."""
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     discount: float = 1.5
     """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""

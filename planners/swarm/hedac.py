@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.coordination.teammates import claims, message_of, remembered
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
@@ -44,6 +45,8 @@ class Hedac(Policy):
     IEEE Transactions on Cybernetics 47(8), 2017, doi:10.1109/TCYB.2016.2634400; on grids that grow: B. Crnkovic,
     S. Ivic, M. Zovko, "Fast algorithm for centralized multi-agent maze exploration", arXiv:2310.02121.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     loss: float = 10.0
     """Heat that a cell loses relative to the exchange with one neighbour, the paper's alpha; a smaller loss gives the

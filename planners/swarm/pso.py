@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.coordination.linked_group import (
@@ -64,6 +65,8 @@ class Pso(Policy):
 
     The swarm: J. Kennedy, R. Eberhart, ICNN 1995, doi:10.1109/ICNN.1995.488968. The fitness is this project's.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     particles: int = 20
     """Particles of the swarm, including the four that start from the initial plans."""

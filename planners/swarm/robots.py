@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp, hypot
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNREACHABLE, Action
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.coordination.teammates import linked
@@ -40,6 +41,8 @@ class PsoRobots(Policy):
     M. S. Couceiro, R. P. Rocha, N. M. F. Ferreira, "A novel multi-robot exploration approach based on particle swarm
     optimization algorithms", SSRR 2011, doi:10.1109/SSRR.2011.6106751.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     inertia: float = 0.6
     """Share of its velocity that a particle keeps in a step."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import atan2, cos, hypot, inf, isfinite, pi, sin
+from typing import ClassVar
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import Action
-from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.coordination.teammates import linked
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
@@ -39,6 +40,8 @@ class Sgba(Policy):
     swarm of tiny flying robots to explore an unknown environment", Science Robotics 4(35), 2019,
     doi:10.1126/scirobotics.aaw9710.
     """
+
+    plans_for: ClassVar[str] = ALL_CELLS
 
     near: float = 1.0
     """Distance to a linked teammate of lower number at which a UAV changes its bearing, in lidar ranges."""

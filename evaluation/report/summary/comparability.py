@@ -52,6 +52,7 @@ def verdict_on(results: Results) -> Verdict:
         *_unlike_sizes(results),
         *_few_maps(results),
         *_privileged(results),
+        *_aims(results),
         *_censored(results),
         *_seeds(results),
     ]
@@ -205,6 +206,14 @@ def _privileged(results: Results) -> Iterator[str]:
     if results.batched_policies:
         names = ", ".join(results.batched_policies)
         yield f"Policies that decide for many UAVs at once, whose decision times are shares of a batch: {names}."
+
+
+def _aims(results: Results) -> Iterator[str]:
+    """Name what policies plan for, where it differs or a time on the way to it is compared."""
+    aims, below = results.aims, any(level.key != "t99" for level in results.levels)
+    if set(aims) != {"not stated"} and (len(aims) > 1 or below):
+        listed = "; ".join(f"{aim}: {', '.join(names)}" for aim, names in aims.items())
+        yield f"Coverage that policies plan for: {listed}. Lower thresholds are reached on the way to it."
 
 
 def _seeds(results: Results) -> Iterator[str]:

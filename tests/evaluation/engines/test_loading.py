@@ -101,6 +101,12 @@ def test_seeds_that_a_policy_has_seen_are_facts_that_make_no_other_version_of_it
     assert not version_difference(plain, facts)
 
 
+@pytest.mark.parametrize("aim", [None, 0.9, "x" * 81, "two\nlines"])
+def test_what_a_policy_plans_for_is_a_line(aim):
+    with pytest.raises(InputError, match="expected plans_for to be a line of at most 80 characters"):
+        policy_facts(type("Odd", (Wander,), {"plans_for": aim})(), "odd")
+
+
 def test_flags_are_true_or_false():
     with pytest.raises(InputError, match="expected batched to be True or False, got 'often'"):
         policy_facts(type("Odd", (Wander,), {"batched": "often"})(), "odd")

@@ -19,9 +19,11 @@ from tests.planners.flights import fly, maze, rooms
 EFFORT = SearchBudget(1, 3000, 10**8)
 
 
-def task_of(free: np.ndarray, starts: tuple[Cell, ...], lidar: float = 3.0, goal: float = 1.0) -> PlanRequest:
+def task_of(
+    free: np.ndarray, starts: tuple[Cell, ...], lidar: float = 3.0, goal: float = 1.0, aim: float = 0.99
+) -> PlanRequest:
     truth = np.where(free, 1, 2).astype(np.uint8)
-    return PlanRequest(truth.tobytes(), truth.shape, starts, (lidar, "exact"), False, goal)
+    return PlanRequest(truth.tobytes(), truth.shape, starts, (lidar, "exact"), False, aim, goal)
 
 
 def seen_by(request: PlanRequest, tracks: tuple[tuple[Cell, ...], ...]) -> float:
@@ -43,6 +45,19 @@ def test_plans_are_ways_that_see_enough(starts: tuple[Cell, ...], goal: float) -
             assert all(free[cell] for cell in track)
             assert all(abs(a[0] - b[0]) + abs(a[1] - b[1]) == 1 for a, b in pairwise(track))
         assert seen_by(request, tracks) >= goal
+
+
+def test_the_coverage_aimed_at_is_reached_sooner_than_on_the_way_to_a_higher_one() -> None:
+    def steps_to(share: float, request: PlanRequest) -> int:
+        (track,) = plan(request, SearchBudget(2, 20_000, 10**8))
+        return next(step for step in range(len(track)) if seen_by(request, (track[: step + 1],)) >= share)
+
+    low, high = (task_of(rooms(3, 4, 2), ((1, 1),), aim=aim) for aim in (0.7, 0.99))
+    assert steps_to(0.7, low) < steps_to(0.7, high)
+    assert steps_to(0.99, low) > steps_to(0.99, high)
+    assert plan(task_of(rooms(3, 4, 2), ((1, 1),), goal=0.7), EFFORT) == plan(
+        task_of(rooms(3, 4, 2), ((1, 1),), goal=0.7, aim=0.7), EFFORT
+    )
 
 
 def test_a_corridor_is_flown_straight() -> None:
@@ -128,3 +143,9 @@ def test_it_needs_the_true_map() -> None:
 def test_too_little_effort_is_refused() -> None:
     with pytest.raises(InputError, match="expected restarts of at least 1"):
         make_policy("reference", restarts=0)
+
+
+@pytest.mark.parametrize("aim", [0, 1.01, "0.9", float("nan")])
+def test_an_aim_that_is_no_coverage_is_refused(aim: object) -> None:
+    with pytest.raises(InputError, match="Reference: expected aim"):
+        make_policy("reference", aim=aim)

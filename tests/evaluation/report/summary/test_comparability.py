@@ -96,6 +96,20 @@ def test_seeds_that_a_policy_has_seen_are_noted(sound: Results) -> None:
     assert "seed 0, which its training flew" in notes("training", 0, 0)[0]
 
 
+def test_what_policies_plan_for_is_noted_where_it_differs(sound: Results) -> None:
+    def notes(**aims: str) -> list[str]:
+        told = {
+            name: about | ({"plans_for": aims[name]} if name in aims else {}) for name, about in sound.policies.items()
+        }
+        return [text for text in verdict_on(replace(sound, policies=told)).notes if "plan for" in text]
+
+    assert notes() == notes(straight="all cells", wavy="all cells") == []
+    assert "plan for: all cells: straight; not stated: wavy. Lower thresholds" in notes(straight="all cells")[0]
+    lower = {name: about | {"goal": 0.9} for name, about in sound.scenarios.items()}
+    sound = replace(sound, scenarios=lower)
+    assert "plan for: all cells: straight, wavy." in notes(straight="all cells", wavy="all cells")[0]
+
+
 def test_failures_few_episodes_and_spent_budgets_are_told(results: Results, hostile: Results) -> None:
     assert any(text.startswith("Failed policies: broken in 12 episodes") for text in verdict_on(results).warnings)
     assert any("Fewer than 5 episodes" in text for text in verdict_on(hostile).warnings)
