@@ -14,6 +14,9 @@ BROWSERS = chromium chromium-browser google-chrome
 PYTEST = $(RUN)/python -P -m pytest -n 2 --dist loadgroup --no-loadscope-reorder
 APT = DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=0 -o Acquire::http::Timeout=20
 
+# every process of a test would compile the package's modules to bytecode anew
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: compare compare-full test test-all lint warm-up stress soak browser clean
 
 compare: $(VENV)/.installed-compare
