@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from pydantic import ValidationError
+
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.sessions.process import deferred_interrupt
 from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, read_record, write_record
@@ -151,7 +153,7 @@ class Session:
             if not resume:
                 raise InputError(f"{self.out} already holds a training; give --resume to continue it, or another --out")
             before = read_record(self.out, type(self.record), [self.record.learner])
-            carried = self.record.resumed(before, self.out / RECORD)
+            carried = self.record.resumed(self._completed(before), self.out / RECORD)
             if there:
                 self.record = self.record.model_copy(update=carried)
                 self.checkpoint = self.out / checkpoint
@@ -159,6 +161,14 @@ class Session:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{self.out}: cannot create the folder of the training: {error.strerror}") from error
+
+    def _completed(self, before: TrainingRecord) -> TrainingRecord:
+        """Return a record with the defaults of settings that were added since it was written."""
+        try:
+            whole = type(self._config).model_validate(before.config)
+        except ValidationError:  # a setting that there is no more: the comparison names it
+            return before
+        return before.model_copy(update={"config": whole.model_dump(mode="json")})
 
     @property
     def interrupted(self) -> bool:

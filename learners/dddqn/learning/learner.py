@@ -49,7 +49,7 @@ class Learner:
         self.best = copy.deepcopy(self.average)
         self.optimiser = torch.optim.Adam(self.online.parameters(), lr=config.learning_rate, fused=True)
         self._noise = torch.Generator().manual_seed(seed)
-        pull = tour_costs(observation_layout(observation), config.network.tour_pull, 0.0)
+        pull = tour_costs(observation_layout(observation), config.network.tour_pull, 0.0, kinds=config.network.kinds)
         self._pull = None if pull is None else torch.from_numpy(pull).to(self.device)
 
     def refresh(self) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from indoor_explorers.learners.sessions.settings import Settings
@@ -27,3 +29,11 @@ class NetworkConfig(Settings):
     tour_pull: float = Field(0.0, ge=0.0)
     """Fixed penalty on Q, in training and in flight, for each step of a move's tour to the goal beyond the shortest
     tour and for each step behind the best candidate: among moves of similar value the UAV keeps to a tour."""
+    candidates: Literal["first", "both"] = "first"
+    """Kinds of candidates whose steps behind the best cost and pull: the first kind's, or both, half each. A UAV that
+    is drawn to two candidates may oscillate between them."""
+
+    @property
+    def kinds(self) -> int:
+        """Number of kinds of candidates that cost and pull."""
+        return 2 if self.candidates == "both" else 1

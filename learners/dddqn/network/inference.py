@@ -81,7 +81,7 @@ def weights_from(
 def _tours(arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config: NetworkConfig) -> Array:
     """Return the linear weights (F,) from a move's features to its value: learned ones plus the pull of the tours."""
     parts = [arrays["tours.weight"][0]] if "tours.weight" in arrays else []
-    pull = tour_costs(layout, config.tour_pull, 0.0)
+    pull = tour_costs(layout, config.tour_pull, 0.0, kinds=config.kinds)
     parts += [] if pull is None else [pull]
     return np.sum(parts, axis=0, dtype=np.float32) if parts else np.zeros(0, np.float32)
 

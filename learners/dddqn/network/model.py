@@ -68,7 +68,7 @@ class DuelingNetwork(nn.Module):
         self.advantage = last(width, 4)
         self.move_hidden = nn.Linear(features, config.move_width)
         self.move_out = nn.Linear(config.move_width, 1)
-        costs = tour_costs(layout, config.tour_cost, config.tour_cost)
+        costs = tour_costs(layout, config.tour_cost, config.tour_cost, kinds=config.kinds)
         self.tours: nn.Linear | None = None
         if costs is not None:
             self.tours = nn.Linear(features, 1, bias=False)

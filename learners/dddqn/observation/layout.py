@@ -139,12 +139,14 @@ def _places(at: int, *sizes: int) -> list[int]:
     return [*places, at]
 
 
-def tour_costs(layout: ObservationLayout, to_goal: float, to_mark: float) -> NDArray[np.float32] | None:
+def tour_costs(
+    layout: ObservationLayout, to_goal: float, to_mark: float, *, kinds: int = 1
+) -> NDArray[np.float32] | None:
     """Return weights (F,) of a move's features that charge each step beyond the shortest tours.
 
     A step beyond the shortest tour to the goal costs ``to_goal``, one beyond the shortest tour to 90 % ``to_mark``. A
-    step behind the best candidate costs ``to_goal``, for candidates of the first kind only: a UAV that is drawn to two
-    candidates may oscillate between them. None if the observation has neither feature, or if both costs are 0.
+    step behind the best candidate costs ``to_goal``, divided among the first ``kinds`` of candidates. None if the
+    observation has neither feature, or if both costs are 0.
     """
     if layout.tours_at == layout.prospects_at == -1 or to_goal == to_mark == 0.0:
         return None
@@ -153,7 +155,8 @@ def tour_costs(layout: ObservationLayout, to_goal: float, to_mark: float) -> NDA
         weights[layout.tours_at + TOURS.index("its steps beyond the shortest")] = -to_goal * BEYOND
         weights[layout.tours_at + TOURS.index("its steps beyond the shortest to 90 %")] = -to_mark * BEYOND
     if layout.prospects_at >= 0:
-        weights[layout.prospects_at + PROSPECT.index("steps behind the best")] = -to_goal * BEYOND
+        behind = layout.prospects_at + PROSPECT.index("steps behind the best")
+        weights[behind : behind + kinds * len(PROSPECT) : len(PROSPECT)] = -to_goal * BEYOND / kinds
     return weights
 
 

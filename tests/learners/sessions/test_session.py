@@ -130,7 +130,12 @@ def test_a_record_of_before_is_resumed(tmp_path: Path) -> None:
     facts["policy"], facts["commit"] = facts.pop("learner"), "first"
     for name in ("task", "commits", "done", "seconds"):
         del facts[name]
+    del facts["config"]["action_gap"], facts["config"]["network"]["candidates"]  # settings that were added since
     (tmp_path / RECORD).write_text(json.dumps(facts))
     record = session(tmp_path, resume=True).record
     assert (record.learner, record.steps, len(record.evaluations)) == ("counter", 51, 5)
     assert (record.commit, record.commits[0], len(record.commits)) == ("first", "first", 2)
+    facts["config"]["network"]["width"] = 8
+    (tmp_path / RECORD).write_text(json.dumps(facts))
+    with pytest.raises(InputError, match="expected network"):
+        session(tmp_path, resume=True)

@@ -12,6 +12,7 @@ from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_cells
+from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import PROSPECT, PROSPECTS, observation_layout, tour_costs
 from tests.learners.dddqn.observation.test_observe import Watcher
@@ -141,3 +142,12 @@ def test_steps_behind_the_best_by_all_that_is_in_view_cost_and_pull():
     assert np.flatnonzero(costs).tolist() == [layout.prospects_at + BEHIND]
     assert costs[costs != 0].tolist() == pytest.approx([-0.8])
     assert tour_costs(layout, 0.0, 0.0) is None
+
+
+def test_steps_behind_the_best_of_both_kinds_cost_half_each():
+    layout = observation_layout(SIGHT)
+    costs = tour_costs(layout, 0.1, 0.3, kinds=NetworkConfig(candidates="both").kinds)
+    assert costs is not None
+    places = [layout.prospects_at + BEHIND, layout.prospects_at + len(PROSPECT) + BEHIND]
+    assert np.flatnonzero(costs).tolist() == places
+    assert costs[places].tolist() == pytest.approx([-0.4, -0.4])
