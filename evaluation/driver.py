@@ -74,12 +74,12 @@ def fly_missing(
         for index in range(scenario.map.count):
             draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
     _make_folder(out)
-    with Store(out / "results.db") as store:
+    with Store(out / "results.db", fresh=how.fresh) as store:
         chosen_baselines([*store.policies(), *about], [], how.ratio_to)  # refuses unknown ones before anything is flown
         if how.workers != 0:
             about = with_failed_checks(experiment, about, store.policies())
         facts = run_facts(command, how.engine, how.workers)
-        number = store.begin_run(experiment, about, facts, refly=how.refly, fresh=how.fresh)
+        number = store.begin_run(experiment, about, facts, refly=how.refly)
         finished = store.finished(failed=not how.retry_failed)
         workload = Workload(experiment, finished, _worker_count(how))
         if watcher is not None:

@@ -106,6 +106,16 @@ class Results:
         return {name: about["failed_check"] for name, about in self.policies.items() if about.get("failed_check")}
 
     @property
+    def policies_of_unknown_code(self) -> list[str]:
+        """The policies from outside this package without hashes of their sources, in table order."""
+        return [
+            name
+            for name, about in self.policies.items()
+            if not str(about.get("class", "indoor_explorers.")).startswith("indoor_explorers.")
+            and not about.get("sources")
+        ]
+
+    @property
     def batched_policies(self) -> list[str]:
         """The policies that decide for many UAVs at once: their decision times are shares of a batch's."""
         return [name for name, about in self.policies.items() if about.get("batched")]

@@ -32,6 +32,8 @@ from indoor_explorers.evaluation.results.rows import (
     floorplan_row,
 )
 
+#: All tables that a store may have, each after those that refer to it.
+TABLES = ("damaged", "episode", "attempt", "floorplan", "scenario", "policy", "run", "checksum", "meta")
 #: Differences that a refusal names.
 MOST_NAMED = 4
 
@@ -82,10 +84,13 @@ def _write_ahead(db: sqlite3.Connection) -> None:
 
 
 class Store(StoreReader):
-    """The results of one experiment in a file, opened for writing, and made if it is not there."""
+    """The results of one experiment in a file, opened for writing, and made if it is not there.
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    With ``fresh``, what the file holds counts for nothing, damaged or not: the first run deletes it.
+    """
+
+    def __init__(self, path: Path, *, fresh: bool = False) -> None:
+        self.path, self._fresh = path, fresh
         self._digests: dict[Task, str] = {}
         """The digests of the maps that were added."""
         existed = path.exists()
@@ -97,9 +102,10 @@ class Store(StoreReader):
             with self._db:
                 self._db.execute("BEGIN IMMEDIATE")  # another process may be opening it too
                 self._create()
-                self._check()
-                self._add_checksums()
-                self._db.execute(ATTEMPTS)
+                if not fresh:
+                    self._check()
+                    self._add_checksums()
+                    self._db.execute(ATTEMPTS)
         except SQL_ERRORS as error:
             if getattr(error, "sqlite_errorcode", 0) & 0xFF in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
                 raise _not_written(path, error) from error
@@ -111,7 +117,12 @@ class Store(StoreReader):
     def _create(self) -> None:
         """Make the tables of an empty file."""
         if not self._db.execute("SELECT 1 FROM sqlite_master WHERE name = 'meta'").fetchone():
-            for statement in (*SCHEMA.split(";"), CHECKSUMS, f"INSERT INTO meta VALUES ('format', '{FORMAT}')"):
+            for statement in (
+                *SCHEMA.split(";"),
+                CHECKSUMS,
+                ATTEMPTS,
+                f"INSERT INTO meta VALUES ('format', '{FORMAT}')",
+            ):
                 self._db.execute(statement)
             self._sign("meta")
 
@@ -146,6 +157,10 @@ class Store(StoreReader):
 
     # -- the experiment -------------------------------------------------------------------------------
 
+    def policies(self) -> dict[str, dict[str, Any]]:
+        """Return the facts of each policy by name, in the order of the experiment; none in a fresh store."""
+        return {} if self._fresh else super().policies()
+
     def begin_run(
         self,
         experiment: Experiment,
@@ -153,27 +168,26 @@ class Store(StoreReader):
         facts: dict[str, Any],
         *,
         refly: bool = False,
-        fresh: bool = False,
     ) -> int:
         """Store the experiment and a new run of it; return the run's number.
 
         An experiment may gain policies and episodes. Any other difference from what the store holds is refused, but
-        with ``refly`` a policy that is another version of the stored one loses its episodes, and with ``fresh``
-        everything that is stored goes.
+        with ``refly`` a policy that is another version of the stored one loses its episodes, and in a fresh store
+        everything that the file holds goes.
 
         Raises:
             InputError: the store holds another experiment; the message names what differs.
             RunError: the disk is full.
 
         """
-        if not fresh:
+        if not self._fresh:
             self._refuse_another(experiment, policies, refly=refly)
         with _transaction(self._db, self.path):
-            if fresh:
-                self._db.execute("DELETE FROM meta WHERE key = 'seed'")
-                self._db.execute("DROP TABLE IF EXISTS damaged")
-                for table in ("episode", "floorplan", "scenario", "policy", "run", "checksum", "attempt"):
-                    self._db.execute(f"DELETE FROM {table}")
+            if self._fresh:
+                for table in TABLES:
+                    self._db.execute(f"DROP TABLE IF EXISTS {table}")
+                self._create()
+                self._fresh = False
             for name in self._other_versions(policies):
                 self._db.execute("DELETE FROM episode WHERE policy = ?", (name,))
                 self._db.execute("DELETE FROM attempt WHERE policy = ?", (name,))

@@ -55,6 +55,7 @@ def verdict_on(results: Results) -> Verdict:
         *_aims(results),
         *_censored(results),
         *_seeds(results),
+        *_unknown_code(results),
     ]
     return Verdict(not warnings, _headline(results), warnings, notes)
 
@@ -214,6 +215,12 @@ def _aims(results: Results) -> Iterator[str]:
     if set(aims) != {"not stated"} and (len(aims) > 1 or below):
         listed = "; ".join(f"{aim}: {', '.join(names)}" for aim, names in aims.items())
         yield f"Coverage that policies plan for: {listed}. Lower thresholds are reached on the way to it."
+
+
+def _unknown_code(results: Results) -> Iterator[str]:
+    if results.policies_of_unknown_code:
+        names = ", ".join(results.policies_of_unknown_code)
+        yield f"The code behind {names} is unknown: no hashes of its sources were stored."
 
 
 def _seeds(results: Results) -> Iterator[str]:

@@ -242,3 +242,35 @@ def test_a_store_is_made_by_several_processes_at_once(tmp_path):
             process.join()
         assert [process.exitcode for process in running] == [0] * processes
         assert [found.get() for _ in running] == [0] * processes
+
+
+WAYS_TO_DAMAGE = {
+    "a policy's facts": "UPDATE policy SET facts = '{'",
+    "a scenario's": "UPDATE scenario SET facts = '[]'",
+    "a run's experiment": "UPDATE run SET experiment = 'what'",
+    "the format": "UPDATE meta SET value = '99'",
+    "a table": "ALTER TABLE episode DROP COLUMN sent",
+    "no checksums": "DROP TABLE checksum",
+}
+
+
+@pytest.mark.parametrize("way", WAYS_TO_DAMAGE)
+def test_a_damaged_store_is_started_afresh_where_that_is_asked_for(folder, way):
+    change(folder, WAYS_TO_DAMAGE[way])
+    if way != "no checksums":
+        with pytest.raises(InputError):
+            Results.load(folder)
+    with Store(folder / "results.db", fresh=True) as store:
+        assert store.policies() == {}
+        run = store.begin_run(experiment(episodes=1), about(experiment()), {})
+        assert store.finished() == set()
+        assert list(store.policies()) == ["w"]
+        assert run == 1
+    assert Results.load(folder).records == []
+
+
+def test_a_fresh_store_that_no_run_begins_keeps_what_it_holds(folder):
+    before = told(folder)
+    with Store(folder / "results.db", fresh=True):
+        pass
+    assert told(folder) == before

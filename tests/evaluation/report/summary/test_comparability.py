@@ -110,6 +110,16 @@ def test_what_policies_plan_for_is_noted_where_it_differs(sound: Results) -> Non
     assert "plan for: all cells: straight, wavy." in notes(straight="all cells", wavy="all cells")[0]
 
 
+def test_plug_ins_without_hashes_of_their_sources_are_named_once(sound: Results) -> None:
+    def notes(**facts: object) -> list[str]:
+        told = {name: about | facts for name, about in sound.policies.items()}
+        return [text for text in verdict_on(replace(sound, policies=told)).notes if "The code behind" in text]
+
+    assert [note.partition(":")[0] for note in notes()] == ["The code behind straight, wavy is unknown"]
+    assert notes(sources={"a.py": "0"}) == []
+    assert notes(**{"class": "indoor_explorers.planners.swarm.pso:Pso"}) == []
+
+
 def test_failures_few_episodes_and_spent_budgets_are_told(results: Results, hostile: Results) -> None:
     assert any(text.startswith("Failed policies: broken in 12 episodes") for text in verdict_on(results).warnings)
     assert any("Fewer than 5 episodes" in text for text in verdict_on(hostile).warnings)
