@@ -19,6 +19,7 @@ UNRELIABLE = ("random", "dddqn-thesis")
 EXPLORERS = tuple(name for name in POLICIES if name not in UNRELIABLE)
 
 
-def parametrized(names: Sequence[str]) -> pytest.MarkDecorator:
-    """Return a mark that runs a test for each ``name``, all tests of a policy in one process."""
-    return pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in names])
+def parametrized(names: Sequence[str], slow: Sequence[str] = ()) -> pytest.MarkDecorator:
+    """Return a mark that runs a test for each ``name``, all tests of a policy in one process; for some it is slow."""
+    groups = {name: (pytest.mark.xdist_group(name), *[pytest.mark.slow] * (name in slow)) for name in names}
+    return pytest.mark.parametrize("name", [pytest.param(name, marks=marks) for name, marks in groups.items()])
