@@ -42,3 +42,12 @@ def one_line(text: str, most: int = LONGEST) -> str:
     flat = " ".join(text[: 2 * most].split())
     shown = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in flat)
     return shown if len(shown) <= most else shown[: most - 1] + "…"
+
+
+def described(error: BaseException) -> str:
+    """Return the type and message of an exception as one line, whatever its class makes of its message."""
+    try:
+        text = str(error)
+    except BaseException as worse:
+        text = f"its message raised {type(worse).__name__}"
+    return one_line(f"{type(error).__name__}: {text}")

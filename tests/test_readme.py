@@ -83,6 +83,7 @@ def test_links_lead_somewhere():
         assert anchor in [heading.lower().replace(" ", "-") for heading in headings], (target, anchor)
 
 
+@pytest.mark.slow  # guarded by the imports above
 def test_the_scripts_behind_the_costs_of_a_cluster_run(tmp_path):
     costs, driver = re.findall(r"```python\n(.*?)```", (ROOT / "evaluation" / "CLUSTER.md").read_text(), re.DOTALL)
     costs = changed(costs, '("thesis-obstacles", 40), ("office", 10)', '("thesis-open", 2),')

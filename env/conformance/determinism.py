@@ -5,10 +5,11 @@ from __future__ import annotations
 import pickle
 
 from indoor_explorers.env.conformance.causes import global_generators, shared_things
-from indoor_explorers.env.conformance.findings import Differs, Violation, one_line, shown
+from indoor_explorers.env.conformance.findings import Differs, Violation, shown
 from indoor_explorers.env.conformance.flying import backwards, one_by_one
 from indoor_explorers.env.conformance.harness import FIRST, OTHER, SOLO, TEAM, Harness
 from indoor_explorers.env.conformance.traces import Trace, first_difference
+from indoor_explorers.env.errors import described
 from indoor_explorers.env.policies.policy import Policy
 
 
@@ -30,7 +31,7 @@ def check_pickling(harness: Harness) -> str:
     try:
         copy = pickle.loads(pickle.dumps(harness.policy))
     except Exception as error:
-        found = f"the policy cannot be pickled, as worker processes need it ({type(error).__name__}: {one_line(error)})"
+        found = f"the policy cannot be pickled, as worker processes need it ({described(error)})"
         raise Violation(found, advice) from error
     if not isinstance(copy, Policy):
         raise Violation(f"the policy came back from pickling as {shown(copy)}", "fix its __reduce__ or __getstate__")

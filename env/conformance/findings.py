@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from indoor_explorers.env.errors import PolicyError
+from indoor_explorers.env.errors import PolicyError, described, one_line
 
 #: Characters of a plug-in's value or error that are repeated in a message.
 SHOWN = 120
@@ -60,8 +60,8 @@ def calling(what: str) -> Iterator[None]:
     try:
         yield
     except (Exception, SystemExit) as error:
-        found = f"{what} raised {type(error).__name__}: {one_line(error)}"
-        if "read-only" in str(error):
+        found = f"{what} raised {described(error)}"
+        if "read-only" in found:
             raise CannotFly(found, "views are read-only, copy what you change") from error
         raise CannotFly(found, _where(error)) from error
 
@@ -78,15 +78,9 @@ def _where(error: BaseException) -> str:
     return f"see {Path(place.filename).name}, line {place.lineno}, in {place.name}"
 
 
-def one_line(value: object) -> str:
-    """Return the text of a value on one line of at most :data:`SHOWN` characters."""
-    text = "".join(char if char.isprintable() else "?" for char in " ".join(str(value).split()))
-    return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
-
-
 def shown(value: object) -> str:
     """Return how a value that a plug-in gave is written, on one line, even where its ``repr`` fails."""
     try:
-        return one_line(repr(value))
+        return one_line(repr(value), SHOWN)
     except Exception as error:
         return f"a {type(value).__name__} whose repr raises {type(error).__name__}"

@@ -16,7 +16,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-from indoor_explorers.env.errors import InputError, PolicyError, did_you_mean
+from indoor_explorers.env.errors import InputError, PolicyError, described, did_you_mean
 from indoor_explorers.env.policies.policy import Policy
 
 GROUP = "indoor_explorers.policies"
@@ -80,7 +80,7 @@ def make_policy(name: str, **parameters: Any) -> Policy:
     except InputError:
         raise
     except (Exception, SystemExit) as error:
-        raise PolicyError(f"policy {name!r} cannot be made: {type(error).__name__}: {error}") from error
+        raise PolicyError(f"policy {name!r} cannot be made: {described(error)}") from error
     if not isinstance(policy, Policy):
         raise InputError(
             f"policy {name!r}: expected a subclass of indoor_explorers.env.Policy, got {type(policy).__name__}"
@@ -177,4 +177,4 @@ def _imported(name: str, module_name: str) -> Any:
     except InputError:
         raise
     except (Exception, SystemExit) as error:
-        raise PolicyError(f"policy {name!r}: importing {module_name} raised {type(error).__name__}: {error}") from error
+        raise PolicyError(f"policy {name!r}: importing {module_name} raised {described(error)}") from error

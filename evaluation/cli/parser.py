@@ -11,9 +11,9 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from indoor_explorers.env.errors import InputError, PolicyError, RunError, did_you_mean, one_line
+from indoor_explorers.env.errors import InputError, PolicyError, RunError, described, did_you_mean, one_line
 from indoor_explorers.evaluation.cli.arguments import add_options
-from indoor_explorers.evaluation.cli.command import KEPT, debugging
+from indoor_explorers.evaluation.cli.command import KEPT, Command, debugging
 from indoor_explorers.evaluation.cli.commands import COMMANDS
 
 #: Exit statuses.
@@ -78,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         name = given.pop("command")
         (command,) = [command for command in COMMANDS if command.name == name]
         kept = command.interrupted
-        return command.start(given, shlex.join(["indoor-explorers", *words]))
+        return _start(command, given, shlex.join(["indoor-explorers", *words]))
     except (InputError, PolicyError, RunError) as error:
         if debugging():
             raise
@@ -95,6 +95,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         sys.stderr.write(f"indoor-explorers: interrupted; {kept}\n")
         return INTERRUPTED
+
+
+def _start(command: Command[Any], given: dict[str, Any], typed: str) -> int:
+    """Run a command; a policy in this process that exits does not end it without a word."""
+    try:
+        return command.start(given, typed)
+    except SystemExit as error:
+        raise RunError(f"a policy, or a library that it uses, ended the command: {described(error)}") from error
 
 
 def _system_error(error: OSError) -> str:

@@ -7,7 +7,7 @@ import traceback
 from pathlib import Path
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.errors import PolicyError, one_line
+from indoor_explorers.env.errors import PolicyError, described, one_line
 from indoor_explorers.evaluation.episodes.shared_clock import DecisionTimeout
 
 #: Exceptions of a policy that fail its episode; Ctrl-C does not.
@@ -19,13 +19,9 @@ _STDLIB = Path(sysconfig.get_path("stdlib"))
 
 def describe_error(error: BaseException) -> str:
     """Return the type, message and place of a policy's exception as one short line that can be printed."""
-    try:
-        text = str(error)
-    except BaseException as worse:
-        text = f"its message raised {type(worse).__name__}"
-    kind = "" if isinstance(error, DecisionTimeout) else f"{type(error).__name__}: "
+    text = one_line(str(error)) if isinstance(error, DecisionTimeout) else described(error)
     place = one_line(_place(error))
-    return one_line(kind + text) + (place and f" ({place})")
+    return text + (place and f" ({place})")
 
 
 def _place(error: BaseException) -> str:

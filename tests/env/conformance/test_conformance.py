@@ -218,7 +218,7 @@ class PrivilegeRaises(Flying):
     [
         (WritesView, Flying, "act raised ValueError: assignment destination is read-only", "views are read-only, copy"),
         (WritesUnderView, Flying, "act changed the view it was given", "views are live, copy"),
-        (Raises, Flying, "act raised RuntimeError: motor failure ?[31m", "see test_conformance.py, line "),
+        (Raises, Flying, "act raised RuntimeError: motor failure \\x1b[31m", "see test_conformance.py, line "),
         (Exits, Flying, "act raised SystemExit: 0", "in act"),
         (NeverMade, Flying, "policy.pilot raised KeyError: 'weights'", "in __init__"),
         (MessageRaises, Flying, "pilot.message raised RuntimeError: radio", "in message"),

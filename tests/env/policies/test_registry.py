@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import pytest
 
 from indoor_explorers.env import InputError, Pilot, Policy, make_policy
+from indoor_explorers.env.errors import PolicyError
 from indoor_explorers.env.policies import registry
 from indoor_explorers.env.policies.registry import opener_entry_points
 
@@ -133,3 +134,18 @@ def test_a_missing_library_is_told_with_its_extra(module, extra):
 def test_a_parameter_that_a_policy_does_not_take_is_told_with_the_likely_one():
     with pytest.raises(InputError, match="'pso' cannot be made: unknown parameter 'lenght'; did you mean 'length'"):
         make_policy("pso", lenght=1)
+
+
+class RaisesInItsMessage(Exception):
+    def __str__(self):
+        raise KeyError("no message")
+
+
+class CannotBeMade:
+    def __init__(self):
+        raise RaisesInItsMessage
+
+
+def test_an_error_whose_message_raises_is_one_line():
+    with pytest.raises(PolicyError, match=r"cannot be made: RaisesInItsMessage: its message raised KeyError$"):
+        make_policy(f"{__name__}:CannotBeMade")

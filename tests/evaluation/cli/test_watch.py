@@ -149,12 +149,19 @@ def test_a_missing_library_is_one_line_that_names_the_extra(name, extra, capsys,
     assert "indoor-explorers[render]" in errors
 
 
-@pytest.mark.parametrize("policy", ["Raises", "WrongAction"])
-def test_a_policy_that_fails_leaves_no_file(policy, capsys, tmp_path):
-    words = ["watch", "--policy", f"{PLUGINS}:{policy}", "--scenario", "thesis-team-2", "--save", tmp_path / "film.gif"]
-    status, _, errors = run(capsys, *words)
+@pytest.mark.parametrize(
+    ("policy", "seed", "message"),
+    [
+        ("Raises", 0, "policy failed at step"),
+        ("WrongAction", 0, "policy failed at step"),
+        ("ExitsPython", 1, "ended the command: SystemExit: enough"),
+    ],
+)
+def test_a_policy_that_fails_leaves_no_file(policy, seed, message, capsys, tmp_path):
+    words = ["watch", "--policy", f"{PLUGINS}:{policy}", "--scenario", "thesis-team-2", "--seed", seed]
+    status, _, errors = run(capsys, *words, "--save", tmp_path / "film.gif")
     assert (status, errors.count("\n")) == (1, 1)
-    assert "policy failed at step" in errors
+    assert message in errors
     assert not list(tmp_path.iterdir())
 
 
