@@ -69,6 +69,10 @@ class Comparison:
         """Return whether the policy is given the true map."""
         return bool(self.results.policies[policy].get("privileged", False))
 
+    def ranked(self, policy: str) -> bool:
+        """Return whether the policy is ranked: it is not given the true map and failed no check of what it knows."""
+        return not self.privileged(policy) and policy not in self.results.failed_checks
+
     def estimate(self, policy: str, metric: str) -> Estimate:
         """Return the mean of a metric with its interval; NaN where it was not measured or is above the goal."""
         missing = Estimate(float("nan"), None, None)
@@ -109,8 +113,8 @@ class Comparison:
 
     @cached_property
     def ranking(self) -> list[str]:
-        """All policies by mean time to the threshold, then falling AUC; those that know the map come last."""
-        return sorted(self.groups, key=lambda policy: (self.privileged(policy), *self._rank(policy)))
+        """All policies by mean time to the threshold, then falling AUC; those that are not ranked come last."""
+        return sorted(self.groups, key=lambda policy: (not self.ranked(policy), *self._rank(policy)))
 
     def _rank(self, policy: str) -> tuple[float, float]:
         late = float(self._times(policy).mean())
@@ -119,8 +123,8 @@ class Comparison:
 
     @cached_property
     def ranked_policies(self) -> list[str]:
-        """The policies that do not know the map, best first; all policies when every one knows it."""
-        return [policy for policy in self.ranking if not self.privileged(policy)] or self.ranking
+        """The policies that are :meth:`ranked`, best first; all policies when none is."""
+        return [policy for policy in self.ranking if self.ranked(policy)] or self.ranking
 
     @cached_property
     def aligned(self) -> bool:
@@ -132,14 +136,14 @@ class Comparison:
     def contrasts(self) -> dict[str, Contrast]:
         """Steps of every other policy against the best-ranked; empty where they did not fly the same tasks.
 
-        All pairs of ranked policies are tested at once, since any could have come first. Policies that know the map
-        are a family of their own, so that they do not change the others' p-values.
+        All pairs of ranked policies are tested at once, since any could have come first. The others are a family of
+        their own, so that they do not change the p-values of the ranked.
         """
         if not self.groups or not self.aligned:
             return {}
         first = self.ranked_policies[0]
-        privileged = [policy for policy in self.ranking if policy not in self.ranked_policies]
-        return self._family(self.ranked_policies, chosen=True) | self._family([first, *privileged])
+        others = [policy for policy in self.ranking if policy not in self.ranked_policies]
+        return self._family(self.ranked_policies, chosen=True) | self._family([first, *others])
 
     @cached_property
     def success_p_values(self) -> dict[str, float]:

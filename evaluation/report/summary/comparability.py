@@ -159,7 +159,10 @@ def _failed(results: Results) -> Iterator[str]:
 def _failed_checks(results: Results) -> Iterator[str]:
     """Name the policies whose choices depend on what no UAV knows, or differ from flight to flight."""
     for name, text in results.failed_checks.items():
-        yield f"{name} failed the check {text}. Its figures may rest on what no UAV knows, or differ next time."
+        yield (
+            f"{name} failed the check {text}. It is not ranked: its figures may rest on what no UAV knows, or differ "
+            "next time."
+        )
 
 
 def _few(results: Results) -> Iterator[str]:

@@ -25,8 +25,8 @@ def headline(comparison: Comparison) -> Markup:
         parts = [_alone(comparison, first)]
     else:
         parts = [_winner(comparison, first), _lead(comparison, first), *map(escape, success_notes(comparison))]
-    privileged = [name for name in comparison.ranking if comparison.privileged(name) and name != first]
-    return Markup(" ").join(part for part in (*parts, *(_privileged(comparison, name) for name in privileged)) if part)
+    others = [name for name in comparison.ranking if not comparison.ranked(name) and name != first]
+    return Markup(" ").join(part for part in (*parts, *(_unranked(comparison, name) for name in others)) if part)
 
 
 def _steps(comparison: Comparison, policy: str) -> str:
@@ -100,6 +100,7 @@ def _no_policy(comparison: Comparison) -> Markup:
     return Markup(text).format(comparison.level.percent, NAME.format(best), percent(final[best], 1), episodes)
 
 
-def _privileged(comparison: Comparison, policy: str) -> Markup:
-    mean = comparison.time(policy).mean
-    return Markup("{}, which is given the true map, took {} steps.").format(NAME.format(policy), fixed(mean, 1))
+def _unranked(comparison: Comparison, policy: str) -> Markup:
+    why = "is given the true map" if comparison.privileged(policy) else "failed a check and is not ranked"
+    steps = fixed(comparison.time(policy).mean, 1)
+    return Markup("{}, which {}, took {} steps.").format(NAME.format(policy), why, steps)

@@ -110,6 +110,15 @@ def test_a_headline_without_rivals_or_success_names_the_level(near: Results) -> 
     assert "No policy reached 90 % coverage" in headline(Comparison(replace(near, records=never), "near"))
 
 
+def test_a_policy_that_failed_a_check_is_named_and_not_ranked(near: Results) -> None:
+    policies = near.policies | {"quick": near.policies["quick"] | {"failed_check": "map of the seed: knows it"}}
+    comparison = Comparison(replace(near, policies=policies), "near")
+    assert comparison.ranked_policies == ["slow"]
+    text = headline(comparison)
+    assert text.startswith("<b>slow</b> reached 90 % coverage after")
+    assert "<b>quick</b>, which failed a check and is not ranked, took 50.3 steps" in text
+
+
 def test_no_text_of_the_page_is_about_a_level_that_was_not_asked_for(near: Results) -> None:
     text = render(near)
     shown = _section(text, 1)

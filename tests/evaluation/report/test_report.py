@@ -127,7 +127,7 @@ def test_policies_that_failed_a_check_are_marked(results: Results) -> None:
             assert (f"{name} {DOUBLE_DAGGER}" in text) == expected
             assert (f"{DOUBLE_DAGGER} {name} failed the check {told}." in " ".join(text.split())) == expected
         assert ("failed a check</span>" in render(found)) == expected
-        assert (f"{name} failed the check {told}. Its figures may rest on" in render(found)) == expected
+        assert (f"{name} failed the check {told}. It is not ranked: its figures may" in render(found)) == expected
 
 
 def test_shares_of_a_batch_are_marked(results: Results) -> None:
