@@ -216,8 +216,8 @@ def _aims(results: Results) -> Iterator[str]:
     """Name what policies plan for, where it differs or a time on the way to it is compared."""
     aims, below = results.aims, any(level.key != "t99" for level in results.levels)
     if set(aims) != {"not stated"} and (len(aims) > 1 or below):
-        listed = "; ".join(f"{aim}: {', '.join(names)}" for aim, names in aims.items())
-        yield f"Coverage that policies plan for: {listed}. Lower thresholds are reached on the way to it."
+        listed = "; ".join(f"{aim} by {', '.join(names)}" for aim, names in aims.items())
+        yield f"Coverage planned for: {listed}. Lower thresholds are reached on the way to it."
 
 
 def _unknown_code(results: Results) -> Iterator[str]:

@@ -101,13 +101,13 @@ def test_what_policies_plan_for_is_noted_where_it_differs(sound: Results) -> Non
         told = {
             name: about | ({"plans_for": aims[name]} if name in aims else {}) for name, about in sound.policies.items()
         }
-        return [text for text in verdict_on(replace(sound, policies=told)).notes if "plan for" in text]
+        return [text for text in verdict_on(replace(sound, policies=told)).notes if "planned for" in text]
 
     assert notes() == notes(straight="all cells", wavy="all cells") == []
-    assert "plan for: all cells: straight; not stated: wavy. Lower thresholds" in notes(straight="all cells")[0]
+    assert "planned for: all cells by straight; not stated by wavy. Lower thresholds" in notes(straight="all cells")[0]
     lower = {name: about | {"goal": 0.9} for name, about in sound.scenarios.items()}
     sound = replace(sound, scenarios=lower)
-    assert "plan for: all cells: straight, wavy." in notes(straight="all cells", wavy="all cells")[0]
+    assert "planned for: all cells by straight, wavy." in notes(straight="all cells", wavy="all cells")[0]
 
 
 def test_plug_ins_without_hashes_of_their_sources_are_named_once(sound: Results) -> None:
