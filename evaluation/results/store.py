@@ -11,7 +11,7 @@ import json
 import sqlite3
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -83,10 +83,28 @@ def _write_ahead(db: sqlite3.Connection) -> None:
             return
 
 
+def _is_corrupt(path: Path) -> bool:
+    """Tell whether a file is an SQLite database whose structure is damaged; other kinds of files are not."""
+    try:
+        with closing(connect(path.resolve().as_uri())) as db:
+            return bool(db.execute("PRAGMA integrity_check(1)").fetchone() != ("ok",))
+    except sqlite3.Error as error:
+        return getattr(error, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_CORRUPT
+    except UnicodeDecodeError:
+        return True
+
+
+def _remove(path: Path) -> None:
+    """Delete a database with the files of changes beside it."""
+    for ending in ("", "-wal", "-shm"):
+        path.with_name(path.name + ending).unlink(missing_ok=True)
+
+
 class Store(StoreReader):
     """The results of one experiment in a file, opened for writing, and made if it is not there.
 
-    With ``fresh``, what the file holds counts for nothing, damaged or not: the first run deletes it.
+    With ``fresh``, what the file holds counts for nothing, damaged or not: the first run deletes it. A file that SQLite
+    cannot read is deleted at once.
     """
 
     def __init__(self, path: Path, *, fresh: bool = False) -> None:
@@ -95,6 +113,8 @@ class Store(StoreReader):
         """The digests of the maps that were added."""
         existed = path.exists()
         try:
+            if fresh and existed and _is_corrupt(path):
+                _remove(path)
             self._db = connect(path.resolve().as_uri())
             _write_ahead(self._db)
             self._db.execute("PRAGMA synchronous = NORMAL")

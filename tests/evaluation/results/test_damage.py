@@ -274,3 +274,22 @@ def test_a_fresh_store_that_no_run_begins_keeps_what_it_holds(folder):
     with Store(folder / "results.db", fresh=True):
         pass
     assert told(folder) == before
+
+
+def test_a_store_that_sqlite_cannot_read_is_started_afresh(folder):
+    path = folder / "results.db"
+    data = bytearray(path.read_bytes())
+    data[100:108] = b"\xff" * 8  # the header of the first page, behind that of the file
+    path.write_bytes(data)
+    with pytest.raises(InputError, match="malformed"):
+        Store(path)
+    with Store(path, fresh=True) as store:
+        store.begin_run(experiment(), about(experiment()), {})
+    assert Results.load(folder).records == []
+
+
+def test_a_file_of_another_kind_is_never_deleted(tmp_path):
+    (tmp_path / "results.db").write_text("my notes\n" * 200)
+    with pytest.raises(InputError, match="file is not a database"):
+        Store(tmp_path / "results.db", fresh=True)
+    assert (tmp_path / "results.db").read_text().startswith("my notes")
