@@ -18,10 +18,11 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
     """Compare policies and return the summary as a table with the columns of ``summary.csv``.
 
     Writes ``out/results.db``, ``report.html``, and what :func:`~indoor_explorers.evaluation.exports.write_exports`
-    does. Plug-in policies are first checked for hidden knowledge, and marked if they fail. Episodes that
-    ``out/results.db`` already holds are not flown again, except failed ones with ``retry_failed``. A policy that
-    breaks costs only its own episodes. With 0 workers plug-ins are not checked, and episodes are flown in this
-    process, where a policy that hangs, leaks memory or ends the process is not caught.
+    does. Plug-in policies are first checked for hidden knowledge, and marked if they fail; they decide in processes
+    that never have the true map. Episodes that ``out/results.db`` already holds are not flown again, except failed ones
+    with ``retry_failed``. A policy that breaks costs only its own episodes. With 0 workers plug-ins are neither checked
+    nor isolated, and episodes are flown in this process, where a policy that hangs, leaks memory or ends the process is
+    not caught.
 
     Args:
         out: the folder of the results; it is made where there is none.
@@ -31,7 +32,7 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
             :class:`~indoor_explorers.evaluation.experiment.request.ComparisonRequest`: ``policies``, ``scenario``,
             ``experiment``, ``maps``, ``resolution``, ``team``, ``episodes``, ``seed``, ``settings``, ``workers``,
             ``engine``, ``address``, ``decision_timeout`` (seconds, None for none), ``memory_limit`` (GB per worker),
-            ``retry_failed``, ``refly``, ``fresh``, ``ratio_to``.
+            ``isolate``, ``retry_failed``, ``refly``, ``fresh``, ``ratio_to``.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.

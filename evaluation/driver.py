@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.engines.factory import make_engine
-from indoor_explorers.evaluation.engines.knowledge import with_failed_checks
-from indoor_explorers.evaluation.engines.loading import load_facts
+from indoor_explorers.evaluation.engines.knowledge import Facts, with_failed_checks
+from indoor_explorers.evaluation.engines.loading import PolicyLoader
 from indoor_explorers.evaluation.engines.workload import Workload
 from indoor_explorers.evaluation.episodes.record import FlownEpisode
-from indoor_explorers.evaluation.experiment.experiment import Experiment
+from indoor_explorers.evaluation.experiment.experiment import Experiment, PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import limits_for
 from indoor_explorers.evaluation.experiment.provenance import run_facts
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.experiment.selection import chosen_baselines
+from indoor_explorers.evaluation.results.policy_version import version_difference
 from indoor_explorers.evaluation.results.store import Store
 
 if TYPE_CHECKING:
@@ -68,20 +70,12 @@ def fly_missing(
     """Fly the episodes that ``out/results.db`` lacks, and write nothing else; see :func:`run`."""
     how = request
     fly_jobs = make_engine(how.engine, how.workers, how.address, how.decision_timeout, how.memory_limit)
-    limits = None if how.workers == 0 else limits_for(1, how.decision_timeout, how.memory_limit)
-    about = {choice.name: load_facts(choice, limits) for choice in experiment.policies}
-    for scenario in experiment.scenarios:  # refuses maps on which the team cannot start before anything is flown
-        for index in range(scenario.map.count):
-            draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
-    _make_folder(out)
+    about = _policy_facts(experiment, out, how)
     with Store(out / "results.db", fresh=how.fresh) as store:
-        chosen_baselines([*store.policies(), *about], [], how.ratio_to)  # refuses unknown ones before anything is flown
-        if how.workers != 0:
-            about = with_failed_checks(experiment, about, store.policies())
         facts = run_facts(command, how.engine, how.workers)
-        number = store.begin_run(experiment, about, facts, refly=how.refly)
+        number = store.begin_run(experiment, _of_all_runs(about, store.policies()), facts, refly=how.refly)
         finished = store.finished(failed=not how.retry_failed)
-        workload = Workload(experiment, finished, _worker_count(how))
+        workload = Workload(experiment, finished, _worker_count(how), about=about)
         if watcher is not None:
             watcher.begin(len(experiment.policies) * len(experiment.tasks()), len(workload))
         for records in fly_jobs(workload) if workload else ():
@@ -90,6 +84,40 @@ def fly_missing(
             workload.add(records)
             if watcher is not None:
                 watcher.flown(records, workload.seconds_left())
+
+
+def _policy_facts(experiment: Experiment, out: Path, how: ComparisonRequest) -> dict[str, Facts]:
+    """Return the facts of the policies, after everything was refused that cannot be flown; ``out`` is made."""
+    limits = None if how.workers == 0 else limits_for(1, how.decision_timeout, how.memory_limit)
+    with PolicyLoader(limits) as loader:
+        about = loader.facts(experiment.policies)
+        for scenario in experiment.scenarios:  # the team must be able to start on every map
+            for index in range(scenario.map.count):
+                draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
+        _make_folder(out)
+        with Store(out / "results.db", fresh=how.fresh) as store:
+            stored = store.policies()
+        chosen_baselines([*stored, *about], [], how.ratio_to)
+        if limits is not None:
+            about = with_failed_checks(experiment, about, stored, loader)
+    return {c.name: about[c.name] | {"isolated": _flies_isolated(c, how)} for c in experiment.policies}
+
+
+def _of_all_runs(about: Mapping[str, Facts], stored: Mapping[str, Facts]) -> dict[str, Facts]:
+    """Return the facts to store: a policy flew isolated if it did so in all runs, which older stores do not tell."""
+    told = {}
+    for name, facts in about.items():
+        before = stored.get(name, facts)
+        if version_difference(before, facts):
+            before = facts
+        told[name] = facts | {"isolated": facts["isolated"] and before.get("isolated")}
+    return told
+
+
+def _flies_isolated(choice: PolicyChoice, how: ComparisonRequest) -> bool:
+    if how.workers == 0 or how.isolate == "none":
+        return False
+    return how.isolate == "all" or not is_own_policy(choice.use)
 
 
 def _worker_count(request: ComparisonRequest) -> int:

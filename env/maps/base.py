@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -30,6 +30,10 @@ class BaseMaps(BaseModel):
     def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
         """Return map ``index`` (0 to count - 1) for an episode seed."""
         raise NotImplementedError
+
+    def without_files(self) -> Self:
+        """Return what a UAV may know of this source: all settings but the names of map files."""
+        return self
 
     def identity(self) -> Any:
         """Return the identity of this source as JSON: for files their cells, not their paths."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal, Self, get_args
 
 from pydantic import Field, PrivateAttr
 
@@ -29,6 +29,10 @@ __all__ = [
     "RoomsMaps",
     "ThesisMaps",
 ]
+
+
+#: Stands for the path of a map file where it must not be known.
+HIDDEN = "(not told)"
 
 
 class FileMaps(BaseMaps):
@@ -60,6 +64,10 @@ class FileMaps(BaseMaps):
         held = self.model_copy()
         held._held = dict(plans)
         return held
+
+    def without_files(self) -> Self:
+        """Return as many maps whose files nobody can read."""
+        return type(self)(paths=(HIDDEN,) * self.count, resolution=self.resolution)
 
     def identity(self) -> Any:
         """Return the digests of the maps' cells."""

@@ -37,6 +37,7 @@ class World:
 
     def __init__(self, scenario: Scenario, batch: int = 1, *, threads: int = 1) -> None:
         self.scenario = scenario
+        self._told = scenario.model_copy(update={"map": scenario.map.without_files()})
         self.batch = batch
         self.seeds = [0] * batch
         self.begun = np.zeros(batch, np.int64)
@@ -214,7 +215,7 @@ class World:
             team=self.scenario.team,
             shape=self.state.truth.shape[1:],
             lidar_range=self.scenario.lidar.range,
-            scenario=self.scenario,
+            scenario=self.scenario if privileged else self._told,
             rng=generator(self.seeds[episode], Stream.PILOT, agent),
             truth=read_only(self.state.truth[episode]) if privileged else None,
             starts=tuple((row, col) for row, col in self.state.cell[episode].tolist()) if privileged else None,

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any
 
 from indoor_explorers.env.policies.registry import is_own_policy
-from indoor_explorers.evaluation.engines.worker import KnowledgeCheck
-from indoor_explorers.evaluation.engines.worker_handle import ask_once
+from indoor_explorers.evaluation.engines.loading import AT_ONCE, PolicyLoader
+from indoor_explorers.evaluation.engines.policy_handle import ProcessEnded
 from indoor_explorers.evaluation.experiment.experiment import Experiment, PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits, limits_for
 from indoor_explorers.evaluation.results.policy_version import version_difference
 
 #: Seconds after which a policy stays unchecked.
 TIME_LIMIT = 10.0
-#: Policies that are checked at the same time.
-AT_ONCE = 2
 
 Facts = dict[str, Any]
 
 
 def with_failed_checks(
-    experiment: Experiment, about: Mapping[str, Facts], stored: Mapping[str, Facts]
+    experiment: Experiment, about: Mapping[str, Facts], stored: Mapping[str, Facts], loader: PolicyLoader
 ) -> dict[str, Facts]:
     """Return the facts of policies by name, those of plug-ins with the check for hidden knowledge that they fail.
 
@@ -39,21 +37,20 @@ def with_failed_checks(
         for choice in experiment.policies
         if choice.name not in found and not about[choice.name]["privileged"] and not is_own_policy(choice.use)
     ]
-    different = {_key(choice): choice for choice in unknown}
-    with ThreadPoolExecutor(AT_ONCE) as threads:
-        answers = dict(zip(different, threads.map(_failed_check, different.values()), strict=True))
+    answers = loader.of_each(unknown, partial(_failed_check, loader))
     found |= {
-        choice.name: {"failed_check": answer} for choice in unknown if (answer := answers[_key(choice)]) is not None
+        choice.name: {"failed_check": answer}
+        for choice, answer in zip(unknown, answers, strict=True)
+        if answer is not None
     }
     return {name: facts | found.get(name, {}) for name, facts in about.items()}
 
 
-def _key(choice: PolicyChoice) -> tuple[str, str]:
-    """Return what policies under several names have in common."""
-    return choice.use, repr(choice.parameters)
-
-
-def _failed_check(choice: PolicyChoice) -> str | None:
+def _failed_check(loader: PolicyLoader, choice: PolicyChoice) -> str | None:
     """Return which check a policy fails, empty for none; None if it takes too long or ends its process."""
-    answer = ask_once(KnowledgeCheck(choice), Limits(TIME_LIMIT, limits_for(AT_ONCE, None, None).memory))
+    limits = Limits(TIME_LIMIT, limits_for(AT_ONCE, None, None).memory)
+    try:
+        answer = loader.process(choice, limits).ask("failed_check", choice)
+    except ProcessEnded:
+        return None
     return answer if isinstance(answer, str) else None

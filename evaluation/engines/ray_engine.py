@@ -24,9 +24,9 @@ from indoor_explorers.env.errors import InputError, PolicyError, RunError
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.provenance import versions
+from indoor_explorers.evaluation.engines.process_handle import ONE_THREAD
 from indoor_explorers.evaluation.engines.ray_connection import connected, cpus
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
-from indoor_explorers.evaluation.engines.worker_handle import ONE_THREAD
 from indoor_explorers.evaluation.engines.workload import Jobs
 from indoor_explorers.evaluation.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.experiment.experiment import Job

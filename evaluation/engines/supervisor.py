@@ -9,18 +9,16 @@ from typing import NamedTuple
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan
-from indoor_explorers.evaluation.engines.worker_handle import WorkerExit, WorkerHandle
+from indoor_explorers.evaluation.engines.process_handle import STARTS, ProcessExit
+from indoor_explorers.evaluation.engines.worker_handle import WorkerHandle
 from indoor_explorers.evaluation.episodes.record import FlownEpisode, Record
 from indoor_explorers.evaluation.episodes.running import RunningEpisode, simulated_record
 from indoor_explorers.evaluation.episodes.steps import Steps
-from indoor_explorers.evaluation.episodes.verification import verified
 from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits
 
 __all__ = ["Limits", "Supervisor"]
 
-#: Attempts to start a worker process.
-STARTS = 3
 CLOSED = "the supervisor of these workers was closed"
 
 
@@ -29,10 +27,8 @@ class _Attempt(NamedTuple):
 
     records: list[FlownEpisode]
     """Records of all its tasks, or of those that were finished when the process ended."""
-    exit: WorkerExit | None
-    """How the process ended, None when the job was finished."""
-    fresh: bool
-    """Whether the process had flown nothing before."""
+    exit: ProcessExit | None
+    """How the process of the policy ended, None when the job was finished."""
     steps: Steps | None
     """The steps of the episode during which the process ended, if the job had only that one."""
 
@@ -40,14 +36,15 @@ class _Attempt(NamedTuple):
 class Supervisor:
     """Fly jobs in one worker process, and replace it when it dies, hangs or takes too much memory.
 
+    The worker does the same to the process of an isolated policy, and tells how it ended.
+
     When a process dies in a job of several episodes, it is not known which of them was the cause. So those without a
     record are flown again one by one: episodes do not depend on their batch, and only the one at fault fails. An
     episode counts as failed only in a process that has flown nothing before, so that it is not blamed for what an
     earlier one left behind; and where the process was killed from outside, only when that happens a second time.
 
     A process that has loaded a policy from outside this package serves no other one, since such a policy may change
-    whatever others rely on, on purpose or not. The package's own policies share a process. The episodes of a policy
-    from outside are simulated again here, where it was never loaded.
+    whatever others rely on, on purpose or not. The package's own policies share a process.
 
     Safe to call from several threads; they take turns.
     """
@@ -57,8 +54,10 @@ class Supervisor:
         self._turn = threading.Lock()
         self._closed = threading.Event()
         self._workers: list[WorkerHandle] = []
+        self._loaded: PolicyChoice | None = None
+        """The policy from outside this package that the worker process has loaded."""
         self.serves: PolicyChoice | None = None
-        """The policy from outside this package that its process has loaded."""
+        """The policy from outside this package that any of its processes has loaded."""
         weakref.finalize(self, _close_all, self._workers)
 
     def fly(self, job: Job) -> list[FlownEpisode]:
@@ -70,8 +69,7 @@ class Supervisor:
 
         """
         with self._turn:
-            records = self._fly_all(job)
-        return records if is_own_policy(job.policy.use) else [verified(record, job) for record in records]
+            return self._fly_all(job)
 
     def close(self) -> None:
         """End the process; a running job raises a RunError."""
@@ -95,52 +93,54 @@ class Supervisor:
             tried = self._try(job)
             if tried.exit is None:
                 return tried.records[0]
-            exits += tried.fresh
+            exits += tried.exit.fresh
             if tried.steps is not None and exits >= 1 + tried.exit.from_outside:
                 return _failed(job, tried.exit, tried.steps)
 
     def _try(self, job: Job) -> _Attempt:
-        """Fly a job once, until it is finished or the process ends."""
-        worker = self._worker(job.policy)
-        fresh = worker.fresh
+        """Fly a job once, until it is finished or a process ends."""
+        worker = self._worker(job)
         try:
             worker.send(job)
             records = []
             while isinstance(message := worker.receive(), FlownEpisode):
                 records.append(message)
-            if isinstance(message, WorkerExit) and not self._closed.is_set():
-                return _Attempt(records, message, fresh, self._discard(worker, job.scenario.team))
+            if isinstance(message, ProcessExit) and not self._closed.is_set():
+                steps = worker.steps(job.scenario.team)
+                if worker.ended:
+                    self._discard(worker)
+                return _Attempt(records, message, steps)
             if message is not None:
-                raise RunError(CLOSED) if isinstance(message, WorkerExit) else message
+                raise RunError(CLOSED) if isinstance(message, ProcessExit) else message
         except BaseException:
-            self._discard(worker, job.scenario.team)
+            self._discard(worker)
             raise
-        return _Attempt(records, None, fresh, None)
+        return _Attempt(records, None, None)
 
-    def _worker(self, policy: PolicyChoice) -> WorkerHandle:
-        """Return the worker process for a policy; start one if there is none."""
-        if self._workers and self.serves not in (None, policy):
-            self._discard(self._workers[0], 1)
-        self.serves = None if is_own_policy(policy.use) else policy
+    def _worker(self, job: Job) -> WorkerHandle:
+        """Return the worker process for a job; start one if there is none."""
+        own = is_own_policy(job.policy.use)
+        loads = None if own or job.isolated else job.policy
+        if self._workers and self._loaded not in (None, loads):
+            self._discard(self._workers[0])
+        self._loaded, self.serves = loads, None if own else job.policy
         if self._workers:
             return self._workers[0]
         for _ in range(STARTS):
             worker = WorkerHandle(self._limits)
             self._workers.append(worker)
             if self._closed.is_set():  # checked after the worker is listed: close() kills those listed
-                self._discard(worker, 1)
+                self._discard(worker)
                 raise RunError(CLOSED)
             if (ended := worker.receive()) is None:
                 return worker
-            self._discard(worker, 1)
+            self._discard(worker)
         raise RunError(f"a worker process cannot be started: {ended.reason}")
 
-    def _discard(self, worker: WorkerHandle, team: int) -> Steps:
-        """End a worker process; return the steps of the episode that it was flying alone."""
-        steps = worker.steps(team)
+    def _discard(self, worker: WorkerHandle) -> None:
+        """End a worker process."""
         worker.close()
         self._workers.remove(worker)
-        return steps
 
 
 def _close_all(workers: list[WorkerHandle]) -> None:
@@ -148,7 +148,7 @@ def _close_all(workers: list[WorkerHandle]) -> None:
         workers.pop().close()
 
 
-def _failed(job: Job, ended: WorkerExit, steps: Steps) -> Record:
+def _failed(job: Job, ended: ProcessExit, steps: Steps) -> Record:
     (task,) = job.tasks
     floorplan = draw_floorplan(job.scenario, task.seed, task.map_index)
     flight = RunningEpisode(0, task, floorplan, job.bounds.get(task), failure=ended.reason)

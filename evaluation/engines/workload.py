@@ -6,8 +6,9 @@ import math
 import time
 from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple, Protocol
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.simulation.spawns import draw_floorplan
@@ -56,8 +57,13 @@ class Workload:
         finished: set[tuple[str, Task]],
         workers: int,
         clock: Callable[[], float] = time.monotonic,
+        about: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
     ) -> None:
-        """Leave out ``finished`` episodes; the size of jobs depends on the number of ``workers``."""
+        """Leave out ``finished`` episodes; the size of jobs depends on the number of ``workers``.
+
+        ``about`` are the facts of policies by name, which say whether one is privileged and flies isolated.
+        """
+        self._about = about
         self._workers, self._clock = max(1, workers), clock
         self._sizes = {scenario.name: _size(scenario, experiment.seed) for scenario in experiment.scenarios}
         self._waiting: dict[tuple[str, str], tuple[PolicyChoice, Scenario, list[Task]]] = {}
@@ -145,7 +151,9 @@ class Workload:
         if not tasks:
             del self._waiting[pair]
         self._flying[pair] += len(taken)
-        return Job(choice, scenario, tuple(taken), {t: self._bounds[t] for t in taken if t in self._bounds})
+        facts = self._about.get(choice.name, {})
+        how = {name: bool(facts.get(name)) for name in ("isolated", "privileged")}
+        return Job(choice, scenario, tuple(taken), {t: self._bounds[t] for t in taken if t in self._bounds}, **how)
 
 
 def missing_jobs(experiment: Experiment, finished: set[tuple[str, Task]], workers: int) -> Iterator[Job]:

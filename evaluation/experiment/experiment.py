@@ -68,6 +68,10 @@ class Job(NamedTuple):
     tasks: tuple[Task, ...]
     bounds: Mapping[Task, int] = {}
     """Lower bounds of the tasks whose bounds and maps the driver already has; workers send neither again."""
+    isolated: bool = False
+    """Whether the policy decides in a process of its own, which never has the world."""
+    privileged: bool = False
+    """Whether an isolated policy is given the true map, as its facts say."""
 
 
 class Experiment(BaseModel):

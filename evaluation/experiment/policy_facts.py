@@ -13,7 +13,7 @@ from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.evaluation.experiment.sources import outside_files
 
 #: Facts that no provenance may name, besides those that identify a policy.
-DERIVED = ("defaults", "hash", "uses_generator", "batched", "failed_check", "seen_seeds", "plans_for")
+DERIVED = ("defaults", "hash", "uses_generator", "batched", "failed_check", "isolated", "seen_seeds", "plans_for")
 #: Characters of what a policy says it plans for.
 LONGEST_AIM = 80
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
@@ -22,6 +22,8 @@ from indoor_explorers.evaluation.options import (
 
 #: Where episodes can be flown, the default first.
 ENGINES = ("local", "ray")
+#: Which policies can be isolated.
+Isolated = Literal["plug-ins", "all", "none"]
 
 
 def _several(value: Any) -> Any:
@@ -86,6 +88,9 @@ class ComparisonRequest(Request):
     """Fail an episode when a decision takes longer; compiling does not count."""
     memory_limit: Annotated[float | None, Option(metavar="GB", read=read_gigabytes)] = None
     """Fail an episode when its process uses more memory (default: four fifths of the machine's memory / workers)."""
+    isolate: Annotated[Isolated, Option(choices=get_args(Isolated))] = "plug-ins"
+    """Which policies decide in a process of their own, which is shown what their UAVs know and never has the true map:
+    by default those from outside this package. Results say which did."""
     retry_failed: Annotated[bool, Option()] = False
     """Fly failed episodes again; without this they count as finished. Where the process was killed or ran out of
     memory, the new attempt replaces the failed one; any other failure is the policy's, and still counts."""

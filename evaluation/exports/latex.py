@@ -15,7 +15,7 @@ from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, MINUS, THIN_SPACE, slug
 from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
 from indoor_explorers.evaluation.report.tables.headline_table import headings
-from indoor_explorers.evaluation.report.tables.policy_names import DAGGER, DOUBLE_DAGGER
+from indoor_explorers.evaluation.report.tables.policy_names import DAGGER, DOUBLE_DAGGER, SECTION
 from indoor_explorers.evaluation.results.results import Results
 
 #: Characters with a meaning in LaTeX, or that not every engine supports.
@@ -35,6 +35,7 @@ COMMANDS = {
     "\u00b5": r"$\mu$",
     DAGGER: r"$\dagger$",
     DOUBLE_DAGGER: r"$\ddagger$",
+    SECTION: r"\S",
     "\u00df": r"\ss{}",
 }
 #: Accents by their combining characters.

@@ -98,6 +98,7 @@ class ShownPolicies:
     uses_generator: list[str]
     batched: list[str]
     failed_checks: dict[str, str]
+    exposed: list[str]
     swatches: dict[str, Markup]
     """Line and marker of each policy, as in the charts."""
 
@@ -109,6 +110,7 @@ def _policies(results: Results, styles: Styles) -> ShownPolicies:
         results.generator_policies,
         results.batched_policies,
         results.failed_checks,
+        results.exposed_policies,
         {name: swatch(style) for name, style in styles.items()},
     )
 

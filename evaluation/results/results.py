@@ -36,6 +36,8 @@ SUMMARY_COLUMNS = (
 
 #: The attempt that counts for an episode that was flown again.
 WHICH_COUNTS = "the first attempt counts where the policy failed, the last where the machine did"
+#: How the classes of this package's own policies begin.
+OURS = f"{__name__.partition('.')[0]}."
 #: Facts of a run about its machine.
 MACHINE = ("system", "processor", "cores")
 
@@ -106,14 +108,22 @@ class Results:
         return {name: about["failed_check"] for name, about in self.policies.items() if about.get("failed_check")}
 
     @property
+    def policies_from_outside(self) -> list[str]:
+        """The policies from outside this package, in table order."""
+        return [name for name, about in self.policies.items() if not str(about.get("class", OURS)).startswith(OURS)]
+
+    @property
     def policies_of_unknown_code(self) -> list[str]:
         """The policies from outside this package without hashes of their sources, in table order."""
-        return [
-            name
-            for name, about in self.policies.items()
-            if not str(about.get("class", "indoor_explorers.")).startswith("indoor_explorers.")
-            and not about.get("sources")
-        ]
+        return [name for name in self.policies_from_outside if not self.policies[name].get("sources")]
+
+    @property
+    def exposed_policies(self) -> list[str]:
+        """The policies from outside this package that flew in the process that had the true map, in table order.
+
+        Stores from before policies could be isolated do not say so of any.
+        """
+        return [name for name in self.policies_from_outside if self.policies[name].get("isolated") is False]
 
     @property
     def batched_policies(self) -> list[str]:

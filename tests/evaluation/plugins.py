@@ -2,6 +2,7 @@
 
 import contextlib
 import ctypes
+import gc
 import itertools
 import os
 import resource
@@ -9,6 +10,7 @@ import signal
 import sys
 import time
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -290,6 +292,81 @@ WAYS = {
     "buffer": lambda belief: memoryview(belief).__setitem__((0, 0), 1),
     "frombuffer": lambda belief: np.frombuffer(belief, np.uint8).setflags(write=True),
 }
+
+
+class VandalInAllWays(Wander):
+    """Try to write to what it may only read in every way there is, and go on if none works."""
+
+    class Mind(Wanderer):
+        def act(self, view):
+            for name, way in WAYS.items() if view.step == 5 else ():
+                before = view.belief.copy()
+                with contextlib.suppress(ValueError, TypeError, AttributeError):
+                    way(view.belief)
+                if not np.array_equal(view.belief, before):
+                    raise AssertionError(f"{name} worked")
+            return super().act(view)
+
+    def pilot(self, briefing):
+        return self.Mind(briefing)
+
+
+class Searches(Wander):
+    """Search its process for the world, the map and the seed; fail if there is one of them."""
+
+    seed: int
+
+    def __init__(self, seed):
+        object.__setattr__(self, "seed", seed)
+
+    class Mind(Wanderer):
+        def __init__(self, briefing, policy):
+            super().__init__(briefing)
+            self.policy = policy
+
+        def act(self, view):
+            if view.step == 5 and (found := self.policy.found()):
+                raise LookupError(f"found {sorted(found)}")
+            return super().act(view)
+
+    def pilot(self, briefing):
+        return self.Mind(briefing, self)
+
+    def found(self):
+        kinds, found, frame = ("World", "Floorplan", "Task"), set(), sys._getframe()
+        places = [vars(module) for module in list(sys.modules.values())]
+        while frame:
+            places.append(frame.f_locals)
+            frame = frame.f_back
+        for each in [*gc.get_objects(), *(value for place in places for value in place.values())]:
+            found.update({type(each).__name__}.intersection(kinds))
+            held = each.values() if type(each) is dict else each if type(each) in (list, tuple, set) else ()
+            if any(type(item) is int and item == self.seed for item in list(held)) and each is not vars(self):
+                found.add("the seed")
+        return found
+
+
+class HangsInCAndTellsWhere(Wander):
+    """Write the number of its process to a file, and keep the interpreter's lock."""
+
+    where: str
+
+    def __init__(self, where):
+        object.__setattr__(self, "where", where)
+
+    def pilot(self, briefing):
+        Path(self.where).write_text(str(os.getpid()))
+        sum(itertools.repeat(1))
+
+
+class ClaimsPrivilege(Wander):
+    """Say that it is privileged, and fail if it is told the map."""
+
+    privileged = True
+
+    def pilot(self, briefing):
+        assert briefing.truth is None
+        return Wanderer(briefing)
 
 
 class Meddles(Wander):

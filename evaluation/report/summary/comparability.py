@@ -12,6 +12,7 @@ from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import counted, percent
+from indoor_explorers.evaluation.report.tables.policy_names import EXPOSED
 from indoor_explorers.evaluation.results.coverage_threshold import shared
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
@@ -207,6 +208,9 @@ def _privileged(results: Results) -> Iterator[str]:
     if results.generator_policies:
         names = ", ".join(results.generator_policies)
         yield f"Policies that read the settings of the random generator that draws the maps, never the map: {names}."
+    if results.exposed_policies:
+        names = ", ".join(results.exposed_policies)
+        yield f"Policies from outside this package that {EXPOSED}: {names}."
     if results.batched_policies:
         names = ", ".join(results.batched_policies)
         yield f"Policies that decide for many UAVs at once, whose decision times are shares of a batch: {names}."

@@ -10,16 +10,22 @@ from indoor_explorers.evaluation.results.results import Results
 DAGGER = "\N{DAGGER}"
 #: Marks policies that failed a check for hidden knowledge.
 DOUBLE_DAGGER = "\N{DOUBLE DAGGER}"
+#: Marks policies from outside this package that were not isolated.
+SECTION = "\N{SECTION SIGN}"
 #: Follows a decision time that is a share of a batch's.
 BATCH_SHARE = "batch share"
 
+#: What such a policy could have done.
+EXPOSED = "flew in the process that has the true map, where it could have read it"
+
 
 def marked(results: Results, policy: str) -> str:
-    """Return the name of a policy, marked where it knows the map, reads generator settings or failed a check."""
+    """Return the name of a policy, marked with what it is told, a check that it failed, and if it was not isolated."""
     marks = [
         *(["(knows the map)"] if policy in results.privileged_policies else []),
         *([DAGGER] if policy in results.generator_policies else []),
         *([DOUBLE_DAGGER] if policy in results.failed_checks else []),
+        *([SECTION] if policy in results.exposed_policies else []),
     ]
     return " ".join([policy, *marks])
 
@@ -34,6 +40,8 @@ def footnotes(results: Results, policies: Iterable[str], *, times: bool = True) 
         for name, text in results.failed_checks.items()
         if name in shown
     ]
+    if shown.intersection(results.exposed_policies):
+        notes.append(f"{SECTION} {EXPOSED}.")
     if times and shown.intersection(results.batched_policies):
         what = "the policy decides for many UAVs at once, and each one's time is its share of the whole"
         notes.append(f"{BATCH_SHARE.capitalize()}: {what}.")

@@ -7,7 +7,8 @@ import weakref
 import numpy as np
 import pytest
 
-from indoor_explorers.env import PRESETS, World
+from indoor_explorers.env import PRESETS, InputError, World
+from indoor_explorers.env.scenarios.presets import on_files
 
 
 @pytest.mark.parametrize("name", ["thesis-obstacles", "small-rooms", "office"])
@@ -16,6 +17,20 @@ def test_a_briefing_tells_the_settings_of_a_generator_and_nothing_of_files(name)
     world = World(task)
     world.reset([0])
     assert world.briefing(0, 0).generator == (None if name == "office" else task.map)
+
+
+def test_a_briefing_names_no_map_files_unless_it_tells_the_map(tmp_path):
+    paths = [str(tmp_path / f"{name}.npy") for name in ("one", "two")]
+    for path in paths:
+        np.save(path, np.zeros((9, 12), np.uint8))
+    world = World(on_files(paths, None))
+    world.reset([0])
+    told = world.briefing(0, 0).scenario.map
+    assert told.count == 2
+    assert not any(path in told.model_dump_json() for path in paths)
+    with pytest.raises(InputError):
+        told.floorplan(0, 0)
+    assert world.briefing(0, 0, privileged=True).scenario.map.paths == tuple(paths)
 
 
 def reachable(root):

@@ -4,11 +4,15 @@ import pytest
 
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.engines import knowledge
+from indoor_explorers.evaluation.engines.loading import PolicyLoader
+from indoor_explorers.evaluation.experiment.limits import Limits
 from indoor_explorers.evaluation.experiment.planning import plan
 from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.results.store import Store
+
+LIMITS = Limits(decision_timeout=1.0, memory=2_000_000_000)
 
 
 def checked(*policies, stored=None):
@@ -16,7 +20,8 @@ def checked(*policies, stored=None):
     entries = [{"use": use, "name": name} for name, use in policies]
     experiment = plan(ComparisonRequest(policies=entries, scenario="thesis-open", episodes=1))
     about = {choice.name: policy_facts(choice.make(), choice.use) for choice in experiment.policies}
-    return knowledge.with_failed_checks(experiment, about, stored or {})
+    with PolicyLoader(LIMITS) as loader:
+        return knowledge.with_failed_checks(experiment, about, stored or {}, loader)
 
 
 def plugin(name):
@@ -39,10 +44,10 @@ def test_a_plug_in_that_cannot_be_checked_is_left_unjudged(name, monkeypatch):
 
 def test_a_plug_in_is_checked_once(monkeypatch):
     calls = []
-    monkeypatch.setattr(knowledge, "_failed_check", lambda choice: calls.append(choice.name) or "it failed")
+    monkeypatch.setattr(knowledge, "_failed_check", lambda loader, choice: calls.append(choice.name) or "it failed")
     two = plugin("Wander"), ("the same", plugin("Wander")[1])
     facts = checked(*two)
-    assert calls == ["the same"]
+    assert calls == ["Wander"]
     assert checked(*two, stored=facts) == facts
     assert {each["failed_check"] for each in facts.values()} == {"it failed"}
     changed = {name: each | {"sources": {"plugins.py": "another"}} for name, each in facts.items()}
@@ -60,3 +65,4 @@ def test_a_comparison_marks_a_policy_that_knows_the_map(tmp_path):
     assert "tests.evaluation.plugins:KnowsMap failed the check map of the seed: " in page
     with Store(tmp_path / "results.db") as store:
         assert "failed_check" not in store.policies()["random"]
+        assert [facts["isolated"] for facts in store.policies().values()] == [True, False]

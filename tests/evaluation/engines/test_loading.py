@@ -8,7 +8,7 @@ import pytest
 
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.cli.parser import main
-from indoor_explorers.evaluation.engines.loading import load_facts
+from indoor_explorers.evaluation.engines.loading import PolicyLoader
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits
 from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
@@ -36,9 +36,10 @@ def met(tmp_path, monkeypatch, code, name="Plug"):
     module = f"met_{abs(hash(code))}"
     (tmp_path / f"{module}.py").write_text(BEGIN + textwrap.dedent(code))
     monkeypatch.setattr(sys, "path", [*sys.path, str(tmp_path)])
-    facts = load_facts(PolicyChoice(use=f"{module}:{name}", name="plug"), LIMITS)
+    with PolicyLoader(LIMITS) as loader:
+        facts = loader.facts([PolicyChoice(use=f"{module}:{name}", name="plug")])
     assert module not in sys.modules
-    return facts
+    return facts["plug"]
 
 
 def plug(body):

@@ -13,7 +13,6 @@ from indoor_explorers.evaluation.engines.worker_handle import WorkerHandle
 from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.episodes.verification import CHANGED
 from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice, Task
 from indoor_explorers.evaluation.experiment.limits import Limits
 from tests.evaluation.plugins import WAYS, Vandal, Wander
@@ -24,10 +23,8 @@ GUILTY = 1
 
 
 def job(policy, seeds=(1, 0, 2), **parameters):
-    use = f"tests.evaluation.plugins:{policy}"
-    return Job(
-        PolicyChoice(use=use, name=policy, parameters=parameters), TEAM, tuple(Task(TEAM.name, 0, s) for s in seeds)
-    )
+    choice = PolicyChoice(use=f"tests.evaluation.plugins:{policy}", name=policy, parameters=parameters)
+    return Job(choice, TEAM, tuple(Task(TEAM.name, 0, seed) for seed in seeds), isolated=True)
 
 
 def facts(record):
@@ -136,13 +133,9 @@ def test_a_policy_from_outside_has_a_process_of_its_own_and_changes_no_other_one
     assert [facts(record) for record in others] == [facts(honest[seed]) for seed in (1, 0, 2)]
 
 
-def test_what_counts_is_worked_out_where_the_policy_was_not_loaded(supervisor, honest):
-    assert [facts(record) for record in supervisor.fly(job("Boasts"))] == [facts(honest[seed]) for seed in (1, 0, 2)]
-
-
-def test_an_episode_that_does_not_follow_from_its_actions_failed(supervisor):
-    for record in supervisor.fly(job("Teleports")):
-        assert (record.outcome, record.reason, record.steps) == (Outcome.FAILED, CHANGED, 0)
+@pytest.mark.parametrize("policy", ["Boasts", "Teleports"])
+def test_what_counts_is_worked_out_where_the_policy_was_not_loaded(policy, supervisor, honest):
+    assert [facts(record) for record in supervisor.fly(job(policy))] == [facts(honest[seed]) for seed in (1, 0, 2)]
 
 
 def test_the_packages_own_policies_share_a_process(supervisor):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numba.core import event
 
-from indoor_explorers.evaluation.engines.worker import Compiling
+from indoor_explorers.evaluation.engines.serving import Compiling
 from indoor_explorers.evaluation.episodes.shared_clock import Clock, DecisionTimeout
 from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer
 from indoor_explorers.evaluation.episodes.steps import step_type

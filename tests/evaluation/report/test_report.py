@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
 from indoor_explorers.evaluation.report import headline_table, write_figures, write_report
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.tables.policy_names import DAGGER, DOUBLE_DAGGER
+from indoor_explorers.evaluation.report.tables.policy_names import DAGGER, DOUBLE_DAGGER, SECTION
 from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
@@ -128,6 +128,25 @@ def test_policies_that_failed_a_check_are_marked(results: Results) -> None:
             assert (f"{DOUBLE_DAGGER} {name} failed the check {told}." in " ".join(text.split())) == expected
         assert ("failed a check</span>" in render(found)) == expected
         assert (f"{name} failed the check {told}. It is not ranked: its figures may" in render(found)) == expected
+
+
+def test_policies_from_outside_that_were_not_isolated_are_marked(results: Results) -> None:
+    name = "broken"
+    for isolated, kind, expected in (
+        (False, "out:Side", True),
+        (True, "out:Side", False),
+        (False, "indoor_explorers.planners.x:Y", False),
+    ):
+        policies = results.policies | {name: results.policies[name] | {"isolated": isolated, "class": kind}}
+        found = Results(policies, results.scenarios, results.runs, list(results.records))
+        texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(Ratios.of(found)))]
+        for text in (*texts, latex_tables(found).replace(r"\S", SECTION)):
+            assert (f"{name} {SECTION}" in text) == expected
+            assert (f"{SECTION} flew in the process that has the true map" in " ".join(text.split())) == expected
+        page = render(found)
+        assert ("not isolated</span>" in page) == expected
+        assert (f"where it could have read it: {name}." in page) == expected
+        assert ("flew isolated</small>" in page) == isolated
 
 
 def test_shares_of_a_batch_are_marked(results: Results) -> None:

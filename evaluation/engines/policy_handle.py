@@ -1,0 +1,113 @@
+"""The process of an isolated policy as the process that asks it sees it."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import pickle
+from typing import Any
+
+from indoor_explorers.env.errors import RunError
+from indoor_explorers.env.policies.registry import is_own_policy
+from indoor_explorers.evaluation.engines.policy_process import serve_policy
+from indoor_explorers.evaluation.engines.process_handle import STARTS, ProcessExit, ProcessHandle
+from indoor_explorers.evaluation.episodes.shared_views import SharedViews
+from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
+from indoor_explorers.evaluation.experiment.limits import Limits
+
+#: The most bytes of an answer.
+LONGEST = 100_000_000
+#: Why an episode fails whose policy made its process answer in another way than it has to.
+UNREADABLE = "the process of the policy sent an answer that cannot be read"
+
+
+class ProcessEnded(Exception):
+    """Reports that the process of a policy ended, or had to be killed."""
+
+    def __init__(self, how: ProcessExit) -> None:
+        super().__init__(how.reason)
+        self.how = how
+
+
+class PolicyHandle(ProcessHandle):
+    """One process that holds a policy. What it answers is JSON, and is not trusted."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.views = SharedViews()
+        super().__init__(limits, self.views, serve_policy)
+
+    @classmethod
+    def started(cls, limits: Limits) -> PolicyHandle:
+        """Start a process and wait until it serves.
+
+        Raises:
+            RunError: it cannot be started.
+
+        """
+        why = ""
+        for _ in range(STARTS):
+            process = cls(limits)
+            try:
+                process.answer()
+            except ProcessEnded as ended:
+                process.close()
+                why = ended.how.reason
+            else:
+                return process
+        raise RunError(f"the process of a policy cannot be started: {why}")
+
+    def load(self, choice: PolicyChoice) -> Any:
+        """Begin a job: have it make a policy; see :meth:`~.policy_process.PolicyServer.load`."""
+        self._jobs += 1
+        return self.ask("load", choice)
+
+    def ask(self, question: str, *arguments: Any) -> Any:
+        """Return the answer of a method of :class:`~.policy_process.PolicyServer`; enforce the limits meanwhile.
+
+        Raises:
+            ProcessEnded: the process ended, or was killed as it exceeded a limit.
+
+        """
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+            self._connection.send_bytes(pickle.dumps((question, *arguments), pickle.HIGHEST_PROTOCOL))
+        return self.answer()
+
+    def answer(self) -> Any:
+        """Wait for the next answer; see :meth:`ask`."""
+        if (ended := self._await_message()) is not None:
+            raise ProcessEnded(ended)
+        try:
+            return json.loads(self._connection.recv_bytes(LONGEST))
+        except (EOFError, ConnectionResetError) as error:
+            raise ProcessEnded(self._exit()) from error
+        except (OSError, ValueError, RecursionError) as error:
+            raise self.unreadable() from error
+
+    def unreadable(self) -> ProcessEnded:
+        """Kill the process, since an answer is not what it has to be; return the error to raise."""
+        self.kill()
+        return ProcessEnded(ProcessExit(UNREADABLE, fresh=self._jobs <= 1))
+
+
+class PolicyHost:
+    """Keeps one process for isolated policies; one that has loaded a policy from outside serves no other one."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._process: PolicyHandle | None = None
+        self._serves: PolicyChoice | None = None
+
+    def process(self, choice: PolicyChoice) -> PolicyHandle:
+        """Return the process for a policy; start one if there is none."""
+        if self._serves not in (None, choice):
+            self.discard()
+        if self._process is None:
+            self._process = PolicyHandle.started(self._limits)
+        self._serves = None if is_own_policy(choice.use) else choice
+        return self._process
+
+    def discard(self) -> None:
+        """End the process."""
+        if self._process is not None:
+            self._process.close()
+        self._process = self._serves = None

@@ -1,0 +1,140 @@
+"""The code of the process of an isolated policy: it never has the world, only what is asked and shown.
+
+It answers in JSON, so that the process that asks it runs nothing that a policy may have made.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pickle
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from multiprocessing.connection import Connection
+from typing import Any
+
+from indoor_explorers.env import Briefing, InputError, Policy, View, make_policy
+from indoor_explorers.env.errors import PolicyError
+from indoor_explorers.env.grid.arrays import Cell, read_only
+from indoor_explorers.env.policies.view import Mate
+from indoor_explorers.env.simulation.rollout import Uav
+from indoor_explorers.evaluation.engines.serving import begin_serving, die_with_parent_thread
+from indoor_explorers.evaluation.episodes.failures import BREAKING, describe_error
+from indoor_explorers.evaluation.episodes.pilots import BatchFailed, Decision, LocalPilots, Tallies
+from indoor_explorers.evaluation.episodes.shared_clock import DecisionTimeout
+from indoor_explorers.evaluation.episodes.shared_views import SharedViews
+from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
+from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
+
+#: What is timed when a policy is loaded.
+LOADING = "importing and making it"
+#: What is shown of a UAV besides the arrays: (who, cell, step, budget, mates).
+Shown = tuple[Uav, Cell, int, int, tuple[Mate, ...]]
+
+
+def serve_policy(connection: Connection, views: SharedViews, parent: int) -> None:
+    """Answer questions until the connection closes; the first answer says that this process has started.
+
+    A question is the name of a method of :class:`PolicyServer` and its arguments. When the parent is gone, no code of
+    a policy is run any more.
+    """
+    die_with_parent_thread()
+    begin_serving(views.clock, parent)
+    server = PolicyServer(views)
+    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        connection.send_bytes(b"null")
+        while True:
+            name, *arguments = pickle.loads(connection.recv_bytes())
+            connection.send_bytes(json.dumps(getattr(server, name)(*arguments)).encode())
+    os._exit(1)
+
+
+class PolicyServer:
+    """Holds one policy and its pilots; every method returns what JSON can hold."""
+
+    def __init__(self, views: SharedViews) -> None:
+        self._views, self._clock = views, views.clock
+        self._policy: Policy | None = None
+        self._pilots: LocalPilots | None = None
+
+    def facts(self, choice: PolicyChoice) -> dict[str, Any]:
+        """Make a policy and return its facts, or why it is refused; it is not deleted as long as this process runs."""
+        try:
+            with self._clock:
+                self._policy = choice.make()
+                facts = policy_facts(self._policy, choice.use)
+        except BaseException as error:
+            return {"refused": _not_loaded(choice, error)}
+        return {"facts": facts}
+
+    def failed_check(self, choice: PolicyChoice) -> str | None:
+        """Return which check for hidden knowledge a policy fails, empty for none, None if it cannot be checked.
+
+        This counts as one decision, before which the world has been compiled.
+        """
+        from indoor_explorers.env.conformance import failed_check
+
+        failed_check(make_policy("random"))
+        with contextlib.suppress(BaseException), self._clock:
+            self._policy = self._policy or choice.make()
+            return failed_check(self._policy)
+        return None
+
+    def load(self, choice: PolicyChoice) -> dict[str, str]:
+        """Make a policy; return why it is refused, or why it failed; empty if it is there."""
+        try:
+            with self._clock:
+                self._pilots = LocalPilots(choice.make(), self._clock)
+        except InputError as error:
+            return {"refused": str(error)}
+        except BREAKING as error:
+            return {"failed": describe_error(error)}
+        return {}
+
+    def unload(self) -> None:
+        """Delete the policy; what it does then counts as a decision's time."""
+        with contextlib.suppress(*BREAKING), self._clock:
+            self._pilots = None
+
+    def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> list[tuple[int, str]]:
+        """Make the pilots of a new batch; return the episodes that failed, with the reason."""
+        assert self._pilots is not None
+        shape = next(told.shape for briefed in briefings.values() for told in briefed)
+        self._views.begin([(episode, n) for episode, told in briefings.items() for n in range(len(told))], shape)
+        mine = {episode: [_sealed(briefing) for briefing in told] for episode, told in briefings.items()}
+        return list(self._pilots.brief(mine).items())
+
+    def decide(self, shown: Sequence[Shown]) -> list[Decision | None] | None:
+        """Return the decisions of some UAVs in order, None for one that is left out; None alone if the batch failed."""
+        assert self._pilots is not None
+        try:
+            decided = self._pilots.decide({each[0]: self._view(*each) for each in shown})
+        except BatchFailed:
+            return None
+        return [decided.get(each[0]) for each in shown]
+
+    def tally(self, episodes: Collection[int]) -> list[tuple[int, Tallies | str]]:
+        """Return the statistics of episodes that have ended, or the reason of a failure."""
+        assert self._pilots is not None
+        return list(self._pilots.tally(episodes).items())
+
+    def _view(self, uav: Uav, cell: Cell, step: int, budget: int, mates: tuple[Mate, ...]) -> View:
+        belief, legal, visited = self._views.arrays(uav)
+        return View(belief, cell, legal, step, budget, mates, visited)
+
+
+def _not_loaded(choice: PolicyChoice, error: BaseException) -> str:
+    """Say in one line why a policy cannot be loaded, and where in its code."""
+    text = describe_error(error)
+    if isinstance(error, DecisionTimeout):
+        return f"policy {choice.name!r}: {text.replace('decision', LOADING, 1)}"
+    if not isinstance(error, (InputError, PolicyError)):
+        return f"policy {choice.name!r} cannot be loaded: {text}; correct it or leave it out"
+    text = text.removeprefix(f"{type(error).__name__}: ")
+    return text if repr(choice.use) in text else f"policy {choice.name!r}: {text}"
+
+
+def _sealed(briefing: Briefing) -> Briefing:
+    """Return a briefing whose map cannot be written to."""
+    return briefing if briefing.truth is None else replace(briefing, truth=read_only(briefing.truth))
