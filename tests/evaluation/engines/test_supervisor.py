@@ -41,6 +41,14 @@ def supervisor(plugins_found):
 
 
 @pytest.fixture(scope="module")
+def patient(plugins_found):
+    """A supervisor without a time limit: taking memory takes time."""
+    supervisor = Supervisor(Limits(None, LIMITS.memory))
+    yield supervisor
+    supervisor.close()
+
+
+@pytest.fixture(scope="module")
 def honest():
     """What an honest policy does on the same tasks, by seed."""
     return {record.task.seed: record for record in fly(Wander(), "w", TEAM, job("Wander", range(4)).tasks)}
@@ -88,19 +96,15 @@ def test_a_policy_that_breaks_costs_only_its_own_episode(policy, reason, supervi
     check(supervisor.fly(job(policy)), honest, reason, steps=5)
 
 
-def test_a_leak_is_stopped(honest):
-    supervisor = Supervisor(Limits(None, LIMITS.memory))  # taking memory takes time
-    try:
-        records = supervisor.fly(job("LeaksAtOnce"))
-    finally:
-        supervisor.close()
+def test_a_leak_is_stopped(patient, honest):
+    records = patient.fly(job("LeaksAtOnce"))
     (failed,) = [record for record in records if record.outcome is Outcome.FAILED]
     assert failed.steps > 5
     check(records, honest, "worker used more than 1 GB of memory (--memory-limit)", failed.steps)
 
 
-def test_a_slow_leak_of_a_whole_job_is_nobodys_fault(supervisor, honest):
-    records = supervisor.fly(job("LeaksSlowly", [0, 2, 100, 101, 102]))
+def test_a_slow_leak_of_a_whole_job_is_nobodys_fault(patient, honest):
+    records = patient.fly(job("LeaksSlowly", [0, 2, 100, 101, 102]))
     assert {record.outcome for record in records} <= {Outcome.BUDGET, Outcome.COMPLETE}
     assert facts(records[0]) == facts(honest[0])
 
