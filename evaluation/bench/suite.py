@@ -19,11 +19,13 @@ from indoor_explorers.evaluation.bench import (
     exploring,
     growth,
     interfaces,
+    isolation,
     starts,
     worlds,
 )
 from indoor_explorers.evaluation.bench.figure import Benchmark
 from indoor_explorers.evaluation.bench.worlds import STEPS, WORLDS
+from indoor_explorers.evaluation.engines.workload import JOB_EPISODES
 
 SPEED = "agent-steps/s"
 
@@ -104,6 +106,10 @@ def _decisions() -> Iterator[Benchmark]:
 def _harness(everything: bool) -> Iterator[Benchmark]:
     for policy in policy_entry_points():
         yield Benchmark("Harness", f"harness-overhead-{policy}", "%", partial(decisions.overhead, policy))
+    for team, preset in ((1, "thesis-obstacles"), (4, "thesis-team-4")):
+        for tail, pace, episodes in (("", 0.0, JOB_EPISODES), ("-1ms", 1e-3, JOB_EPISODES // 5)):
+            take = partial(isolation.isolation_time, preset, pace, episodes)
+            yield Benchmark("Harness", f"isolation-16x16-team{team}{tail}", "us", take)
     for episodes in (1000, 10_000) if everything else (1000,):
         take = partial(decisions.comparison_time, episodes)
         yield Benchmark("Harness", f"harness-{episodes}-episodes", "s", take)

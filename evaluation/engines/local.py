@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, ThreadPoolExecutor, wait
 from threading import Lock
 
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
-from indoor_explorers.evaluation.engines.workload import Jobs
+from indoor_explorers.evaluation.engines.workload import Jobs, Workload
 from indoor_explorers.evaluation.episodes.record import FlownEpisode, Record
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Job
@@ -34,39 +34,43 @@ def fly_jobs(jobs: Jobs, workers: int, limits: Limits) -> Iterator[list[FlownEpi
         yield from map(fly_job, jobs)
         return
     supervisors = [Supervisor(limits) for _ in range(min(workers, len(jobs)))]
-    idle = list(supervisors)
     threads = ThreadPoolExecutor(len(supervisors), "engine")
     try:
-        yield from _as_completed(threads, jobs, idle, in_flight=len(supervisors) + 1)
+        yield from _Dispatcher(supervisors, jobs).as_completed(threads)
     finally:
         for supervisor in supervisors:
             supervisor.close()
         threads.shutdown(cancel_futures=True)
 
 
-def _as_completed(
-    threads: Executor, jobs: Jobs, idle: list[Supervisor], in_flight: int
-) -> Iterator[list[FlownEpisode]]:
-    """Keep a few jobs submitted at a time, so that little is lost by stopping early."""
-    waiting = iter(jobs)
-    choosing = Lock()
-    running: set[Future[list[FlownEpisode]]] = set()
-    while True:
-        while len(running) < in_flight and (job := next(waiting, None)) is not None:
-            running.add(threads.submit(_fly_with_idle, idle, choosing, job))
-        if not running:
-            return
-        done, running = wait(running, return_when=FIRST_COMPLETED)
-        for future in done:
-            yield future.result()
+class _Dispatcher:
+    """Flies each job with a supervisor that is idle, if possible one whose processes have loaded its policy."""
 
+    def __init__(self, supervisors: Sequence[Supervisor], jobs: Jobs) -> None:
+        self._idle = list(supervisors)
+        self._choosing = Lock()
+        rest = iter(jobs)
+        self._take = jobs.take if isinstance(jobs, Workload) else lambda loaded: next(rest, None)
 
-def _fly_with_idle(idle: list[Supervisor], choosing: Lock, job: Job) -> list[FlownEpisode]:
-    """Fly a job with a supervisor that is idle, if possible one whose process can go on; each thread finds one."""
-    with choosing:
-        supervisor = max(idle, key=lambda each: (each.serves == job.policy, each.serves is None))
-        idle.remove(supervisor)
-    try:
-        return supervisor.fly(job)
-    finally:
-        idle.append(supervisor)
+    def as_completed(self, threads: Executor) -> Iterator[list[FlownEpisode]]:
+        """Yield the records of each job; one job more is begun than was yielded, so that little is lost by stopping."""
+        running = {threads.submit(self._fly_next) for _ in range(len(self._idle) + 1)}
+        while running:
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                if records := future.result():
+                    yield records
+                    running.add(threads.submit(self._fly_next))
+
+    def _fly_next(self) -> list[FlownEpisode]:
+        """Fly the next job; no records if there is none. Each thread finds an idle supervisor."""
+        with self._choosing:
+            job = self._take([each.serves for each in self._idle if each.serves is not None])
+            if job is None:
+                return []
+            supervisor = max(self._idle, key=lambda each: (each.serves == job.policy, each.serves is None))
+            self._idle.remove(supervisor)
+        try:
+            return supervisor.fly(job)
+        finally:
+            self._idle.append(supervisor)

@@ -123,7 +123,10 @@ class Supervisor:
         loads = None if own or job.isolated else job.policy
         if self._workers and self._loaded not in (None, loads):
             self._discard(self._workers[0])
-        self._loaded, self.serves = loads, None if own else job.policy
+            self.serves = None
+        self._loaded = loads
+        if not own or job.isolated:
+            self.serves = None if own else job.policy
         if self._workers:
             return self._workers[0]
         for _ in range(STARTS):

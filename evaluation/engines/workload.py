@@ -6,7 +6,8 @@ import math
 import time
 from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from threading import RLock
 from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
@@ -48,7 +49,8 @@ class Workload:
     """The missing episodes of an experiment: iterate for the jobs, and add the records as they come.
 
     The first job of every policy in every scenario is one episode, which measures what the others will cost. After
-    that, the policy and scenario with the longest episodes come first.
+    that, the policy and scenario with the longest episodes come first. Jobs can be taken, and records added, by
+    several threads.
     """
 
     def __init__(
@@ -64,6 +66,7 @@ class Workload:
         ``about`` are the facts of policies by name, which say whether one is privileged and flies isolated.
         """
         self._about = about
+        self._lock = RLock()
         self._workers, self._clock = max(1, workers), clock
         self._sizes = {scenario.name: _size(scenario, experiment.seed) for scenario in experiment.scenarios}
         self._waiting: dict[tuple[str, str], tuple[PolicyChoice, Scenario, list[Task]]] = {}
@@ -88,14 +91,27 @@ class Workload:
 
     def __iter__(self) -> Iterator[Job]:
         """Yield the jobs; which comes next depends on the records added so far."""
-        while self._waiting:
+        while (job := self.take()) is not None:
+            yield job
+
+    def take(self, loaded: Collection[PolicyChoice] = ()) -> Job | None:
+        """Return the next job, if possible of a policy that a worker has ``loaded``; None when all were taken."""
+        with self._lock:
+            if not self._waiting:
+                return None
             untried = [pair for pair in self._waiting if pair not in self._tried]
-            pair = untried[0] if untried else max(self._waiting, key=self.episode_seconds)
+            rest = untried or list(self._waiting)
+            rest = [pair for pair in rest if self._waiting[pair][0] in loaded] or rest
+            pair = rest[0] if untried else max(rest, key=self.episode_seconds)
             self._tried.add(pair)
-            yield self._job(pair, 1 if untried else self._episodes(pair))
+            return self._job(pair, 1 if untried else self._episodes(pair))
 
     def add(self, records: Sequence[FlownEpisode]) -> None:
         """Add stored episodes: what they cost, and the lower bounds of their tasks."""
+        with self._lock:
+            self._add(records)
+
+    def _add(self, records: Sequence[FlownEpisode]) -> None:
         for record in records:
             pair = record.policy, record.task.scenario
             seconds = float(record.seconds[-1]) + EPISODE + STEP * record.steps * record.team
@@ -111,6 +127,10 @@ class Workload:
         That is when each policy was flown in each scenario, or a fifth of all episodes. The speed is that of the latest
         half of the run, so that compiling at its start does not count.
         """
+        with self._lock:
+            return self._seconds_left()
+
+    def _seconds_left(self) -> float | None:
         now, done = self._clock(), self._done
         known = all(self._flown[pair] for pair in self._pairs) or 5 * sum(self._flown.values()) >= self._total
         if done[-1][1] == 0.0 or not known:

@@ -15,6 +15,10 @@ from indoor_explorers.evaluation.bench.ancestor import ancestor_speed, of_world
 from indoor_explorers.evaluation.bench.figure import Benchmark, Figure
 from indoor_explorers.evaluation.bench.table import human, line_of
 from indoor_explorers.evaluation.cli.parser import main
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
+
+PACED = "indoor_explorers.evaluation.bench.isolation:Paced"
 
 UNITS = {
     "world-16x16-lidar3-team1": "agent-steps/s",
@@ -33,6 +37,7 @@ UNITS = {
     "first-compile": "s",
     "first-step": "s",
     "harness-1000-episodes": "s",
+    **{f"isolation-16x16-team{team}{tail}": "us" for team in (1, 4) for tail in ("", "-1ms")},
     **{f"harness-overhead-{policy}": "%" for policy in policy_names()},
     **{
         f"decide-{policy}-{size}{tail}": "us"
@@ -53,6 +58,13 @@ def instant(monkeypatch):
     grown += [Benchmark("Growth", name, "us", lambda: 40.0) for name in deciding.growth()]
     monkeypatch.setattr(bench, "measures", lambda everything, growing: found + grown * (everything or growing))
     return found
+
+
+def test_paced_decisions_are_those_of_frontier_nearest():
+    task = PRESETS["thesis-team-2"].for_evaluation().with_settings({"budget": 20})
+    flights = [fly(make_policy(name), "p", task, [Task(task.name, 0, 0)]) for name in ("frontier-nearest", PACED)]
+    one, other = (record for records in flights for record in records)
+    np.testing.assert_array_equal(one.actions, other.actions)
 
 
 def test_the_agreed_names_have_the_agreed_units():

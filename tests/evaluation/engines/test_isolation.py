@@ -122,6 +122,14 @@ def test_a_worker_survives_the_process_of_its_policy(supervisor):
     assert supervisor._workers == [worker]
 
 
+def test_the_process_of_a_policy_waits_while_its_worker_flies_others(supervisor):
+    supervisor.fly(job("Wander", [0]))
+    supervisor.fly(own("random"))
+    assert supervisor.serves == job("Wander").policy
+    supervisor.fly(own("random")._replace(isolated=True))
+    assert supervisor.serves is None
+
+
 def test_who_flies_isolated():
     inside, outside = PolicyChoice(use="random", name="a"), PolicyChoice(use="tests.x:Y", name="b")
     options = {"plug-ins": [False, True], "all": [True, True], "none": [False, False]}

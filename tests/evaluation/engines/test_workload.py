@@ -1,6 +1,7 @@
 """Episodes are handed out longest first, and the time left is told from what they have cost."""
 
 import heapq
+from itertools import cycle
 from types import SimpleNamespace
 
 import numpy as np
@@ -89,6 +90,21 @@ def test_the_first_job_of_each_pair_is_one_episode_and_then_the_longest_come_fir
     assert costs[-1] == min(costs)
     work = 10 * sum(POLICIES.values()) * sum(SLOWER.values())
     assert total < 1.25 * work / 2
+
+
+def test_a_worker_stays_with_the_policy_that_it_has_loaded():
+    work, loaded = Workload(experiment(60), set(), 2), {}
+    changes, flown = [], set()
+    for worker in cycle((0, 1)):
+        if (job := work.take([loaded[worker]] if worker in loaded else [])) is None:
+            break
+        if len(flown) == len(POLICIES) * len(SCENARIOS) and loaded[worker] != job.policy:
+            changes.append((worker, job.policy.name))
+        flown.add((job.policy.name, job.scenario.name))
+        loaded[worker] = job.policy
+        work.add([record(job, task, POLICIES[job.policy.name]) for task in job.tasks])
+    assert len(work) == 0
+    assert len(changes) == len(set(changes))
 
 
 def test_jobs_tell_what_is_known_of_their_tasks():
