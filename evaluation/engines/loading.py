@@ -39,7 +39,9 @@ class PolicyLoader:
         return self
 
     def __exit__(self, *error: object) -> None:
-        """End the processes; the threads that started them end after them."""
+        """End the processes and the threads that wait for them."""
+        for process in list(self._processes.values()):
+            process.kill()
         self._threads.shutdown(cancel_futures=True)
         for process in self._processes.values():
             process.close()

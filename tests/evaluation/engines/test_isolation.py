@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -86,6 +87,7 @@ def test_a_policy_that_cannot_be_made_fails_or_is_refused(supervisor):
         supervisor.fly(job("Wander", [0], pace=3))
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems cannot end a process whatever it does")
 def test_the_process_of_a_policy_ends_with_its_worker_whatever_it_does(tmp_path, plugins_found):
     told = tmp_path / "pid"
     worker = WorkerHandle(Limits(None, LIMITS.memory))
