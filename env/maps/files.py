@@ -6,14 +6,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.readers.building import read_building
 from indoor_explorers.env.maps.readers.doorways import open_doorways
 from indoor_explorers.env.maps.readers.houseexpo import RESOLUTION, read_houseexpo
+from indoor_explorers.env.maps.readers.json_text import read_json
 from indoor_explorers.env.maps.readers.movingai import read_movingai
 from indoor_explorers.env.maps.readers.npy import read_npy
 from indoor_explorers.env.maps.readers.opening import Fits, check_file
 from indoor_explorers.env.maps.readers.plain import read_plain
 from indoor_explorers.env.maps.readers.ros import read_ros
+from indoor_explorers.env.maps.readers.vectormap import read_vectormap
 from indoor_explorers.env.maps.reduction import Source, check_resolution, checked_factor, cropped, reduced
 
 
@@ -28,7 +32,9 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     - ``.png``, ``.pgm``, ``.pnm``, ``.bmp``: a plain picture; bright is free, and a coloured spot marks the start.
     - ``.map``: a grid of the MovingAI benchmarks.
     - ``.npy``: a NumPy array of occupancies.
-    - ``.json``: a HouseExpo outline, cut to the house; cells of 0.1 m where none are asked for.
+    - ``.json``: a HouseExpo outline (an object), cut to the house; cells of 0.1 m where none are asked for. Or the wall
+      segments of an AMRL vector map (a list), drawn in pixels of 0.1 m; the unknown around the building is cut away.
+    - ``.xml``: the rooms and portals of a building, drawn and cut in the same way, and with open doorways.
 
     A pixel, character or element of the three in the middle counts as one metre, and nothing is cut away.
 
@@ -53,7 +59,24 @@ def _fits(path: Path, resolution: float | None) -> Fits:
 
 
 def _read_ros(path: Path, resolution: float | None) -> Floorplan:
-    cells, metres = read_ros(path, _fits(path, resolution))
+    return _indoors(path, *read_ros(path, _fits(path, resolution)), resolution)
+
+
+def _read_xml(path: Path, resolution: float | None) -> Floorplan:
+    return _indoors(path, *read_building(path, _fits(path, resolution)), resolution)
+
+
+def _read_json(path: Path, resolution: float | None) -> Floorplan:
+    data = read_json(path)
+    if isinstance(data, list):
+        return _indoors(path, *read_vectormap(path, data, _fits(path, resolution)), resolution)
+    asked = RESOLUTION if resolution is None else resolution
+    cells, metres = read_houseexpo(path, data, asked)
+    return cropped(reduced(Source(name=path.stem, where=str(path), cells=cells, resolution=metres), asked))
+
+
+def _indoors(path: Path, cells: Belief, metres: float, resolution: float | None) -> Floorplan:
+    """Return the floor plan of cells that are unknown around the building, and perhaps in its doorways."""
     source = Source(name=path.stem, where=str(path), cells=open_doorways(cells, metres), resolution=metres)
     return cropped(reduced(source, resolution))
 
@@ -72,17 +95,12 @@ def _read_npy(path: Path, resolution: float | None) -> Floorplan:
     return reduced(Source(name=path.stem, where=str(path), cells=cells, resolution=1.0), resolution)
 
 
-def _read_houseexpo(path: Path, resolution: float | None) -> Floorplan:
-    asked = RESOLUTION if resolution is None else resolution
-    cells, metres = read_houseexpo(path, asked)
-    return cropped(reduced(Source(name=path.stem, where=str(path), cells=cells, resolution=metres), asked))
-
-
 #: How a file is read, by its ending.
 READERS: dict[str, Callable[[Path, float | None], Floorplan]] = {
     **dict.fromkeys((".yaml", ".yml"), _read_ros),
     **dict.fromkeys((".png", ".pgm", ".pnm", ".bmp"), _read_plain),
     ".map": _read_movingai,
     ".npy": _read_npy,
-    ".json": _read_houseexpo,
+    ".json": _read_json,
+    ".xml": _read_xml,
 }

@@ -18,7 +18,7 @@ class MapsOptions(Request):
     """The options of ``maps``."""
 
     paths: Annotated[tuple[Path, ...], Option(metavar="PATH", several=True, positional=True)] = ()
-    """Map files: .yaml, .png, .pgm, .bmp, .map, .npy, .json."""
+    """Map files: .yaml, .png, .pgm, .bmp, .map, .npy, .json, .xml."""
     resolution: Annotated[float | None, RESOLUTION] = None
     """Metres per cell to resample map files to."""
     scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None

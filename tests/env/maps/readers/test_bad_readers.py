@@ -1,9 +1,10 @@
-"""Broken and hostile MovingAI, NumPy and HouseExpo files: one clear line each, in no time and little memory."""
+"""Broken and hostile MovingAI, NumPy, JSON and XML files: one clear line each, in no time and little memory."""
 
 import json
 import os
 import struct
 import tracemalloc
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -142,13 +143,13 @@ def house(verts):
         (b"\xff\xfe\x00\xd8", "expected JSON"),
         (b"nonsense", "expected JSON"),
         (house([[0, 0], [4, 0], [4, 3]])[:-9], "expected JSON"),
-        (b"[]", "expected the key 'verts' (the outline's corners in metres), got a JSON list; add it"),
-        (b"null", "got a JSON null"),
+        (b"null", "expected the key 'verts' (the outline's corners in metres), got a JSON null; add it"),
         (b"{}", "got a JSON object"),
-        (b'{"' + b"k" * 1_000_000 + b'": 1}', "got the keys kkk"),
+        (b'{"' + b"k" * 1_000_000 + b'": 1}', "got the keys 'kkk"),
+        (b'{"a\\nb": 1}', r"got the keys 'a\nb'"),
         (b"[" * 4_000_000, "JSON nested too deeply"),
         (b'{"verts":' * 400_000, "JSON nested too deeply"),
-        (b" " * 4_000_001, "expected a HouseExpo file of at most 4,000,000 bytes, got 4,000,001"),
+        (b" " * 4_000_001, "expected a JSON map of at most 4,000,000 bytes, got 4,000,001"),
         (house(None), "verts: expected 3 to 2000 corners [x, y], got a JSON null"),
         (house({"a": 1}), "got a JSON object"),
         (house([]), "got 0"),
@@ -177,6 +178,141 @@ def house(verts):
 )  # fmt: skip
 def test_a_broken_house_is_refused(tmp_path, data, message):
     assert message in refusal(tmp_path, "bad.json", data)
+
+
+def segment(*ends):
+    """The JSON of a wall between two ends (x, y)."""
+    return json.dumps({f"p{k}": dict(zip("xy", end, strict=False)) for k, end in enumerate(ends)}).encode()
+
+
+def walls(*segments):
+    return b"[" + b",".join(segments) + b"]"
+
+
+#: Four walls around 6 m x 5 m.
+BOX = [segment(a, b) for a, b in pairwise([(0, 0), (6, 0), (6, 5), (0, 5), (0, 0)])]
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"[]", "expected a list of 1 to 20,000 wall segments, got 0; is it a map?"),
+        (b"[[" * 1_999_999, "JSON nested too deeply"),
+        (b"[" + b"{}," * 1_300_000 + b"{}]", "got 1300001"),
+        (b"[" + b'{"a":0},' * 450_000 + b"{}]", "got 450001"),
+        (walls(*BOX)[:-3], "expected JSON"),
+        (walls(*BOX, b"5"), "of finite numbers, got 5.0 in number 5; correct it"),
+        (walls(*BOX, b"null"), "got a JSON null in number 5"),
+        (walls(*BOX, b"{}"), "got a JSON null, a JSON null in number 5"),
+        (walls(b'[{"x": 0, "y": 0}]'), "got a list of 1 in number 1"),
+        (walls(segment((0, 0))), "got 0.0, 0.0, a JSON null in number 1"),
+        (walls(segment((0, 0), (1,))), "got 0.0, 0.0, 1.0, a JSON null in number 1"),
+        (walls(b'{"p0": [0, 0], "p1": {"x": 1, "y": 2}}'), "got [0.0, 0.0], 1.0, 2.0 in number 1"),
+        (walls(*BOX, segment((0, 0), ("1", 0))), "got 0.0, 0.0, '1', 0.0 in number 5"),
+        (walls(*BOX, segment((0, 0), (True, 0))), "got 0.0, 0.0, True, 0.0 in number 5"),
+        (walls(*BOX, segment((0, 0), ("a\n" * 1000, 0))), "in number 5"),
+        (walls(*BOX, segment((0, float("nan")), (1, 0))), "got 0.0, nan, 1.0, 0.0 in number 5"),
+        (walls(*BOX, segment((0, float("-inf")), (1, 0))), "got 0.0, -inf, 1.0, 0.0 in number 5"),
+        (walls(*BOX, b'{"p0":{"x":1e999,"y":0},"p1":{"x":' + b"9" * 5000 + b',"y":0}}'), "got inf, 0.0, inf, 0.0"),
+        (walls(*BOX, segment((0, 0), (1e300, 0))), "expected points within 1,000,000 m of the origin, got 1e+300"),
+        (walls(*BOX, segment((0, 0), (-1.1e6, 0))), "got 1.1e+06; correct it"),
+        (walls(*BOX, segment((-1e6, -1e6), (1e6, 1e6))), "of at most 36,000,000 pixels of 0.1 m, got 20,000,040 x"),
+        (walls(*BOX, segment((0, 0), (500, 500))), "at most 4,194,304 cells, got 5,040 x 5,040; ask for a coarser"),
+        (walls(segment((0, 0), (5, 0))), "expected walls around some floor, with gaps of at most 1.6 m, got none"),
+        (walls(segment((0, 0), (0, 0))), "expected walls around some floor, with gaps of at most 1.6 m, got none"),
+    ],
+    ids=range(24),
+)  # fmt: skip
+def test_a_broken_vector_map_is_refused(tmp_path, data, message):
+    assert message in refusal(tmp_path, "bad.json", data)
+
+
+def points(*places):
+    return "".join(f'<point x="{x}" y="{y}" />' for x, y in places)
+
+
+def space(*corners, rest=""):
+    return f"<space><bounding_polygon>{points(*corners)}</bounding_polygon>{rest}</space>"
+
+
+def portal(*places, kind="PORTAL"):
+    segments = f"<linesegment>{points(*places)}<class>{kind}</class></linesegment>"
+    return f"<space_representation>{segments}</space_representation>"
+
+
+#: 10 units are a metre.
+SCALE = (
+    "<scale><represented_distance><value>10</value><um>pixel</um></represented_distance>"
+    "<real_distance><value>100</value><um>cm</um></real_distance></scale>"
+)
+
+
+def building(*spaces, scale=SCALE):
+    return f"<building>{scale}<floor><spaces>{''.join(spaces)}</spaces></floor></building>".encode()
+
+
+#: A room of 6 m x 5 m.
+ROOM = space((0, 0), (60, 0), (60, 50), (0, 50))
+LAUGHS = '<!ENTITY a0 "ha">' + "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 30))
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"", "expected plain XML, got no element found"),
+        (b"nonsense", "expected plain XML, got syntax error: line 1, column 0; correct it"),
+        (b"\x00\x01", "expected plain XML"),
+        (b"\xff\xfe\x00\xd8", "expected plain XML"),
+        (building(ROOM)[:-9], "expected plain XML"),
+        (building(ROOM) * 2, "expected plain XML, got junk after document element"),
+        (b"<?xml version='1.0' encoding='nonsense'?>" + building(ROOM), "expected plain XML, got unknown encoding"),
+        (b"<?xml version='1.0' encoding='utf-7'?>" + building(ROOM), "expected plain XML"),
+        (f"<!DOCTYPE b [{LAUGHS}]>".encode() + building(ROOM, "&a29;"), "got a DOCTYPE, which may declare entities"),
+        (b"<!DOCTYPE b SYSTEM 'file:///etc/passwd'>" + building(ROOM), "got a DOCTYPE"),
+        (b"<!DOCTYPE b [<!ENTITY x SYSTEM 'file:///etc/passwd'>]>" + building("&x;"), "got a DOCTYPE"),
+        (b"<!DOCTYPE building>" + building(ROOM), "got a DOCTYPE"),
+        (building(ROOM, "&x;"), "expected plain XML, got undefined entity"),
+        (b"<building>" * 100_000, "got elements nested deeper than 32 levels"),
+        (b"<building>" + b"<a/>" * 490_000 + b"</building>", "got 0 with 0; is it a floor of rooms?"),
+        (b"<building>" + b'<a b=""/>' * 220_000 + b"</building>", "got 0 with 0; is it a floor of rooms?"),
+        (b" " * 2_000_001, "expected an XML map of at most 2,000,000 bytes, got 2,000,001"),
+        (b"<svg/>", "expected the element <building>, got <svg>; is it a floor of rooms?"),
+        (b"<" + b"s" * 100_000 + b"/>", "expected the element <building>, got <sss"),
+        (building(ROOM, scale=""), "scale/real_distance/um: expected one of mm, cm, m, got 'nothing'; correct it"),
+        (building(ROOM, scale=SCALE.replace("cm", "inch\n" * 99)), r"got 'inch\ninch"),
+        (building(ROOM, scale=SCALE.replace("100", "-1")), "scale/real_distance/value: expected a number from 0.001"),
+        (building(ROOM, scale=SCALE.replace("100", "nan")), "got 'nan'; correct it"),
+        (building(ROOM, scale=SCALE.replace("100", "1e300")), "got '1e300'"),
+        (building(ROOM, scale=SCALE.replace(">10<", ">0<")), "scale/represented_distance/value: expected a number"),
+        (building(ROOM, scale=SCALE.replace(">10<", "><")), "got ''"),
+        (building(ROOM).replace(b"<floor>", b"<floor></floor><floor>"), "expected one floor, got 2; save each in"),
+        (building(), "expected 1 to 1,000 spaces with 1 to 5,000 corners in their bounding_polygon, got 0 with 0"),
+        (building("<space/>"), "got 1 with 0; is it a floor of rooms?"),
+        (building(ROOM * 1_001), "got 1,001 with 4,004"),
+        (building(space(*[(k % 7, k % 5) for k in range(5_001)])), "got 1 with 5,001"),
+        (building(space((0, 0), (60, 50))), "bounding_polygon: expected at least 3 points, got 2; correct it"),
+        (building(ROOM, "<space><bounding_polygon><point/></bounding_polygon></space>"), "expected numbers x and y of"),
+        (building(space((0, 0), ("nan", 0), (0, 9))), "point: expected numbers x and y of at most 1000000000"),
+        (building(space((0, 0), ("six", 0), (0, 9))), "expected numbers x and y"),
+        (building(space((0, 0), (9, "1e999"), (0, 9))), "expected numbers x and y"),
+        (building(space((0, 0), (60, 0), (60, 50), rest=portal((0, "left")))), "expected numbers x and y"),
+        (building(space((0, 0), (1e9, 0), (0, 1e9))), "expected points within 1,000,000 m of the origin, got 1e+08"),
+        (building(space((0, 0), (1e7, 0), (0, 1e7))), "36,000,000 pixels of 0.1 m, got 10,000,020 x 10,000,020"),
+        (building(space((0, 0), (5000, 0), (0, 5000))), "at most 4,194,304 cells, got 5,020 x 5,020"),
+    ],
+    ids=range(40),
+)  # fmt: skip
+def test_a_broken_building_is_refused(tmp_path, data, message):
+    assert message in refusal(tmp_path, "bad.xml", data)
+
+
+@pytest.mark.parametrize("resolution", [0.0, -1.0, float("nan"), float("inf"), 1e300, 50.0, 0.05])
+@pytest.mark.parametrize(("name", "data"), [("walls.json", walls(*BOX)), ("rooms.xml", building(ROOM))])
+def test_an_impossible_resolution_of_a_drawn_building_is_refused(tmp_path, name, data, resolution):
+    (tmp_path / name).write_bytes(data)
+    assert read_map(tmp_path / name, 0.1).resolution == 0.1
+    with pytest.raises(InputError, match=r"expected (a resolution (above 0|of at least the source's 0.1)|cells small)"):
+        read_map(tmp_path / name, resolution)
 
 
 @pytest.mark.parametrize("resolution", [0.0, -1.0, float("nan"), float("inf"), 1e300, 50.0, 1e-9])
@@ -215,25 +351,27 @@ def test_junk_is_refused_in_one_line(tmp_path_factory, suffix, data):
     refusal(tmp_path_factory.mktemp("junk"), f"junk{suffix}", data)
 
 
-def whole(suffix):
-    """A good small file of each new kind."""
+def whole(name):
+    """A good small file of each kind that is no picture."""
     body = "\n".join(["......", ".@@...", "......"])
     return {
-        ".map": grid(3, 6, body),
-        ".npy": array((3, 4), "<i4", bytes(48)),
-        ".json": house([[0, 0], [2, 0], [2, 1.5], [0, 1.5]]),
-    }[suffix]
+        "grid.map": grid(3, 6, body),
+        "array.npy": array((3, 4), "<i4", bytes(48)),
+        "house.json": house([[0, 0], [2, 0], [2, 1.5], [0, 1.5]]),
+        "walls.json": walls(*BOX),
+        "rooms.xml": building(space((0, 0), (60, 0), (60, 50), (0, 50), rest=portal((30, 0)))),
+    }[name]
 
 
-@pytest.mark.parametrize("suffix", [".map", ".npy", ".json"])
+@pytest.mark.parametrize("name", ["grid.map", "array.npy", "house.json", "walls.json", "rooms.xml"])
 @settings(max_examples=300, deadline=None)
 @given(st.data())
-def test_damage_is_refused_in_one_line_or_read_in_spite_of_it(tmp_path_factory, suffix, data):
-    damaged = bytearray(whole(suffix))
+def test_damage_is_refused_in_one_line_or_read_in_spite_of_it(tmp_path_factory, name, data):
+    damaged = bytearray(whole(name))
     for place in data.draw(st.lists(st.integers(0, len(damaged) - 1), max_size=4)):
         damaged[place] = data.draw(st.integers(0, 255))
     cut = data.draw(st.one_of(st.none(), st.integers(0, len(damaged))))
-    path = tmp_path_factory.mktemp("damage") / f"map{suffix}"
+    path = tmp_path_factory.mktemp("damage") / name
     path.write_bytes(bytes(damaged[:cut]))
     assert "\n" not in outcome(path)
 

@@ -16,6 +16,7 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.readers.houseexpo import read_houseexpo
+from indoor_explorers.env.maps.readers.json_text import read_json
 from indoor_explorers.env.maps.readers.movingai import read_movingai
 from indoor_explorers.env.maps.readers.npy import occupancy, read_npy
 from indoor_explorers.env.maps.readers.plain import read_plain
@@ -167,7 +168,8 @@ def test_outlines_enclose_what_matplotlib_says(tmp_path_factory, corners):
     corners = np.round(np.array(corners), 3)
     if (np.ptp(corners, axis=0) < 0.5).any():
         return
-    cells, metres = read_houseexpo(house(tmp_path_factory.mktemp("house"), corners.tolist()), 0.5)
+    path = house(tmp_path_factory.mktemp("house"), corners.tolist())
+    cells, metres = read_houseexpo(path, read_json(path), 0.5)
     rows, cols = np.indices(cells.shape).reshape(2, -1)
     places = (np.stack([cols, rows], axis=1) - 10) * metres + corners.min(axis=0)
     crossings = sum(
