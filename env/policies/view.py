@@ -82,7 +82,7 @@ class Briefing:
     lidar_range: float
     """Lidar range in cells."""
     scenario: Scenario
-    """The whole task, the goal coverage to aim at included."""
+    """The whole task with the goal coverage to aim at; only privileged policies are told the names of map files."""
     rng: np.random.Generator = field(repr=False)
     """The pilot's own random generator."""
     truth: Belief | None = field(default=None, repr=False)

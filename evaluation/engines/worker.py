@@ -18,7 +18,7 @@ from indoor_explorers.evaluation.engines.policy_handle import PolicyHost, Proces
 from indoor_explorers.evaluation.engines.remote_pilots import RemotePilots
 from indoor_explorers.evaluation.engines.serving import begin_serving
 from indoor_explorers.evaluation.episodes.failures import BREAKING, describe_error
-from indoor_explorers.evaluation.episodes.pilots import Pilots
+from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.episodes.shared_clock import Clock
 from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer
@@ -43,9 +43,8 @@ def serve(connection: Connection, buffer: SharedStepBuffer, driver: int, limits:
 
 def _serve_job(job: Job, connection: Connection, buffer: SharedStepBuffer, host: PolicyHost) -> None:
     try:
-        with _isolated(job, host) if job.isolated else _here(job, buffer.clock) as policy:
-            for record in fly(policy, job.policy.name, job.scenario, job.tasks, buffer, job.bounds):
-                connection.send(record.without_map() if record.task in job.bounds else record)
+        for record in _isolated(job, buffer, host) if job.isolated else _here(job, buffer):
+            connection.send(record.without_map() if record.task in job.bounds else record)
         connection.send(None)
     except ProcessEnded as ended:
         host.discard()
@@ -58,20 +57,18 @@ def _serve_job(job: Job, connection: Connection, buffer: SharedStepBuffer, host:
         connection.send(broken)
 
 
-@contextlib.contextmanager
-def _isolated(job: Job, host: PolicyHost) -> Iterator[Pilots]:
-    """Make the policy of a job in a process that never has the world."""
+def _isolated(job: Job, buffer: SharedStepBuffer, host: PolicyHost) -> Iterator[Record]:
+    """Fly a job with the policy in a process that never has the world."""
     pilots = RemotePilots(host.process(job.policy), job)
-    yield pilots
+    yield from fly(pilots, job.policy.name, job.scenario, job.tasks, buffer, job.bounds)
     pilots.close()
 
 
-@contextlib.contextmanager
-def _here(job: Job, clock: Clock) -> Iterator[Policy]:
-    """Make the policy of a job in this process; what it does when it is deleted counts as its time."""
-    policy = _make_policy(job, clock)
-    yield policy
-    with clock:
+def _here(job: Job, buffer: SharedStepBuffer) -> Iterator[Record]:
+    """Fly a job with the policy in this process; what it does when it is deleted counts as its time."""
+    policy = _make_policy(job, buffer.clock)
+    yield from fly(policy, job.policy.name, job.scenario, job.tasks, buffer, job.bounds)
+    with buffer.clock:
         del policy
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from indoor_explorers.env import Pilot, Policy, World, make_policy
 from indoor_explorers.evaluation.episodes import running
+from indoor_explorers.evaluation.episodes.shared_clock import Clock
 from indoor_explorers.planners.random_walk import RandomWalk
 from tests.seeds import seed_of
 
@@ -407,6 +408,16 @@ class HangsWhenDeleted(Wander):
 
     def pilot(self, briefing):
         return self.Mind(briefing)
+
+
+class NotesItsEnd(Wander):
+    """Note whether the clock ran when it was deleted."""
+
+    CLOCK: ClassVar[Clock]
+    TIMED: ClassVar[list[bool]] = []
+
+    def __del__(self):
+        self.TIMED.append(self.CLOCK.asked > 0)
 
 
 class Prints(Wander):

@@ -13,20 +13,23 @@ import pytest
 from indoor_explorers.env import InputError, World
 from indoor_explorers.evaluation.driver import _flies_isolated, _of_all_runs
 from indoor_explorers.evaluation.engines.policy_handle import UNREADABLE, PolicyHandle, ProcessEnded
+from indoor_explorers.evaluation.engines.policy_process import PolicyServer
 from indoor_explorers.evaluation.engines.process_handle import ProcessExit
 from indoor_explorers.evaluation.engines.remote_pilots import RemotePilots
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
+from indoor_explorers.evaluation.engines.worker import _here
 from indoor_explorers.evaluation.engines.worker_handle import WorkerHandle
 from indoor_explorers.evaluation.episodes.pilots import BatchFailed, LocalPilots
 from indoor_explorers.evaluation.episodes.record import Outcome
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.episodes.shared_clock import Clock
+from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer
 from indoor_explorers.evaluation.episodes.shared_views import SharedViews
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from tests.evaluation.engines.test_supervisor import TEAM, facts, job, own
-from tests.evaluation.plugins import Raises, Searches, Wander
+from tests.evaluation.plugins import NotesItsEnd, Raises, Searches, Wander
 
 LIMITS = Limits(decision_timeout=60.0, memory=2_000_000_000)
 #: No other number of a process is this one by chance.
@@ -253,6 +256,17 @@ def test_views_are_live_read_only_and_outlast_their_batch():
         assert not mine.flags.writeable
     writer.begin([(place, 0) for place in range(100)], (64, 64), writing=True)
     assert belief.any()
+
+
+def test_policies_are_deleted_while_the_clock_runs():
+    buffer, server, flown = SharedStepBuffer(), PolicyServer(views := SharedViews()), job("NotesItsEnd", [0])
+    NotesItsEnd.CLOCK = buffer.clock
+    assert len(list(_here(flown, buffer))) == 1
+    assert NotesItsEnd.TIMED == [True]
+    NotesItsEnd.CLOCK = views.clock
+    assert server.load(flown.policy) == {}
+    server.unload()
+    assert NotesItsEnd.TIMED == [True, True]
 
 
 def test_pilots_of_failed_episodes_are_deleted_with_the_others():
