@@ -51,11 +51,12 @@ def read_building(path: Path, fits: Fits | None = None) -> tuple[Belief, float]:
     """
     building = parse_building(path)
     sheet = Sheet.around(path, np.concatenate(building.outlines), MARGIN, fits)
-    rooms = sheet.areas(building.outlines)
     walls = sheet.lines(np.append(outline, outline[:1], axis=0) for outline in building.outlines)
-    doors = sheet.discs(building.portals, DOOR)
-    cells = np.where(walls, np.where(doors, FREE, OCCUPIED), np.where(rooms, FREE, UNKNOWN))
-    return cells.astype(np.uint8), PIXEL
+    cells = np.full(sheet.shape, UNKNOWN, np.uint8)
+    cells[sheet.areas(building.outlines)] = FREE
+    cells[walls] = OCCUPIED
+    cells[walls & sheet.discs(building.portals, DOOR)] = FREE
+    return cells, PIXEL
 
 
 def parse_building(path: Path) -> Building:

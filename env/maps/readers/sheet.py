@@ -91,9 +91,11 @@ def within(mask: Mask, radius: int) -> Mask:
     widths = [math.isqrt(radius**2 - down**2) for down in range(radius + 1)]
     across, near = mask.copy(), mask.copy()
     for width in range(radius + 1):
-        across[:, width:] |= mask[:, : mask.shape[1] - width]
-        across[:, : mask.shape[1] - width] |= mask[:, width:]
+        inner = max(mask.shape[1] - width, 0)
+        across[:, width:] |= mask[:, :inner]
+        across[:, :inner] |= mask[:, width:]
         for down in (down for down in range(radius + 1) if widths[down] == width):
-            near[down:] |= across[: len(mask) - down]
-            near[: len(mask) - down] |= across[down:]
+            inner = max(mask.shape[0] - down, 0)
+            near[down:] |= across[:inner]
+            near[:inner] |= across[down:]
     return near

@@ -39,20 +39,22 @@ def read_vectormap(path: Path, data: Any, fits: Fits | None = None) -> tuple[Bel
     segments = parse_vectormap(path, data) * (1.0, -1.0)
     sheet = Sheet.around(path, segments.reshape(-1, 2), MARGIN, fits)
     walls = sheet.lines(segments)
-    cells = np.where(walls, OCCUPIED, np.where(outside(walls), UNKNOWN, FREE))
+    cells = np.full(sheet.shape, FREE, np.uint8)
+    cells[outside(walls)] = UNKNOWN
+    cells[walls] = OCCUPIED
     if not (cells == FREE).any():
         raise InputError(
             f"{path}: expected walls around some floor, with gaps of at most {2 * FACADE:g} m, got none; "
             "close the facade"
         )
-    return cells.astype(np.uint8), PIXEL
+    return cells, PIXEL
 
 
 def outside(walls: Mask) -> Mask:
-    """Mark the (H, W) pixels that the disc of :data:`FACADE` covers on its ways from the upper left corner."""
+    """Mark the (H, W) pixels, walls at its edge too, that the disc of :data:`FACADE` reaches from the upper left."""
     radius = round(FACADE / PIXEL)
     places, _ = connected_parts(~within(walls, radius))
-    return within(places == places[0, 0], radius + 1) & ~walls
+    return within(places == places[0, 0], radius + 1)
 
 
 def parse_vectormap(path: Path, data: Any) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 import json
 import tracemalloc
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -218,6 +219,27 @@ def test_the_largest_maps_are_read_and_reduced_in_bounded_memory(tmp_path, suffi
     assert (plan.kept, plan.start) == (1.0, (1027, 17) if suffix == ".png" else None)
     assert coarse.shape == (1024, 1024)
     assert coarse.start == ((513, 8) if suffix == ".png" else None)
+
+
+@pytest.mark.parametrize("name", ["walls.json", "rooms.xml"])
+def test_the_largest_buildings_are_drawn_in_bounded_memory(tmp_path, name):
+    """A hall of 590 m x 590 m is drawn with nine times the pixels of the largest map."""
+    corners = [(0, 0), (590, 0), (590, 590), (0, 590)]
+    ends = [{"x": x, "y": y} for x, y in [*corners, (0, 0)]]
+    scale = "<scale><{0}><value>1</value><um>m</um></{0}><{1}><value>1</value><um>m</um></{1}></scale>"
+    points = "".join(f'<point x="{x}" y="{y}"/>' for x, y in corners)
+    text = {
+        "walls.json": json.dumps([{"p0": a, "p1": b} for a, b in pairwise(ends)]),
+        "rooms.xml": f"<building>{scale.format('represented_distance', 'real_distance')}<floor><spaces><space>"
+        f"<bounding_polygon>{points}</bounding_polygon></space></spaces></floor></building>",
+    }[name]
+    (tmp_path / name).write_text(text)
+    tracemalloc.start()
+    plan = read_map(tmp_path / name, 0.5)
+    assert tracemalloc.get_traced_memory()[1] < 800_000_000
+    tracemalloc.stop()
+    assert plan.shape == pytest.approx((1181, 1181), abs=2)
+    assert plan.kept == pytest.approx(1.0)
 
 
 def picture(folder, pixels, name="map.png"):

@@ -84,7 +84,7 @@ def test_a_door_inside_stays_open_and_a_closed_room_is_left_out(tmp_path):
     assert closed.shape == pytest.approx((50, 40), abs=2)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(st.integers(0, 9), st.integers(0, 2**32), st.floats(0.0, 0.3), st.integers(1, 40), st.integers(1, 40))
 def test_within_is_the_euclidean_distance(radius, seed, share, height, width):
     mask = np.random.default_rng(seed).random((height, width)) < share
