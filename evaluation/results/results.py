@@ -19,6 +19,7 @@ from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, exten
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
+from indoor_explorers.evaluation.results.policy_lists import PolicyLists
 from indoor_explorers.evaluation.results.reading import StoreReader
 from indoor_explorers.evaluation.results.seen_seeds import seen_seeds_line
 from indoor_explorers.evaluation.statistics import (
@@ -36,14 +37,12 @@ SUMMARY_COLUMNS = (
 
 #: The attempt that counts for an episode that was flown again.
 WHICH_COUNTS = "the first attempt counts where the policy failed, the last where the machine did"
-#: How the classes of this package's own policies begin.
-OURS = f"{__name__.partition('.')[0]}."
 #: Facts of a run about its machine.
 MACHINE = ("system", "processor", "cores")
 
 
 @dataclass(frozen=True, eq=False)
-class Results:
+class Results(PolicyLists):
     """Everything a store holds, loaded."""
 
     policies: dict[str, dict[str, Any]]
@@ -83,52 +82,6 @@ class Results:
         for record in self.records:
             groups[record.task.scenario, record.policy].append(record)
         return {key: records for key, records in groups.items() if records}
-
-    @property
-    def privileged_policies(self) -> list[str]:
-        """The policies that are given the true map and are not ranked, in table order."""
-        return [name for name, about in self.policies.items() if about.get("privileged")]
-
-    @property
-    def generator_policies(self) -> list[str]:
-        """The policies that read the settings of the maps' generator, in table order."""
-        return [name for name, about in self.policies.items() if about.get("uses_generator")]
-
-    @property
-    def aims(self) -> dict[str, list[str]]:
-        """The policies by the coverage that they plan for, in table order; "not stated" where they do not say."""
-        found: dict[str, list[str]] = {}
-        for name, about in self.policies.items():
-            found.setdefault(about.get("plans_for", "not stated"), []).append(name)
-        return found
-
-    @property
-    def failed_checks(self) -> dict[str, str]:
-        """The check for hidden knowledge that a policy failed and how to fix it, by the policy's name."""
-        return {name: about["failed_check"] for name, about in self.policies.items() if about.get("failed_check")}
-
-    @property
-    def policies_from_outside(self) -> list[str]:
-        """The policies from outside this package, in table order."""
-        return [name for name, about in self.policies.items() if not str(about.get("class", OURS)).startswith(OURS)]
-
-    @property
-    def policies_of_unknown_code(self) -> list[str]:
-        """The policies from outside this package without hashes of their sources, in table order."""
-        return [name for name in self.policies_from_outside if not self.policies[name].get("sources")]
-
-    @property
-    def exposed_policies(self) -> list[str]:
-        """The policies from outside this package that flew in the process that had the true map, in table order.
-
-        Stores from before policies could be isolated do not say so of any.
-        """
-        return [name for name in self.policies_from_outside if self.policies[name].get("isolated") is False]
-
-    @property
-    def batched_policies(self) -> list[str]:
-        """The policies that decide for many UAVs at once: their decision times are shares of a batch's."""
-        return [name for name, about in self.policies.items() if about.get("batched")]
 
     @property
     def retry_notes(self) -> list[str]:

@@ -9,19 +9,15 @@ from __future__ import annotations
 
 import json
 import sqlite3
-import time
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.errors import RunError, one_line
+from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, Record, is_of_machine
 from indoor_explorers.evaluation.experiment.experiment import Experiment, Task
-from indoor_explorers.evaluation.results.damage import damaged
 from indoor_explorers.evaluation.results.policy_version import version_difference
-from indoor_explorers.evaluation.results.reading import FORMAT, PATIENCE, SETTINGS, SQL_ERRORS, StoreReader, connect
+from indoor_explorers.evaluation.results.reading import FORMAT, SETTINGS, SQL_ERRORS, StoreReader, connect
 from indoor_explorers.evaluation.results.rows import (
     ATTEMPTS,
     CHECKSUMS,
@@ -31,6 +27,7 @@ from indoor_explorers.evaluation.results.rows import (
     episode_row,
     floorplan_row,
 )
+from indoor_explorers.evaluation.results.writing import is_corrupt, not_written, remove, transaction, write_ahead
 
 #: All tables that a store may have, each after those that refer to it.
 TABLES = ("damaged", "episode", "attempt", "floorplan", "scenario", "policy", "run", "checksum", "meta")
@@ -38,66 +35,10 @@ TABLES = ("damaged", "episode", "attempt", "floorplan", "scenario", "policy", "r
 MOST_NAMED = 4
 
 
-@contextmanager
-def _transaction(db: sqlite3.Connection, path: Path) -> Iterator[None]:
-    """Write everything in the block or nothing.
-
-    Raises:
-        RunError: the disk is full, or the file cannot be written for another reason.
-
-    """
-    try:
-        with db:
-            db.execute("BEGIN IMMEDIATE")
-            yield
-    except sqlite3.OperationalError as error:
-        raise _not_written(path, error) from error
-    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-        raise damaged(path, error) from error
-
-
-def _not_written(path: Path, error: Exception) -> RunError:
-    return RunError(
-        f"{path} cannot be written: {one_line(str(error))}; the finished episodes are kept: make room on the disk, and "
-        "the same command goes on from there"
-    )
-
-
 def _some(differences: list[str]) -> str:
     """Return the first of some differences, and how many more there are."""
     more = [f"and {len(differences) - MOST_NAMED} more"] if len(differences) > MOST_NAMED else []
     return "; ".join(differences[:MOST_NAMED] + more)
-
-
-def _write_ahead(db: sqlite3.Connection) -> None:
-    """Set the journal mode in which readers do not wait; SQLite itself does not wait for others who do the same."""
-    until = time.monotonic() + PATIENCE
-    while True:
-        try:
-            db.execute("PRAGMA journal_mode = WAL")
-        except sqlite3.OperationalError as error:
-            if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or time.monotonic() > until:
-                raise
-            time.sleep(0.01)
-        else:
-            return
-
-
-def _is_corrupt(path: Path) -> bool:
-    """Tell whether a file is an SQLite database whose structure is damaged; other kinds of files are not."""
-    try:
-        with closing(connect(path.resolve().as_uri())) as db:
-            return bool(db.execute("PRAGMA integrity_check(1)").fetchone() != ("ok",))
-    except sqlite3.Error as error:
-        return getattr(error, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_CORRUPT
-    except UnicodeDecodeError:
-        return True
-
-
-def _remove(path: Path) -> None:
-    """Delete a database with the files of changes beside it."""
-    for ending in ("", "-wal", "-shm"):
-        path.with_name(path.name + ending).unlink(missing_ok=True)
 
 
 class Store(StoreReader):
@@ -113,10 +54,10 @@ class Store(StoreReader):
         """The digests of the maps that were added."""
         existed = path.exists()
         try:
-            if fresh and existed and _is_corrupt(path):
-                _remove(path)
+            if fresh and existed and is_corrupt(path):
+                remove(path)
             self._db = connect(path.resolve().as_uri())
-            _write_ahead(self._db)
+            write_ahead(self._db)
             self._db.execute("PRAGMA synchronous = NORMAL")
             self._db.execute("PRAGMA foreign_keys = ON")
             with self._db:
@@ -128,7 +69,7 @@ class Store(StoreReader):
                     self._db.execute(ATTEMPTS)
         except SQL_ERRORS as error:
             if getattr(error, "sqlite_errorcode", 0) & 0xFF in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
-                raise _not_written(path, error) from error
+                raise not_written(path, error) from error
             what = "expected a results store" if existed else "cannot be created"
             raise InputError(
                 f"{path}: {what}, got: {one_line(str(error))}; choose another folder, or one that can be written"
@@ -166,7 +107,7 @@ class Store(StoreReader):
 
     def _set_aside_damaged(self) -> None:
         """Move damaged episodes to a table of their own, and drop damaged maps, so that both are made again."""
-        with _transaction(self._db, self.path):
+        with transaction(self._db, self.path):
             rowids, sound = [(each.rowid,) for each in self._damages()], self._maps()
             plans = [row for row in self._rows("SELECT digest FROM floorplan") if row[0] not in sound]
             if rowids:
@@ -200,15 +141,18 @@ class Store(StoreReader):
             RunError: the disk is full.
 
         """
+        others: dict[str, str] = {}
         if not self._fresh:
-            self._refuse_another(experiment, policies, refly=refly)
-        with _transaction(self._db, self.path):
+            self._refuse_another(experiment)
+            others = self._other_versions(policies)
+            self._refuse_versions({} if refly else others)
+        with transaction(self._db, self.path):
             if self._fresh:
                 for table in TABLES:
                     self._db.execute(f"DROP TABLE IF EXISTS {table}")
                 self._create()
                 self._fresh = False
-            for name in self._other_versions(policies):
+            for name in others:
                 self._db.execute("DELETE FROM episode WHERE policy = ?", (name,))
                 self._db.execute("DELETE FROM attempt WHERE policy = ?", (name,))
             for name, about in policies.items():
@@ -238,9 +182,7 @@ class Store(StoreReader):
         found = {name: version_difference(known[name], policies[name]) for name in policies if name in known}
         return {name: difference for name, difference in found.items() if difference}
 
-    def _refuse_another(
-        self, experiment: Experiment, policies: dict[str, dict[str, Any]], *, refly: bool = False
-    ) -> None:
+    def _refuse_another(self, experiment: Experiment) -> None:
         way_out = "choose another --out, or start this one again with --fresh"
         seed = self._db.execute("SELECT value FROM meta WHERE key = 'seed'").fetchone()
         if seed is None:
@@ -258,10 +200,13 @@ class Store(StoreReader):
         if differing:
             named = _some(differing)
             raise InputError(f"{self.path} holds another experiment; what differs: {named}; {way_out}")
-        others = [f"policy {name!r}: {difference}" for name, difference in self._other_versions(policies).items()]
-        if others and not refly:
+
+    def _refuse_versions(self, others: dict[str, str]) -> None:
+        """Refuse policies that are other versions of the stored ones, given how each differs."""
+        if others:
+            differing = _some([f"policy {name!r}: {difference}" for name, difference in others.items()])
             raise InputError(
-                f"{self.path} holds episodes flown by another version of a policy; what differs: {_some(others)}; "
+                f"{self.path} holds episodes flown by another version of a policy; what differs: {differing}; "
                 "fly them again with --refly, or choose another --out"
             )
 
@@ -283,7 +228,7 @@ class Store(StoreReader):
             RunError: the disk is full; episodes added before are kept.
 
         """
-        with _transaction(self._db, self.path):
+        with transaction(self._db, self.path):
             if isinstance(record, Record):
                 self._insert("floorplan", floorplan_row(record.floorplan))
                 self._digests[record.task] = record.floorplan.digest
