@@ -32,9 +32,9 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     - ``.png``, ``.pgm``, ``.pnm``, ``.bmp``: a plain picture; bright is free, and a coloured spot marks the start.
     - ``.map``: a grid of the MovingAI benchmarks.
     - ``.npy``: a NumPy array of occupancies.
-    - ``.json``: a HouseExpo outline (an object), cut to the house; cells of 0.1 m where none are asked for. Or the wall
-      segments of an AMRL vector map (a list), drawn in pixels of 0.1 m; the unknown around the building is cut away.
-    - ``.xml``: the rooms and portals of a building, drawn and cut in the same way, and with open doorways.
+    - ``.json``, an object: a HouseExpo outline, cut to the house; cells of 0.1 m where none are asked for.
+    - ``.json``, a list: the wall segments of an AMRL vector map, drawn in pixels of 0.1 m and cut like a ROS map.
+    - ``.xml``: the rooms and portals of a building, drawn, opened and cut in the same way.
 
     A pixel, character or element of the three in the middle counts as one metre, and nothing is cut away.
 
