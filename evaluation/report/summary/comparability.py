@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -136,18 +136,22 @@ def _copies(results: Results) -> tuple[list[str], list[str]]:
 
     Returns warnings, where more than :data:`FEW_COPIES` are copies, and notes.
     """
-    grave: list[str] = []
-    slight: list[str] = []
+    grave: defaultdict[str, list[str]] = defaultdict(list)
+    slight: defaultdict[str, list[str]] = defaultdict(list)
     for (scenario, policy), records in results.groups.items():
         flights = len({(record.floorplan.digest, record.cells.tobytes()) for record in records})
         if flights < len(records):
-            text = (
-                f"In {scenario}, the {counted(len(records), 'episode')} of {policy} are only "
-                f"{counted(flights, 'different flight')}: more seeds from the same starts repeat them exactly and "
-                "add no information, but intervals and tests count them."
-            )
-            (grave if flights < (1 - FEW_COPIES) * len(records) else slight).append(text)
-    return grave, slight
+            many = flights < (1 - FEW_COPIES) * len(records)
+            (grave if many else slight)[scenario].append(f"{flights} of the {len(records)} of {policy}")
+    return _told_once(grave), _told_once(slight)
+
+
+def _told_once(found: Mapping[str, Sequence[str]]) -> list[str]:
+    return [
+        f"In {scenario}, some episodes repeat others exactly, as map and starts are the same; distinct are {', '.join(policies)}. "
+        "They add no information, but intervals and tests count them."
+        for scenario, policies in found.items()
+    ]
 
 
 def _failed(results: Results) -> Iterator[str]:
