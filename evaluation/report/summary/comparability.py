@@ -148,8 +148,8 @@ def _copies(results: Results) -> tuple[list[str], list[str]]:
 
 def _told_once(found: Mapping[str, Sequence[str]]) -> list[str]:
     return [
-        f"In {scenario}, some episodes repeat others exactly, as map and starts are the same; distinct are {', '.join(policies)}. "
-        "They add no information, but intervals and tests count them."
+        f"In {scenario}, some episodes repeat others exactly, as map and starts are the same; distinct are "
+        f"{', '.join(policies)}. They add no information, but intervals and tests count them."
         for scenario, policies in found.items()
     ]
 
