@@ -18,7 +18,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.readers.opening import Fits
-from indoor_explorers.env.maps.readers.sheet import PIXEL, Sheet
+from indoor_explorers.env.maps.readers.sheet import PIXEL, Sheet, within
 from indoor_explorers.env.maps.readers.xml_tree import read_xml
 
 #: Metres around the rooms.
@@ -44,16 +44,15 @@ class Building:
 def read_building(path: Path, fits: Fits | None = None) -> tuple[Belief, float]:
     """Draw a building's ``.xml`` file; return (H, W) uint8 cells and metres a pixel.
 
-    The outlines of the rooms are occupied (2) but for the doors, their insides are free (1), and all else is unknown
-    (0). ``fits`` checks the size before anything is drawn.
+    The outlines of the rooms are occupied (2) but for the doors, their insides and one pixel around them are free (1),
+    and all else is unknown (0). ``fits`` checks the size before anything is drawn.
 
     Raises :class:`InputError` with one line that says what is wrong with the file.
     """
     building = parse_building(path)
     sheet = Sheet.around(path, np.concatenate(building.outlines), MARGIN, fits)
+    cells = np.where(within(sheet.areas(building.outlines), 1), np.uint8(FREE), np.uint8(UNKNOWN))
     walls = sheet.lines(np.append(outline, outline[:1], axis=0) for outline in building.outlines)
-    cells = np.full(sheet.shape, UNKNOWN, np.uint8)
-    cells[sheet.areas(building.outlines)] = FREE
     cells[walls] = OCCUPIED
     cells[walls & sheet.discs(building.portals, DOOR)] = FREE
     return cells, PIXEL
