@@ -16,6 +16,7 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 HERE = Path(__file__).parent
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the marks
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Keep the tests of a file in one process, so that fixtures are set up and machine code is loaded once.
 
@@ -26,6 +27,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.get_closest_marker("xdist_group") is None:
             item.add_marker(pytest.mark.xdist_group(item.nodeid.partition("::")[0]))
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """End the run if pytest-xdist does not keep tests together: fixtures would be set up in every process."""
+    if getattr(session.config.option, "loadgroup", False) and not all("@" in item.nodeid for item in session.items):
+        raise pytest.UsageError("pytest-xdist ignores the groups of tests; install the versions in constraints.txt")
 
 
 @pytest.fixture(params=range(6))
