@@ -36,7 +36,9 @@ def test_plug_ins_are_checked_and_the_projects_own_policies_are_not():
     assert not any("failed_check" in facts[name] for name in ("own", "yardstick"))
 
 
-@pytest.mark.parametrize("name", ["Exits", "HangsForGood", "Raises", "WrongAction"])
+@pytest.mark.parametrize(
+    "name", ["Exits", pytest.param("HangsForGood", marks=pytest.mark.slow), "Raises", "WrongAction"]
+)
 def test_a_plug_in_that_cannot_be_checked_is_left_unjudged(name, monkeypatch):
     monkeypatch.setattr(knowledge, "TIME_LIMIT", 1.0)
     assert not checked(plugin(name))[name].get("failed_check")

@@ -82,7 +82,7 @@ OVERDUE = "decision took longer than 1 s (--decision-timeout)"
     [
         ("ReturnsNothing", "InputError: expected an action from 0 to 4, got 'up'"),
         ("ExitsPython", "SystemExit: enough"),
-        ("HangsInSleep", OVERDUE),
+        pytest.param("HangsInSleep", OVERDUE, marks=SLOW),
         ("HangsInPython", OVERDUE),
         ("HangsTogether", OVERDUE),
         pytest.param("HangsForGood", OVERDUE, marks=SLOW),
@@ -103,6 +103,7 @@ def test_a_leak_is_stopped(patient, honest):
     check(records, honest, "worker used more than 1 GB of memory (--memory-limit)", failed.steps)
 
 
+@SLOW
 def test_a_slow_leak_of_a_whole_job_is_nobodys_fault(patient, honest):
     records = patient.fly(job("LeaksSlowly", [0, 2, 100, 101, 102]))
     assert {record.outcome for record in records} <= {Outcome.BUDGET, Outcome.COMPLETE}
