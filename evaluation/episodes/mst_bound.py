@@ -13,7 +13,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import minimum_spanning_tree
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood_table
@@ -35,8 +34,7 @@ def spanning_tree_bound(table: VisibilityTable, width: int, team: int, missable:
         return 0
     groups = min(GROUPS, max(2, WORDS // len(table.bits)))
     between = _between(table, width, team, missable + 1, groups)
-    trees = [_spanning_tree(between[:count, :count]) for count in range(2, len(between) + 1)]
-    return math.ceil(max(trees, default=0) / team)
+    return math.ceil(_longest_tree(between) / team)
 
 
 @kernel(entry=False)
@@ -130,7 +128,7 @@ def _between(table: VisibilityTable, width: int, team: int, size: int, groups: i
     number[table.cells] = np.arange(len(table.cells))
     least, between = np.full(len(table.cells), FAR, np.int32), np.zeros((groups + 1, groups + 1), np.int64)
     places = _fill_between(table, width, team, size, number, least, between)
-    return between[:places, :places]
+    return np.ascontiguousarray(between[:places, :places])
 
 
 @kernel()
@@ -163,7 +161,27 @@ def _fill_between(
     return int(groups + 1)
 
 
-def _spanning_tree(between: NDArray[np.int64]) -> int:
-    """Return the length of a minimum spanning tree of (G, G) distances."""
-    longer = minimum_spanning_tree(between + 1)  # a distance of 0 would be no edge at all
-    return int(longer.sum()) - (len(between) - 1)
+@kernel()
+def _longest_tree(between: np.ndarray) -> int:
+    """Return the length of the longest of the minimum spanning trees of the first 2, 3, ... of G groups (Prim 1957).
+
+    ``between`` are their (G, G) distances, the same in both directions.
+    """
+    longest = 0
+    nearest = np.empty(between.shape[0], np.int64)
+    for count in range(2, between.shape[0] + 1):
+        length = 0
+        for group in range(count):
+            nearest[group] = between[0, group]
+        nearest[0] = -1  # it is in the tree
+        for _ in range(count - 1):
+            added = -1
+            for group in range(count):
+                if nearest[group] >= 0 and (added < 0 or nearest[group] < nearest[added]):
+                    added = group
+            length += nearest[added]
+            nearest[added] = -1
+            for group in range(count):
+                nearest[group] = min(nearest[group], between[added, group])
+        longest = max(longest, length)
+    return longest

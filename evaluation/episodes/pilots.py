@@ -144,6 +144,8 @@ def checked_action(answer: object) -> int:
         InputError: it is none of the five actions.
 
     """
+    if type(answer) is int and 0 <= answer <= 4:  # nearly always; all else takes longer
+        return answer
     if is_action(answer):
         action = operator.index(answer)
         if 0 <= action <= 4:
