@@ -44,10 +44,10 @@ def one_line(text: str, most: int = LONGEST) -> str:
     return shown if len(shown) <= most else shown[: most - 1] + "…"
 
 
-def described(error: BaseException) -> str:
-    """Return the type and message of an exception as one line, whatever its class makes of its message."""
+def described(error: BaseException, most: int = LONGEST) -> str:
+    """Return the type and message of an exception as one line, cut, whatever its class makes of its message."""
     try:
         text = str(error)
     except BaseException as worse:
         text = f"its message raised {type(worse).__name__}"
-    return one_line(f"{type(error).__name__}: {text}")
+    return one_line(f"{type(error).__name__}: {text}", most)

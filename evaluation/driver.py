@@ -70,36 +70,46 @@ def fly_missing(
     """Fly the episodes that ``out/results.db`` lacks, and write nothing else; see :func:`run`."""
     how = request
     fly_jobs = make_engine(how.engine, how.workers, how.address, how.decision_timeout, how.memory_limit)
-    about = _policy_facts(experiment, out, how)
-    with Store(out / "results.db", fresh=how.fresh) as store:
-        facts = run_facts(command, how.engine, how.workers)
-        number = store.begin_run(experiment, _of_all_runs(about, store.policies()), facts, refly=how.refly)
-        finished = store.finished(failed=not how.retry_failed)
-        workload = Workload(experiment, finished, _worker_count(how), about=about)
-        if watcher is not None:
-            watcher.begin(len(experiment.policies) * len(experiment.tasks()), len(workload))
-        for records in fly_jobs(workload) if workload else ():
-            for record in records:
-                store.add(record, number, replace_failed=how.retry_failed)
-            workload.add(records)
-            if watcher is not None:
-                watcher.flown(records, workload.seconds_left())
-
-
-def _policy_facts(experiment: Experiment, out: Path, how: ComparisonRequest) -> dict[str, Facts]:
-    """Return the facts of the policies, after everything was refused that cannot be flown; ``out`` is made."""
     limits = None if how.workers == 0 else limits_for(1, how.decision_timeout, how.memory_limit)
     with PolicyLoader(limits) as loader:
         about = loader.facts(experiment.policies)
-        for scenario in experiment.scenarios:  # the team must be able to start on every map
-            for index in range(scenario.map.count):
-                draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
+        _refuse_unstartable(experiment)
         _make_folder(out)
         with Store(out / "results.db", fresh=how.fresh) as store:
-            stored = store.policies()
-        chosen_baselines([*stored, *about], [], how.ratio_to)
-        if limits is not None:
-            about = with_failed_checks(experiment, about, stored, loader)
+            about = _checked(experiment, about, store.policies(), loader, how)
+            loader.close()  # its processes have told everything
+            facts = run_facts(command, how.engine, how.workers)
+            number = store.begin_run(experiment, _of_all_runs(about, store.policies()), facts, refly=how.refly)
+            finished = store.finished(failed=not how.retry_failed)
+            workload = Workload(experiment, finished, _worker_count(how), about=about)
+            if watcher is not None:
+                watcher.begin(len(experiment.policies) * len(experiment.tasks()), len(workload))
+            for records in fly_jobs(workload) if workload else ():
+                for record in records:
+                    store.add(record, number, replace_failed=how.retry_failed)
+                workload.add(records)
+                if watcher is not None:
+                    watcher.flown(records, workload.seconds_left())
+
+
+def _refuse_unstartable(experiment: Experiment) -> None:
+    """Refuse maps on which the team cannot start before anything is flown."""
+    for scenario in experiment.scenarios:
+        for index in range(scenario.map.count):
+            draw_spawns(scenario, draw_floorplan(scenario, experiment.seed, index), experiment.seed)
+
+
+def _checked(
+    experiment: Experiment,
+    about: dict[str, Facts],
+    stored: Mapping[str, Facts],
+    loader: PolicyLoader,
+    how: ComparisonRequest,
+) -> dict[str, Facts]:
+    """Add to the facts of policies what they know and whether they fly isolated; refuse unknown baselines."""
+    chosen_baselines([*stored, *about], [], how.ratio_to)
+    if how.workers != 0:
+        about = with_failed_checks(experiment, about, stored, loader)
     return {c.name: about[c.name] | {"isolated": _flies_isolated(c, how)} for c in experiment.policies}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 
 from indoor_explorers.env.conformance.causes import global_generators, shared_things
-from indoor_explorers.env.conformance.findings import Differs, Violation, shown
+from indoor_explorers.env.conformance.findings import SHOWN, Differs, Violation, shown
 from indoor_explorers.env.conformance.flying import backwards, one_by_one
 from indoor_explorers.env.conformance.harness import FIRST, OTHER, SOLO, TEAM, Harness
 from indoor_explorers.env.conformance.traces import Trace, first_difference
@@ -31,7 +31,7 @@ def check_pickling(harness: Harness) -> str:
     try:
         copy = pickle.loads(pickle.dumps(harness.policy))
     except Exception as error:
-        found = f"the policy cannot be pickled, as worker processes need it ({described(error)})"
+        found = f"the policy cannot be pickled, as worker processes need it ({described(error, SHOWN)})"
         raise Violation(found, advice) from error
     if not isinstance(copy, Policy):
         raise Violation(f"the policy came back from pickling as {shown(copy)}", "fix its __reduce__ or __getstate__")

@@ -60,8 +60,8 @@ def calling(what: str) -> Iterator[None]:
     try:
         yield
     except (Exception, SystemExit) as error:
-        found = f"{what} raised {described(error)}"
-        if "read-only" in found:
+        found = f"{what} raised {described(error, SHOWN)}"
+        if "read-only" in described(error):
             raise CannotFly(found, "views are read-only, copy what you change") from error
         raise CannotFly(found, _where(error)) from error
 

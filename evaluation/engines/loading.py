@@ -39,12 +39,15 @@ class PolicyLoader:
         return self
 
     def __exit__(self, *error: object) -> None:
-        """End the processes and the threads that wait for them."""
+        self.close()
+
+    def close(self) -> None:
+        """End the processes and the threads that wait for them; nothing can be asked after that."""
         for process in list(self._processes.values()):
             process.kill()
         self._threads.shutdown(cancel_futures=True)
-        for process in self._processes.values():
-            process.close()
+        while self._processes:
+            self._processes.popitem()[1].close()
 
     def facts(self, choices: Sequence[PolicyChoice]) -> dict[str, dict[str, Any]]:
         """Return the facts of policies by name; each is made once for this.
