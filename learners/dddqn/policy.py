@@ -7,26 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from indoor_explorers.env.errors import InputError, did_you_mean
-from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
-from indoor_explorers.env.policies.policy import Pilot, Policy
-from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.search.bitsets import ROOM
-from indoor_explorers.learners.dddqn.network.inference import q_values, without_network
+from indoor_explorers.learners.dddqn.network.inference import without_network
 from indoor_explorers.learners.dddqn.observation.config import WIDEST
-from indoor_explorers.learners.dddqn.observation.frame_stack import stacked
-from indoor_explorers.learners.dddqn.observation.known import Known
-from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT
-from indoor_explorers.learners.dddqn.observation.map_prior import prior_from
-from indoor_explorers.learners.dddqn.observation.memory import new_memory
-from indoor_explorers.learners.dddqn.observation.observe import observation_context, observe
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE
-from indoor_explorers.learners.dddqn.weights import Loaded, load_weights, shipped
-from indoor_explorers.learners.guard import Guard
+from indoor_explorers.learners.dddqn.pilot import DddqnPilot
+from indoor_explorers.learners.dddqn.weights import load_weights, shipped
 from indoor_explorers.learners.sessions.record import record_of
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
 from indoor_explorers.learners.sessions.tensors import WEIGHTS
@@ -125,7 +115,7 @@ class Dddqn(Policy):
             loaded = loaded._replace(observation=wide)
         if not self.network:
             loaded = loaded._replace(weights=without_network(loaded.weights, loaded.layout))
-        return DddqnPilot(self, briefing, loaded)
+        return DddqnPilot(briefing, loaded, guard=self.guard, other_range=self.is_outside_training(briefing))
 
 
 #: The rule of :func:`suited` in words, for the provenance.
@@ -180,63 +170,3 @@ def _is_empty(briefing: Briefing) -> bool:
 def opened(path: str, **parameters: Any) -> Dddqn:
     """Return the policy of a trained network, ``dddqn:DIR``, or of shipped weights, ``dddqn:NAME``."""
     return Dddqn(weights=path, **parameters)
-
-
-class DddqnPilot(Pilot):
-    """Observe and act for one UAV, with the memory that its observation needs."""
-
-    def __init__(self, policy: Dddqn, briefing: Briefing, loaded: Loaded) -> None:
-        self._loaded, self._team = loaded, briefing.team
-        layout = loaded.layout
-        self._context = observation_context(
-            loaded.observation, briefing.shape, briefing.scenario, prior_from(loaded.prior)
-        )
-        self._memory = new_memory(1, briefing.shape, loaded.observation)
-        self._scene = np.zeros((1, layout.scene), np.uint8)
-        self.scenes = np.zeros((1, layout.inputs), np.uint8)
-        self.moves = np.zeros((1, 4, layout.features), np.float32)
-        self._mates = np.zeros((1, self._team, 2), np.int64)
-        self._ages = np.full((1, self._team), -1)
-        self._agent, self._flown = np.array([briefing.agent]), np.zeros(1)
-        self._cell = np.zeros((1, 2), np.int64)
-        self._q = np.zeros((1, 4), np.float32)
-        self._guard = Guard(briefing.shape, briefing.rng) if policy.guard else None
-        self._tally = {"other_range": 1.0} if policy.is_outside_training(briefing) else {}
-
-    def act(self, view: View) -> int:
-        """Make the legal move of highest value."""
-        self._observe(view)
-        action = self._choose(view)
-        self._memory.aim(self._cell, np.array([action]))
-        return action
-
-    def _choose(self, view: View) -> int:
-        legal_A = self.moves[0, :, BLOCKED_AT] == 0.0
-        if not legal_A.any():  # contested cells count as blocked: see observe
-            legal_A = view.legal[:4]
-        if self._memory.nearest[0] < 0 or not legal_A.any():
-            if self._guard is not None:
-                self._guard.rest()
-            return Action.STAY
-        q_values(self.scenes, self.moves, self._loaded.weights, self._q)
-        proposal = int(np.where(legal_A, self._q[0], -np.inf).argmax())
-        return proposal if self._guard is None else self._guard.review(view, int(self._memory.gained[0]), proposal)
-
-    def _observe(self, view: View) -> None:
-        self._cell[0] = view.cell
-        self._flown[0] = view.step / view.budget
-        for mate in view.mates:
-            self._mates[0, mate.agent], self._ages[0, mate.agent] = mate.cell, mate.age
-        known = Known(view.belief[None], self._cell, self._mates, self._ages, self._agent, self._flown)
-        observe(known, self._memory, _ONLY, self._context, self._scene, self.moves)
-        self.scenes = stacked(self._scene, self.scenes, np.array([view.step == 0]))
-
-    def tally(self) -> dict[str, float]:
-        """Return ``guarded_share``, the share of the decisions that the guard made, if there is a guard.
-
-        ``other_range`` is 1 where the weights were not trained with the scenario's lidar range.
-        """
-        return self._tally | ({} if self._guard is None else {"guarded_share": self._guard.share})
-
-
-_ONLY: NDArray[np.int64] = np.zeros(1, np.int64)

@@ -14,7 +14,8 @@ from indoor_explorers.env.scenarios.seed_sets import use_of
 from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, PROSPECT, TOURS
-from indoor_explorers.learners.dddqn.policy import Dddqn, DddqnPilot
+from indoor_explorers.learners.dddqn.pilot import DddqnPilot
+from indoor_explorers.learners.dddqn.policy import Dddqn
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
 from tests.learners.dddqn.rooms import fly, small_room, some_prior, write_network
 
