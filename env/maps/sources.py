@@ -13,6 +13,7 @@ from pydantic import Field, PrivateAttr
 from indoor_explorers.env.maps.base import BaseMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.generators.cave import CaveMaps
+from indoor_explorers.env.maps.generators.floors.plans import FloorsMaps
 from indoor_explorers.env.maps.generators.maze import MazeMaps
 from indoor_explorers.env.maps.generators.offices import OfficesMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
@@ -22,6 +23,7 @@ __all__ = [
     "SOURCES",
     "CaveMaps",
     "FileMaps",
+    "FloorsMaps",
     "MapSource",
     "MazeMaps",
     "OfficeMap",
@@ -88,7 +90,7 @@ class OfficeMap(BaseMaps):
         return {"source": self.source, "cells": [_office_once().digest]}
 
 
-MapSource = ThesisMaps | RoomsMaps | OfficesMaps | CaveMaps | MazeMaps | FileMaps | OfficeMap
+MapSource = ThesisMaps | RoomsMaps | OfficesMaps | FloorsMaps | CaveMaps | MazeMaps | FileMaps | OfficeMap
 
 #: The kinds of maps by name.
 SOURCES: dict[str, type[BaseMaps]] = {kind.model_fields["source"].default: kind for kind in get_args(MapSource)}

@@ -8,7 +8,16 @@ from typing import get_args
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
-from indoor_explorers.env.maps.sources import CaveMaps, FileMaps, MapSource, MazeMaps, OfficeMap, OfficesMaps, RoomsMaps
+from indoor_explorers.env.maps.sources import (
+    CaveMaps,
+    FileMaps,
+    FloorsMaps,
+    MapSource,
+    MazeMaps,
+    OfficeMap,
+    OfficesMaps,
+    RoomsMaps,
+)
 from indoor_explorers.env.scenarios.codes import StuckRuleName
 from indoor_explorers.env.scenarios.scenario import Lidar, Radio, Rewards, Scenario, Stuck
 
@@ -59,7 +68,7 @@ def _thesis(
     )
 
 
-def _building(name: str, maps: MapSource, budget: int) -> Scenario:
+def _building(name: str, maps: MapSource, budget: int | None) -> Scenario:
     """A building for two UAVs: lidar 10, radio 15, a team goal of 99 % of the reachable cells; obstacles block."""
     return Scenario(
         name=name,
@@ -95,6 +104,7 @@ def _buildings() -> Iterator[Scenario]:
     for name, maps, budget, small in (
         ("rooms", RoomsMaps(), 1000, RoomsMaps(height=40, width=40, room_size=(3, 6), corridor=1)),
         ("offices", OfficesMaps(), 1000, offices),
+        ("floors", FloorsMaps(), None, FloorsMaps(height=64, width=90, resolution=1.25, area=(300.0, 2500.0))),
         ("cave", CaveMaps(), 1000, CaveMaps(height=40, width=40, chamber=4)),
         ("maze", MazeMaps(), 1500, MazeMaps(height=26, width=26, corridor=1)),
     ):

@@ -1,0 +1,1 @@
+"""Floor plans of schools, offices and university buildings."""

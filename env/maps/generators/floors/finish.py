@@ -1,0 +1,94 @@
+"""What makes a plan look like a map: furniture, pillars, walls at any angle, and walls as SLAM leaves them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.maps.generators.floors.doors import Door
+from indoor_explorers.env.maps.generators.floors.site import OPEN, Spaces
+from indoor_explorers.env.maps.generators.floors.style import Style
+from indoor_explorers.env.maps.generators.furniture import furnish
+from indoor_explorers.env.search.connected_parts import largest_part
+
+#: Share of the rooms of a furnished building that are.
+FURNISHED = 0.7
+#: A ragged map keeps at least this share of its floor.
+KEPT = 0.85
+
+
+def furnished(rng: np.random.Generator, free: Mask, spaces: Spaces, style: Style) -> None:
+    """Put furniture into most rooms of a furnished building and pillars into some large ones, in place."""
+    from scipy import ndimage  # here, since it takes long to import
+
+    found = filter(None, ndimage.find_objects(np.where(spaces > OPEN, spaces, 0)))
+    sides = [(rows.start, cols.start, rows.stop - rows.start, cols.stop - cols.start) for rows, cols in found]
+    rooms = np.array(sides, np.int64).reshape(-1, 4)
+    chosen = rooms[rng.random(len(rooms)) < FURNISHED]
+    key = rng.integers(2**64, dtype=np.uint64)
+    if style.furnished > 0.0:
+        furnish(free, chosen, style.furnished, key)
+    large = rooms[(rooms[:, 2:].min(axis=1, initial=10**6) >= style.cells(7.0)) & (rng.random(len(rooms)) < 0.2)]
+    for room in large.tolist():
+        _set_pillars(rng, free, room, style)
+
+
+def _set_pillars(rng: np.random.Generator, free: Mask, room: list[int], style: Style) -> None:
+    """Set a lattice of pillars, one cell each, into a room."""
+    top, left, tall, wide = room
+    step = style.cells(rng.uniform(3.0, 6.0), 3)
+    free[top + step - 1 : top + tall - 1 : step, left + step - 1 : left + wide - 1 : step] = False
+
+
+def turned(free: Mask, made: list[Door], angle: float) -> Mask:
+    """Return a plan turned by ``angle`` radians around its middle, as large as is needed; its doors stay open."""
+    rows, cols = np.nonzero(free)
+    middle = np.array([(rows.min() + rows.max()) / 2.0, (cols.min() + cols.max()) / 2.0])
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    corners = (np.stack([rows, cols], axis=1) - middle) @ turn.T
+    low = np.floor(corners.min(axis=0)) - 2.0
+    shape = (np.ceil(corners.max(axis=0)) + 2.0 - low + 1.0).astype(np.int64)
+    grid = np.stack(np.meshgrid(*(np.arange(side) for side in shape), indexing="ij"), axis=-1) + low
+    back = np.rint(grid @ turn + middle).astype(np.int64)
+    inside = ((back >= 0) & (back < free.shape)).all(axis=-1)
+    back = np.clip(back, 0, np.array(free.shape) - 1)
+    out = free[back[..., 0], back[..., 1]] & inside
+    for door in made:
+        _reopen(out, door, turn, middle, low)
+    return np.asarray(out)
+
+
+def _reopen(
+    out: Mask, door: Door, turn: NDArray[np.float64], middle: NDArray[np.float64], low: NDArray[np.float64]
+) -> None:
+    """Make a path of 4-connected cells through a door of a plan that was turned."""
+    half = np.array([(door.tall - 1) / 2.0, (door.wide - 1) / 2.0])
+    centre = np.array([door.row, door.col]) + half
+    way = np.zeros(2)
+    way[door.axis] = half[door.axis] + 1.0
+    ends = (np.stack([centre - way, centre + way]) - middle) @ turn.T - low
+    line = np.linspace(ends[0], ends[1], 4 * int(np.ceil(2.0 * way.sum())) + 1)
+    cells = np.rint(line).astype(np.int64)
+    if (cells < 0).any() or (cells >= out.shape).any():  # a door of a part that was left out
+        return
+    out[cells[:, 0], cells[:, 1]] = True
+    out[cells[:-1, 0], cells[1:, 1]] = True
+
+
+def ragged(rng: np.random.Generator, free: Mask, amount: float) -> Mask:
+    """Return a plan whose walls are uneven, by up to a cell: ``amount`` is the share of cells beside walls that close.
+
+    Noise that is even over some cells decides, so that walls become thick in places; less of it where too much of the
+    floor would be cut off.
+    """
+    from scipy import ndimage  # here, since it takes long to import
+
+    noise = ndimage.gaussian_filter(rng.standard_normal(free.shape), 0.7)
+    beside = free & ndimage.binary_dilation(~free)
+    for share in (amount, amount / 2.0, amount / 4.0):
+        closed = beside & (noise < np.quantile(noise, share))
+        kept = largest_part(free & ~closed)
+        if kept.sum() >= KEPT * free.sum():
+            return kept
+    return free
