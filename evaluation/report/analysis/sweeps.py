@@ -1,11 +1,11 @@
-"""Finds sweeps: scenarios that differ only in the range of the radio, or only in the number of UAVs."""
+"""Finds sweeps: scenarios that differ only in the range of the radio, the number of UAVs, or one other setting."""
 
 from __future__ import annotations
 
 import copy
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -15,6 +15,14 @@ Settings = Mapping[str, Any]
 NOMINAL = ("name", "fingerprint")
 #: Settings that only matter for teams.
 OF_TEAMS = (("radio",), ("rewards", "received"), ("goal_of",))
+#: Other settings that are swept: their title, and the settings that have the value together.
+SWEPT = {
+    "lidar range [cells]": (("lidar", "range"),),
+    "side of the map [cells]": (("map", "height"), ("map", "width")),
+    "obstacles": (("map", "obstacles"),),
+}
+#: Fewest values of such a sweep; two scenarios often differ in one setting without being meant as a sweep.
+FEWEST_VALUES = 3
 
 
 @dataclass(frozen=True)
@@ -35,6 +43,16 @@ class TeamScaling:
 
     scenarios: tuple[str, ...]
     teams: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class SettingSweep:
+    """Scenarios that differ only in one of the settings :data:`SWEPT`, by rising value."""
+
+    setting: str
+    """Its title."""
+    scenarios: tuple[str, ...]
+    values: tuple[float, ...]
 
 
 def reach(settings: Settings) -> float:
@@ -109,6 +127,28 @@ def team_scalings(scenarios: Mapping[str, Settings]) -> list[TeamScaling]:
             teams = sorted(family)
             found.append(TeamScaling((solo, *(family[team] for team in teams)), (1, *teams)))
     return sorted(found, key=lambda scaling: -len(scaling.teams))
+
+
+def setting_sweeps(scenarios: Mapping[str, Settings]) -> list[SettingSweep]:
+    """Return the sweeps of at least three values of a setting, in the order of :data:`SWEPT`.
+
+    A scenario may belong to several: to one sweep of each setting.
+    """
+    return [sweep for title, places in SWEPT.items() for sweep in _sweeps_of(title, places, scenarios)]
+
+
+def _sweeps_of(
+    title: str, places: tuple[tuple[str, str], ...], scenarios: Mapping[str, Settings]
+) -> Iterator[SettingSweep]:
+    families: dict[str, dict[float, str]] = {}
+    for name, settings in scenarios.items():
+        values = {settings[part].get(leaf) for part, leaf in places}
+        if len(values) == 1 and None not in values:
+            families.setdefault(_key(settings, *places), {}).setdefault(float(values.pop()), name)
+    for family in families.values():
+        if len(family) >= FEWEST_VALUES:
+            values_up = sorted(family)
+            yield SettingSweep(title, tuple(family[value] for value in values_up), tuple(values_up))
 
 
 def _key(settings: Settings, *ignored: tuple[str, ...]) -> str:

@@ -46,11 +46,13 @@ def scenario_figures(comparison: Comparison, styles: Styles) -> Iterator[tuple[s
 
 
 def sweep_figures(results: Results, styles: Styles) -> Iterator[tuple[str, Figure]]:
-    """Yield a figure for each sweep, by file name."""
+    """Yield a figure for each sweep of radio and team, and one for those of all other settings, by file name."""
     sections = sweep_sections(results, styles)
     for kind, panels in (("radio", sections.radio), ("teams", sections.team)):
         for number, panel in enumerate(panels, 1):
-            yield f"{kind}-{number:02d}", _sweep_figure(panel, styles)
+            yield f"{kind}-{number:02d}", _sweep_figure(panel.title, [panel], styles)
+    if sections.setting:
+        yield "settings", _sweep_figure("Scenarios that differ in one setting", sections.setting, styles)
 
 
 def _alone(plot: Plot, comparison: Comparison, styles: Styles, note: str) -> Figure:
@@ -63,20 +65,23 @@ def _alone(plot: Plot, comparison: Comparison, styles: Styles, note: str) -> Fig
     return figure
 
 
-def _sweep_figure(panel: SweepPanel, styles: Styles) -> Figure:
-    rows = -(-len(panel.plots) // COLUMNS)
+def _sweep_figure(title: str, panels: Sequence[SweepPanel], styles: Styles) -> Figure:
+    """Draw the plots of all panels, which have equally many episodes a point, under one title."""
+    plots = [plot for panel in panels for plot in panel.plots]
+    rows = -(-len(plots) // COLUMNS)
     figure = sheet(7.6, 0.5 + 2.3 * rows)
-    for place, plot in enumerate(panel.plots, 1):
+    for place, plot in enumerate(plots, 1):
         axes = figure.add_subplot(rows, COLUMNS, place)
         draw(axes, plot)
         axes.set_title(plot.title)
     figure.subplots_adjust(wspace=0.42, hspace=0.62, top=1 - 0.55 / figure.get_figheight())
-    figure.suptitle(plain(panel.title, 90), x=0.07, y=1.0, ha="left", fontsize=10)
-    _legend(figure, panel.policies, styles, (0.93, 0.88))
-    how = "too few for intervals, each is a dot" if panel.few else "95 % bootstrap intervals"
+    figure.suptitle(plain(title, 90), x=0.07, y=1.0, ha="left", fontsize=10)
+    _legend(figure, list(dict.fromkeys(name for panel in panels for name in panel.policies)), styles, (0.93, 0.88))
+    few, hollow = any(panel.few for panel in panels), any(panel.hollow for panel in panels)
+    how = "too few for intervals, each is a dot" if few else "95 % bootstrap intervals"
     _note(
         figure,
-        f"{panel.tasks} episodes a point, {how}. {'Hollow: some episodes did not reach the threshold.' * panel.hollow}",
+        f"{panels[0].tasks} episodes a point, {how}. {'Hollow: some episodes did not reach the threshold.' * hollow}",
     )
     return figure
 

@@ -1,4 +1,4 @@
-"""The sections of the page about sweeps of the radio's range and of the number of UAVs."""
+"""The sections of the page about sweeps of the radio's range, of the number of UAVs, and of other settings."""
 
 from __future__ import annotations
 
@@ -6,9 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from indoor_explorers.evaluation.report.analysis.sweeps import RadioSweep, TeamScaling, radio_sweeps, team_scalings
+from indoor_explorers.evaluation.report.analysis.sweeps import (
+    RadioSweep,
+    SettingSweep,
+    TeamScaling,
+    radio_sweeps,
+    setting_sweeps,
+    team_scalings,
+)
 from indoor_explorers.evaluation.report.panels.plot_data import Plot
-from indoor_explorers.evaluation.report.panels.radio_ranges import range_plots
+from indoor_explorers.evaluation.report.panels.sweep_plots import range_plots, setting_plots
 from indoor_explorers.evaluation.report.panels.team_scaling import scaling_plots
 from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.report.style.palette import Styles
@@ -35,10 +42,11 @@ class SweepPanel:
 
 @dataclass(frozen=True)
 class SweepSection:
-    """The panels of both sections; a section without panels is left out."""
+    """The panels of all sections; a section without panels is left out."""
 
     radio: list[SweepPanel]
     team: list[SweepPanel]
+    setting: list[SweepPanel]
 
 
 def sweep_sections(results: Results, styles: Styles) -> SweepSection:
@@ -52,10 +60,16 @@ def sweep_sections(results: Results, styles: Styles) -> SweepSection:
         _panel(_team_title(each, settings), each, scaling_plots(results, each, styles), results)
         for each in team_scalings(settings)
     ]
-    return SweepSection([panel for panel in radio if panel], [panel for panel in team if panel])
+    setting = [
+        _panel(_setting_title(each), each, setting_plots(results, each, styles), results)
+        for each in setting_sweeps(settings)
+    ]
+    return SweepSection(*([panel for panel in panels if panel] for panels in (radio, team, setting)))
 
 
-def _panel(title: str, sweep: RadioSweep | TeamScaling, plots: Sequence[Plot], results: Results) -> SweepPanel | None:
+def _panel(
+    title: str, sweep: RadioSweep | TeamScaling | SettingSweep, plots: Sequence[Plot], results: Results
+) -> SweepPanel | None:
     series = [each for plot in plots for each in plot.series]
     if not series:
         return None
@@ -75,6 +89,11 @@ def _panel(title: str, sweep: RadioSweep | TeamScaling, plots: Sequence[Plot], r
 def _radio_title(sweep: RadioSweep) -> str:
     model = "" if sweep.model in ("none", "unlimited") else f", {sweep.model} radio"
     return f"{counted(sweep.team, 'UAV')}{model}"
+
+
+def _setting_title(sweep: SettingSweep) -> str:
+    *most, last = (f"{value:g}" for value in sweep.values)
+    return f"{sweep.setting.partition(' [')[0].capitalize()}: {', '.join(most)} and {last}"
 
 
 def _team_title(scaling: TeamScaling, settings: Mapping[str, Any]) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.report.analysis.sweeps import TeamScaling
 from indoor_explorers.evaluation.report.panels.plot_data import Guide, Plot, PlotAxis, PlotSeries, bounds
-from indoor_explorers.evaluation.report.panels.radio_ranges import APART
+from indoor_explorers.evaluation.report.panels.sweep_plots import APART
 from indoor_explorers.evaluation.report.style.formatting import percent, with_interval
 from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold

@@ -25,7 +25,7 @@ from indoor_explorers.evaluation.report.analysis.sweeps import radio_sweeps, tea
 from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.charts.interactive import times_data
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.panels.radio_ranges import range_plots
+from indoor_explorers.evaluation.report.panels.sweep_plots import range_plots
 from indoor_explorers.evaluation.report.panels.team_scaling import scaling_plots
 from indoor_explorers.evaluation.report.replay.selection import notable_tasks
 from indoor_explorers.evaluation.report.style.palette import policy_styles

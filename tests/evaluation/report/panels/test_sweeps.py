@@ -7,10 +7,21 @@ import pytest
 
 from indoor_explorers.env import Scenario, scenario
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.analysis.sweeps import RadioSweep, TeamScaling, radio_sweeps, team_scalings
+from indoor_explorers.evaluation.report.analysis.sweeps import (
+    RadioSweep,
+    SettingSweep,
+    TeamScaling,
+    radio_sweeps,
+    setting_sweeps,
+    team_scalings,
+)
+from indoor_explorers.evaluation.report.panels.sweep_plots import setting_plots
 from indoor_explorers.evaluation.report.panels.team_scaling import scaling_plots, speed_ups
 from indoor_explorers.evaluation.report.style.palette import policy_styles
 from tests.evaluation.report.records import BUDGET, facts, made_up, results_of, room
+
+#: One point of every sweep of a setting.
+BASE = scenario("thesis-obstacles").for_evaluation()
 
 
 def radio(name: str, model: str, reach: float = 0.0, **others: Any) -> Scenario:
@@ -76,6 +87,37 @@ def test_listed_spawns_differ_between_teams_and_other_starts_do_not() -> None:
     assert team_scalings(facts(solo, room("pair", 2, spawn="clustered"))) == []
     assert team_scalings(facts(room("solo"), room("pair", 2, budget=77))) == []
     assert team_scalings(facts(room("two", 2), room("four", 4))) == []
+
+
+def test_scenarios_that_differ_in_one_setting_are_a_sweep_from_three_on() -> None:
+    few = [BASE.with_settings({"name": f"obstacles {n}", "map.obstacles": n}) for n in (9, 0)]
+    far = [BASE.with_settings({"name": f"lidar {n}", "lidar.range": n}) for n in (5, 2)]
+    assert setting_sweeps(facts(BASE, *few)) == [
+        SettingSweep("obstacles", ("obstacles 0", "thesis-obstacles", "obstacles 9"), (0.0, 5.0, 9.0))
+    ]
+    assert [each.values for each in setting_sweeps(facts(BASE, *few, *far))] == [(2.0, 3.0, 5.0), (0.0, 5.0, 9.0)]
+    assert setting_sweeps(facts(BASE, few[0], far[0])) == []
+
+
+def test_sides_are_swept_on_square_maps_alone() -> None:
+    sizes = [BASE.with_settings({"name": f"{n}", "map.height": n, "map.width": n}) for n in (20, 24)]
+    (sweep,) = setting_sweeps(facts(BASE, *sizes))
+    assert (sweep.setting, sweep.values) == ("side of the map [cells]", (16.0, 20.0, 24.0))
+    flat = BASE.with_settings({"name": "flat", "map.width": 30})
+    assert setting_sweeps(facts(BASE, sizes[0], flat)) == []
+
+
+def test_a_setting_is_drawn_from_its_least_value_on() -> None:
+    far = [BASE.with_settings({"name": f"{n}", "lidar.range": n}) for n in (4, 5)]
+    records = [made_up("a", Task(name, 0, seed), 30) for name in ("thesis-obstacles", "4", "5") for seed in range(6)]
+    results = results_of(records, BASE, *far)
+    (sweep,) = setting_sweeps(results.scenarios)
+    plots = setting_plots(results, sweep, policy_styles(("a",)))
+    assert [plot.title for plot in plots][-2:] == ["T99 [steps]", "AUC"]
+    assert plots[0].x.title == "lidar range [cells]"
+    assert plots[0].x.low == pytest.approx(3 - 0.07 * 2)
+    assert plots[0].series[0].x == [3.0, 4.0, 5.0]
+    assert plots[0].series[0].text[1].startswith("lidar range 4: ")
 
 
 def test_speed_up_is_a_ratio_of_means_over_common_tasks() -> None:
