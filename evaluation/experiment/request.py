@@ -104,8 +104,8 @@ class ComparisonRequest(Request):
     address: Annotated[str | None, Option(metavar="HOST:PORT")] = None
     """Address of the Ray cluster's head (default: found by Ray)."""
     ratio_to: Annotated[tuple[str, ...] | None, BeforeValidator(_several), POLICY_NAMES] = None
-    """Print steps divided by those of these policies on the same tasks. Tables and page always have ratios; by default
-    to frontier-nearest, or else the first policy, and to policies that know the map."""
+    """Print steps divided by those of these policies on the same tasks, and minus them. Tables and page always have
+    ratios; by default to frontier-nearest, or else the first policy, and to policies that know the map."""
 
     @classmethod
     def of(cls, **options: Any) -> ComparisonRequest:

@@ -10,6 +10,7 @@ from indoor_explorers.evaluation.exports.planner_arena import write_planner_aren
 from indoor_explorers.evaluation.exports.tidy import write_curves, write_episodes
 from indoor_explorers.evaluation.report.figures import write_figures
 from indoor_explorers.evaluation.report.summary.reproduce import experiment_files
+from indoor_explorers.evaluation.results.differences import differences, write_differences
 from indoor_explorers.evaluation.results.ratios import Ratios, write_ratios
 from indoor_explorers.evaluation.results.results import Results, write_summary
 
@@ -19,7 +20,7 @@ __all__ = ["write_exports"]
 def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | None = None) -> None:
     """Write everything but the report into ``folder``; equal results give equal bytes.
 
-    ``ratio_to`` names the baselines of ratios of steps, see
+    ``ratio_to`` names the baselines of ratios and differences of steps, see
     :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`.
     """
     tables = folder / "tables"
@@ -29,6 +30,7 @@ def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | N
     write_curves(results, tables / "curves.csv")
     ratios = Ratios.of(results, ratio_to)
     write_ratios(ratios, tables / "ratios.csv")
+    write_differences(differences(results, ratios.to), tables / "differences.csv")
     texts = {folder / name: text for name, text in experiment_files(results).items()}
     texts |= {tables / "results.md": markdown_tables(results), tables / "results.tex": latex_tables(results)}
     texts |= {tables / "ratios.md": markdown_ratios(ratios)}

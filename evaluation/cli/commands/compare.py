@@ -51,12 +51,16 @@ def run_compare(options: CompareOptions, typed: str) -> int:
 
 
 def print_ratios(results: Results, asked: Sequence[str] | None, console: Console) -> None:
-    """Print steps as ratios to those of the policies asked for; nothing where none are."""
+    """Print steps as ratios to those of the policies asked for, and minus them; nothing where none are."""
+    from indoor_explorers.evaluation.report.tables.difference_table import difference_lines
     from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
+    from indoor_explorers.evaluation.results.differences import differences
     from indoor_explorers.evaluation.results.ratios import Ratios
 
-    for part in ratio_lines(Ratios.of(results, asked)) if asked else ():
-        console.print(part, highlight=False)
+    if asked:
+        ratios = Ratios.of(results, asked)
+        for part in (*ratio_lines(ratios), *difference_lines(results, differences(results, ratios.to))):
+            console.print(part, highlight=False)
 
 
 def print_notes(results: Results, console: Console) -> None:

@@ -21,8 +21,8 @@ class ReportOptions(Request):
     against: Annotated[Path | None, Option(metavar="OLD")] = None
     """Also show what changed since the results in this folder."""
     ratio_to: Annotated[tuple[str, ...] | None, POLICY_NAMES] = None
-    """Print steps divided by those of these policies on the same tasks. The page always has ratios; by default to
-    frontier-nearest, or else the first policy, and to policies that know the map."""
+    """Print steps divided by those of these policies on the same tasks, and minus them. The page always has ratios;
+    by default to frontier-nearest, or else the first policy, and to policies that know the map."""
     replays: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
     """Embed replays of N episodes of each scenario (default: as many as keep the page under 10 MB)."""
     exports: Annotated[Path | None, Option(metavar="DIR")] = None
