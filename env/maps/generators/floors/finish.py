@@ -14,23 +14,29 @@ from indoor_explorers.env.search.connected_parts import largest_part
 
 #: Share of the rooms of a furnished building that are.
 FURNISHED = 0.7
+#: Share of large rooms with pillars.
+PILLARED = 0.07
 #: A ragged map keeps at least this share of its floor.
 KEPT = 0.85
 
 
-def furnished(rng: np.random.Generator, free: Mask, spaces: Spaces, style: Style) -> None:
-    """Put furniture into most rooms of a furnished building and pillars into some large ones, in place."""
+def rooms_of(spaces: Spaces) -> NDArray[np.int64]:
+    """Return (n, 4) top, left, height and width of all rooms."""
     from scipy import ndimage  # here, since it takes long to import
 
     found = filter(None, ndimage.find_objects(np.where(spaces > OPEN, spaces, 0)))
     sides = [(rows.start, cols.start, rows.stop - rows.start, cols.stop - cols.start) for rows, cols in found]
-    rooms = np.array(sides, np.int64).reshape(-1, 4)
+    return np.array(sides, np.int64).reshape(-1, 4)
+
+
+def furnished(rng: np.random.Generator, free: Mask, rooms: NDArray[np.int64], style: Style) -> None:
+    """Put furniture into most rooms (n, 4) of a furnished building and pillars into some large ones, in place."""
     chosen = rooms[rng.random(len(rooms)) < FURNISHED]
     key = rng.integers(2**64, dtype=np.uint64)
     if style.furnished > 0.0:
         furnish(free, chosen, style.furnished, key)
-    large = rooms[(rooms[:, 2:].min(axis=1, initial=10**6) >= style.cells(7.0)) & (rng.random(len(rooms)) < 0.2)]
-    for room in large.tolist():
+    large = rooms[:, 2:].min(axis=1, initial=10**6) >= style.cells(7.0)
+    for room in rooms[large & (rng.random(len(rooms)) < PILLARED)].tolist():
         _set_pillars(rng, free, room, style)
 
 

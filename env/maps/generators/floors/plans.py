@@ -16,8 +16,9 @@ from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.base import GeneratedMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.generators.floors.details import mirrored, set_fire_doors, set_niches
 from indoor_explorers.env.maps.generators.floors.doors import doors, open_doors
-from indoor_explorers.env.maps.generators.floors.finish import furnished, ragged, turned
+from indoor_explorers.env.maps.generators.floors.finish import furnished, ragged, rooms_of, turned
 from indoor_explorers.env.maps.generators.floors.sections import fill, fill_gaps
 from indoor_explorers.env.maps.generators.floors.site import Site
 from indoor_explorers.env.maps.generators.floors.skeletons import Skeleton, draw_skeleton, extent, fitted
@@ -29,7 +30,7 @@ TRIES = 8
 #: A plan is near enough to the area that was drawn for it when the logarithm of their ratio is below this.
 NEAR = 0.25
 #: Where between the logarithms of the smallest and the largest area the most frequent one lies.
-MODE = 0.7
+MODE = 0.85
 
 
 class FloorsMaps(GeneratedMaps):
@@ -44,13 +45,13 @@ class FloorsMaps(GeneratedMaps):
     """Metres a cell."""
     area: tuple[float, float] = (300.0, 4000.0)
     """Smallest and largest floor in square metres; what the map is too small for is drawn smaller."""
-    loops: float = Field(0.1, ge=0.0, le=1.0)
+    loops: float = Field(0.08, ge=0.0, le=1.0)
     """Mean share of walls between neighbouring spaces with a door although there is another way."""
     furniture: float = Field(0.08, ge=0.0, le=0.3)
-    """Mean share of the floor of a furnished room under furniture; half of the buildings are furnished."""
-    turned: float = Field(0.15, ge=0.0, le=1.0)
+    """Mean share of the floor of a furnished room under furniture; a fifth of the buildings is furnished."""
+    turned: float = Field(0.1, ge=0.0, le=1.0)
     """Share of plans turned by any angle."""
-    ragged: float = Field(0.2, ge=0.0, le=1.0)
+    ragged: float = Field(0.1, ge=0.0, le=1.0)
     """Share of plans with uneven walls."""
 
     @model_validator(mode="after")
@@ -95,14 +96,19 @@ class FloorsMaps(GeneratedMaps):
         laid = site.lay(rng, fitted(skeleton, tall, wide), margin)
         fill(rng, site, laid, style)
         fill_gaps(rng, site, laid, style)
-        made = doors(rng, site.spaces, style)
-        free = site.spaces > 0
+        set_fire_doors(rng, site, laid.corridors, style)
+        spaces, made = site.spaces, doors(rng, site.spaces, style)
+        free = spaces > 0
         open_doors(free, made)
-        furnished(rng, free, site.spaces, style)
+        if style.symmetric:
+            free, spaces, made = mirrored(rng, free, spaces, made, free.shape[1] - 2)
+        rooms = rooms_of(spaces)
+        set_niches(rng, free, rooms, style)
+        furnished(rng, free, rooms, style)
         free = largest_part(free)
         if rng.random() < self.turned:
             other = largest_part(turned(free, made, float(rng.uniform(0.0, np.pi / 2.0))))
-            free = other if _fits(other, free.shape) and other.sum() > 0.8 * free.sum() else free
+            free = other if _fits(other, site.spaces.shape) and other.sum() > 0.8 * free.sum() else free
         if rng.random() < self.ragged:
             free = ragged(rng, free, float(rng.uniform(0.03, 0.15)))
         free = _placed(rng, free, site.spaces.shape)

@@ -77,9 +77,9 @@ def _size(rng: np.random.Generator, kind: str, depth: int, style: Style) -> tupl
         depth = round(depth * rng.uniform(0.6, 1.4))
     module = style.module * rng.uniform(0.85, 1.2)
     if kind == "hall":
-        wide, deep = rng.uniform(8.0, 20.0), rng.uniform(8.0, 22.0)
+        wide, deep = rng.uniform(8.0, 24.0), rng.uniform(8.0, 26.0)
         return style.cells(wide), style.cells(deep)
-    factor = {"wide": rng.uniform(1.4, 2.6), "small": rng.uniform(0.35, 0.7)}.get(kind, 1.0)
+    factor = {"wide": rng.uniform(1.4, 2.6), "small": rng.uniform(0.45, 0.75)}.get(kind, 1.0)
     if kind in ("services", "nested"):
         module, depth = max(module, style.cells(rng.uniform(4.0, 9.0))), max(depth, style.cells(4.0))
     if kind == "stairs":
@@ -116,7 +116,7 @@ def _place(
     rows = slice(wall, wall + depth)
     room = view[rows, start:stop]
     if kind == "services":
-        _divide(rng, site, room, style.cells(rng.uniform(1.2, 2.2), 2), style.cells(rng.uniform(2.5, 5.0), 3))
+        _divide(rng, site, room, style.cells(rng.uniform(1.5, 2.5), 2), style.cells(rng.uniform(3.0, 6.0), 3))
     elif kind == "nested":
         _divide(rng, site, room, style.cells(2.0, 2), max(style.cells(4.0, 3), round(max(room.shape) * 0.6)))
     else:
@@ -146,7 +146,7 @@ def _close_end(rng: np.random.Generator, site: Site, side: Side, style: Style) -
     elif kind < 0.75:
         wide, deep = round(style.module * rng.uniform(0.8, 2.0)), round(style.depth * rng.uniform(0.7, 1.6))
     else:
-        wide, deep = style.cells(rng.uniform(9.0, 20.0)), style.cells(rng.uniform(8.0, 22.0))
+        wide, deep = style.cells(rng.uniform(9.0, 24.0)), style.cells(rng.uniform(8.0, 26.0))
     wide = max(wide, aisle)
     first = start - int(rng.integers(wide - aisle + 1))
     free = depth_free(view, first, first + wide, 1, deep)
@@ -171,7 +171,7 @@ def fill_gaps(rng: np.random.Generator, site: Site, skeleton: Skeleton, style: S
             down = np.flatnonzero(~free[row:, col : col + width].all(axis=1))
             height = int(down[0]) if len(down) else free.shape[0] - row
             if min(height, width) >= least and rng.random() < 0.9:
-                _divide(rng, site, part[row : row + height, col : col + width], least, 2 * style.module)
+                _divide(rng, site, part[row : row + height, col : col + width], least, 3 * style.module)
             free[max(row - 1, 0) : row + height + 1, max(col - 1, 0) : col + width + 1] = False
 
 

