@@ -107,7 +107,7 @@ def _tree(rng: np.random.Generator, walls: Walls, last: int) -> NDArray[np.int64
 def _door(rng: np.random.Generator, walls: Walls, number: int, style: Style) -> Door:
     """Return a door in a wall, more often near one of its ends than in the middle."""
     long, thick = int(walls.long[number]), int(walls.thick[number])
-    width = style.cells(rng.uniform(0.4, 1.0))
+    width = style.cells(rng.uniform(0.3, 0.9))
     if rng.random() < style.wide_doors:
         width = style.cells(rng.uniform(1.0, 2.2))
     width = min(width, long)

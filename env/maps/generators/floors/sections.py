@@ -77,7 +77,7 @@ def _size(rng: np.random.Generator, kind: str, depth: int, style: Style) -> tupl
         depth = round(depth * rng.uniform(0.6, 1.4))
     module = style.module * rng.uniform(0.85, 1.2)
     if kind == "hall":
-        wide, deep = rng.uniform(8.0, 24.0), rng.uniform(8.0, 26.0)
+        wide, deep = rng.uniform(9.0, 28.0), rng.uniform(9.0, 28.0)
         return style.cells(wide), style.cells(deep)
     factor = {"wide": rng.uniform(1.4, 2.6), "small": rng.uniform(0.45, 0.75)}.get(kind, 1.0)
     if kind in ("services", "nested"):
@@ -116,7 +116,7 @@ def _place(
     rows = slice(wall, wall + depth)
     room = view[rows, start:stop]
     if kind == "services":
-        _divide(rng, site, room, style.cells(rng.uniform(1.5, 2.5), 2), style.cells(rng.uniform(3.0, 6.0), 3))
+        _divide(rng, site, room, style.cells(rng.uniform(1.8, 2.8), 2), style.cells(rng.uniform(3.5, 6.0), 3))
     elif kind == "nested":
         _divide(rng, site, room, style.cells(2.0, 2), max(style.cells(4.0, 3), round(max(room.shape) * 0.6)))
     else:

@@ -17,8 +17,8 @@ USES = {
 #: Metres: smallest and largest width of the usual room, its depth, and width of the main corridor.
 SIZES = {
     "school": ((6.0, 12.0), (6.0, 12.0), (2.2, 5.0)),
-    "office": ((3.3, 7.5), (3.8, 9.0), (1.6, 3.4)),
-    "university": ((3.0, 7.5), (3.8, 8.5), (1.7, 3.8)),
+    "office": ((3.0, 7.0), (3.6, 8.8), (1.6, 3.4)),
+    "university": ((2.9, 7.0), (3.7, 8.2), (1.7, 3.8)),
 }
 #: Share of plans with an axis of symmetry.
 SYMMETRIC = 0.15
