@@ -9,11 +9,11 @@ from typing import Any
 
 
 def lazy_names(package: str, modules: Mapping[str, tuple[str, ...]]) -> Callable[[str], Any]:
-    """Return the ``__getattr__`` of a package whose public names are those of some of its modules.
+    """Return the ``__getattr__`` of a package whose public names are those of some modules.
 
     Args:
         package: The package's ``__name__``.
-        modules: The public names of each module, the module's path relative to the package.
+        modules: The public names of each module: its path relative to the package, or its whole name.
 
     """
     homes = {name: module for module, names in modules.items() for name in names}
@@ -21,7 +21,8 @@ def lazy_names(package: str, modules: Mapping[str, tuple[str, ...]]) -> Callable
     def find(name: str) -> Any:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        value = getattr(import_module(f"{package}.{homes[name]}"), name)
+        home = homes[name]
+        value = getattr(import_module(home if home.startswith("indoor_explorers.") else f"{package}.{home}"), name)
         setattr(sys.modules[package], name, value)
         return value
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from indoor_explorers.env.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from indoor_explorers.planners.information.clusters import Clusters, frontier_clusters, nearest_cells
+    from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
     from indoor_explorers.planners.information.view_gain import WeightedGains, unclaimed_gains
     from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
     from indoor_explorers.planners.navigation.navigator import Navigator
@@ -27,9 +27,9 @@ __all__ = [
     "unclaimed_gains",
 ]
 
-#: The public names of each module.
+#: The public names of each module, of this package or by its whole name.
 _MODULES = {
-    "information.clusters": ("Clusters", "frontier_clusters", "nearest_cells"),
+    "indoor_explorers.env.search.clusters": ("Clusters", "frontier_clusters", "nearest_cells"),
     "information.view_gain": ("WeightedGains", "unclaimed_gains"),
     "navigation.goal_pilot": ("GoalPilot",),
     "navigation.navigator": ("Navigator",),

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import Briefing, Mate, View
+from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.coordination.teammates import message_of, remembered, told_goal
-from indoor_explorers.planners.information.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
 #: Largest number of clusters considered: those nearest to any UAV of the group.

@@ -13,9 +13,9 @@ from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.coordination.teammates import remembered
 from indoor_explorers.planners.frontier.minpos import ranks
-from indoor_explorers.planners.information.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.information.view_gain import WeightedGains
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least

@@ -13,8 +13,8 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.coordination.teammates import remembered
-from indoor_explorers.planners.information.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
 

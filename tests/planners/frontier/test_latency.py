@@ -6,8 +6,8 @@ import pytest
 from indoor_explorers.env import InputError, Mate, World, make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
+from indoor_explorers.env.search.clusters import Clusters
 from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot, cluster_viewpoints, first_of_each
-from indoor_explorers.planners.information.clusters import Clusters
 from tests.planners.flights import fly, rooms
 
 

@@ -6,8 +6,8 @@ from scipy import ndimage
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.search.clusters import SPREAD, frontier_clusters, middles, nearest_cells
 from indoor_explorers.env.search.frontiers import frontier_mask
-from indoor_explorers.planners.information.clusters import SPREAD, frontier_clusters, middles, nearest_cells
 from indoor_explorers.planners.navigation.paths import Paths
 
 
