@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
+from indoor_explorers.env.tensors import WEIGHTS
 from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds, training_seeds
 from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus, crossed_multiple
-from indoor_explorers.learners.sessions.tensors import WEIGHTS
 from indoor_explorers.learners.thesis.config import TrainingConfig
 from indoor_explorers.learners.thesis.evaluation import evaluate
 from indoor_explorers.learners.thesis.history import History

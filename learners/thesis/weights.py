@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.learners.sessions.tensors import read_tensors, write_tensors
+from indoor_explorers.env.tensors import read_tensors, write_tensors
 from indoor_explorers.learners.thesis.inference import ThesisWeights, weights_from
 from indoor_explorers.learners.thesis.sizes import ImageFormat
 
