@@ -71,6 +71,14 @@ class Policy(ABC):
         """
         return {}
 
+    def seen_maps(self) -> Mapping[str, Sequence[str]]:
+        """Return the map files that the policy was trained, validated or tuned on, by use, such as "training".
+
+        They are told by their digests, or as a part of a suite, such as "floors/train". Results warn where they rest
+        on such maps.
+        """
+        return {}
+
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> Sequence[int]:
         """Return the actions of one UAV, or of many if the policy is ``batched``; each must be the same as alone.
 

@@ -154,12 +154,11 @@ PRESETS: dict[str, Scenario] = {
 
 
 def on_files(paths: tuple[str, ...], resolution: float | None) -> Scenario:
-    """Return the default scenario for maps from files: sensing as in offices, a budget by map size."""
-    return PRESETS["office"].model_copy(
-        update={
-            "name": Path(paths[0]).stem if len(paths) == 1 else f"{len(paths)} maps",
-            "map": FileMaps(paths=paths, resolution=resolution),
-            "team": 1,
-            "budget": None,
-        }
-    )
+    """Return the default scenario for maps from files."""
+    name = Path(paths[0]).stem if len(paths) == 1 else f"{len(paths)} maps"
+    return on_maps(name, FileMaps(paths=paths, resolution=resolution))
+
+
+def on_maps(name: str, maps: MapSource) -> Scenario:
+    """Return the default scenario for maps of any size: one UAV, sensing as in offices, a budget by map size."""
+    return PRESETS["office"].model_copy(update={"name": name, "map": maps, "team": 1, "budget": None})

@@ -53,6 +53,9 @@ SEED_SETS = (
     SeedSet("test-4", SeedUse.TEST, 8_000_000, 100, published=1),
     SeedSet("tuning", SeedUse.TUNING, 9_000_000, 1_000_000, published=2),
     SeedSet("test-5", SeedUse.TEST, 20_000_000, 1_000_000),
+    SeedSet("suites-train", SeedUse.TRAINING, 30_000_000, 1_000_000),
+    SeedSet("suites-validation", SeedUse.VALIDATION, 31_000_000, 1_000_000),
+    SeedSet("suites-test", SeedUse.TEST, 32_000_000, 1_000_000),
     SeedSet("ablation", SeedUse.TUNING, 2**39, 2**20, published=1),
 )
 
@@ -73,5 +76,6 @@ def use_of(seeds: range) -> SeedUse | None:
 
 
 def fresh_test_set() -> SeedSet:
-    """Return the first test set that no figure was published on."""
-    return next(each for each in SEED_SETS if each.use is SeedUse.TEST and not each.published)
+    """Return the first test set that no figure was published on, and that is no suite's."""
+    fresh = (each for each in SEED_SETS if each.use is SeedUse.TEST and not each.published)
+    return next(each for each in fresh if each.name != "suites-test")

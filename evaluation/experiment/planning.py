@@ -11,6 +11,7 @@ from indoor_explorers.env.scenarios.validation import read_toml, validated
 from indoor_explorers.evaluation.experiment.experiment import Experiment, build_experiment
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.experiment.selection import chosen_policies, chosen_scenarios
+from indoor_explorers.evaluation.experiment.suite_tasks import refuse_without_suite, suite_experiment
 
 #: Keys of an experiment file, and the fields of a request that they fill.
 KEYS = {"policies": "policies", "scenarios": "scenario", "episodes": "episodes", "seed": "seed", "set": "settings"}
@@ -21,7 +22,8 @@ SHIPPED = Path(__file__).parents[1] / "experiments"
 def plan(request: ComparisonRequest) -> Experiment:
     """Build an experiment from a request and the file that it names.
 
-    A policy or scenario that has the name of an entry of the file means that entry.
+    A policy or scenario that has the name of an entry of the file means that entry. A suite takes the place of the
+    file's scenarios, seed and episodes.
 
     Raises:
         InputError: a policy, scenario or file does not exist, or options contradict each other.
@@ -29,9 +31,13 @@ def plan(request: ComparisonRequest) -> Experiment:
     """
     path = None if request.experiment is None else experiment_file(request.experiment)
     file = ComparisonRequest() if path is None else read_experiment(path)
+    policies = chosen_policies(request.policies, file.policies)
+    if request.suite is not None:
+        return suite_experiment(request, policies)
+    refuse_without_suite(request)
     team = {} if request.team is None else {"team": request.team}
     return build_experiment(
-        chosen_policies(request.policies, file.policies),
+        policies,
         _scenarios(request, file, Path() if path is None else path.parent),
         episodes=file.episodes if request.episodes is None else request.episodes,
         seed=file.seed if request.seed is None else request.seed,

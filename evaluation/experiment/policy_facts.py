@@ -10,10 +10,14 @@ from typing import Any
 
 from indoor_explorers.env import InputError, Policy
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
+from indoor_explorers.env.scenarios.suites.catalogue import digests_of
 from indoor_explorers.evaluation.experiment.sources import outside_files
 
 #: Facts that no provenance may name, besides those that identify a policy.
-DERIVED = ("defaults", "hash", "uses_generator", "batched", "failed_check", "isolated", "seen_seeds", "plans_for")
+DERIVED = (
+    *("defaults", "hash", "uses_generator", "batched", "failed_check", "isolated", "seen_seeds", "seen_maps"),
+    "plans_for",
+)
 #: Characters of what a policy says it plans for.
 LONGEST_AIM = 80
 
@@ -37,7 +41,7 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
     facts |= {"sources": outside_files(policy, use), "defaults": _defaults(policy)}
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
-    more = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy)}
+    more = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy), "seen_maps": _seen_maps(policy)}
     return facts | {name: told for name, told in more.items() if told}
 
 
@@ -63,6 +67,18 @@ def _seen_seeds(policy: Policy) -> dict[str, list[list[int]]]:
         if use not in list(SeedUse) or not all(isinstance(seeds, range) for seeds in ranges):
             raise InputError(f"{what} ({', '.join(SeedUse)}), got other uses or no ranges")
     return {str(use): told for use, ranges in given.items() if (told := [[r[0], r[-1]] for r in ranges if r])}
+
+
+def _seen_maps(policy: Policy) -> dict[str, list[str]]:
+    """Return the digests of the maps that a policy declares, by use; parts of suites are spelt out."""
+    given, what = policy.seen_maps(), f"{type(policy).__name__}: expected seen_maps() to return lists of texts by use"
+    if not isinstance(given, Mapping):
+        raise InputError(f"{what}, got {type(given).__name__}")
+    for use, names in given.items():
+        if use not in list(SeedUse) or isinstance(names, str) or not all(isinstance(name, str) for name in names):
+            raise InputError(f"{what} ({', '.join(SeedUse)}), got other uses or no lists of texts")
+    spelt = {str(use): [digest for name in names for digest in digests_of(name)] for use, names in given.items()}
+    return {use: list(dict.fromkeys(digests)) for use, digests in spelt.items() if digests}
 
 
 def _defaults(policy: Policy) -> dict[str, str]:

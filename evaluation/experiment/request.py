@@ -22,6 +22,8 @@ from indoor_explorers.evaluation.options import (
 
 #: Where episodes can be flown, the default first.
 ENGINES = ("local", "ray")
+#: The parts of a suite.
+SuitePart = Literal["test", "validation", "train"]
 #: Which policies can be isolated.
 Isolated = Literal["plug-ins", "all", "none"]
 
@@ -36,6 +38,10 @@ def _paths(value: Any) -> Any:
     return tuple(str(path) for path in _several(value) or ())
 
 
+def _folders(value: Any) -> Any:
+    return tuple(Path(path).expanduser() for path in _several(value) or ())
+
+
 def _settings(value: Any) -> Any:
     """Return pairs of a key and a value as a mapping."""
     return dict(value or {}) if value is None or isinstance(value, (Mapping, list, tuple)) else value
@@ -47,6 +53,11 @@ TEAM = Option(metavar="N", read=read_count)
 SEED = Option(metavar="S", read=read_natural)
 SETTINGS = Option(metavar="key=value", read=read_setting, several=True, flag="--set")
 POLICY_NAMES = Option(metavar="a,b,...", read=read_names)
+RADIO_NAMES = Option(metavar="a,b,...", read=read_names)
+#: Folders of a suite's map files.
+DATA_FOLDERS = Annotated[
+    tuple[Path, ...], BeforeValidator(_folders), Option(metavar="DIR", read=Path, several=True, flag="--data")
+]
 #: Settings by dotted keys, or pairs of key and value.
 Settings = Annotated[Mapping[str, Any], BeforeValidator(_settings), SETTINGS]
 NO_SETTINGS: Mapping[str, Any] = {}
@@ -73,6 +84,15 @@ class ComparisonRequest(Request):
     """Explore these map files instead."""
     resolution: Annotated[float | None, RESOLUTION] = None
     """Metres per cell to resample map files to."""
+    suite: Annotated[str | None, Option(metavar="NAME")] = None
+    """Fly the tasks of a suite, which indoor-explorers suites lists. Choose some of them with --team, --radio, --maps,
+    which then names maps or buildings ('GHC*'), and fewer --episodes; results say that they are a subset."""
+    part: Annotated[SuitePart, Option(choices=get_args(SuitePart))] = "test"
+    """Which part of the suite."""
+    data: DATA_FOLDERS = ()
+    """Where the suite's map files are: clones of their repositories, or folders that have the clones in them."""
+    radio: Annotated[tuple[str, ...] | None, BeforeValidator(_several), RADIO_NAMES] = None
+    """Fly teams only with these radios of the suite: none, disc, unlimited."""
     team: Annotated[int | None, TEAM] = None
     """Number of UAVs."""
     episodes: Annotated[int | None, Option(metavar="N", read=read_count)] = None

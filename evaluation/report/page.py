@@ -149,7 +149,8 @@ def embedded(data: Any) -> Markup:
 
 def _subtitle(results: Results) -> list[str]:
     seeds = sorted({record.task.seed for record in results.records})
-    phrases = [counted(len(results.policies), "policy"), counted(len(results.scenarios), "scenario")]
+    phrases = list(results.suite_run.phrases) if results.suite_run else []
+    phrases += [counted(len(results.policies), "policy"), counted(len(results.scenarios), "scenario")]
     phrases.append(counted(len(results.records), "episode"))
     if seeds:
         phrases.append(f"seeds {seeds[0]} to {seeds[-1]}" if len(seeds) > 1 else f"seed {seeds[0]}")

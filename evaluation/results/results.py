@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -15,13 +14,13 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.scenarios.suites.catalogue import buildings
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, extended
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
-from indoor_explorers.evaluation.results.policy_lists import PolicyLists
+from indoor_explorers.evaluation.results.notes import ResultNotes
 from indoor_explorers.evaluation.results.reading import StoreReader
-from indoor_explorers.evaluation.results.seen_seeds import seen_seeds_line
 from indoor_explorers.evaluation.statistics import (
     Estimate,
     bootstrap_mean,
@@ -35,14 +34,12 @@ SUMMARY_COLUMNS = (
     *("success", "success_low", "success_high"),
 )
 
-#: The attempt that counts for an episode that was flown again.
-WHICH_COUNTS = "the first attempt counts where the policy failed, the last where the machine did"
 #: Facts of a run about its machine.
 MACHINE = ("system", "processor", "cores")
 
 
 @dataclass(frozen=True, eq=False)
-class Results(PolicyLists):
+class Results(ResultNotes):
     """Everything a store holds, loaded."""
 
     policies: dict[str, dict[str, Any]]
@@ -82,19 +79,6 @@ class Results(PolicyLists):
         for record in self.records:
             groups[record.task.scenario, record.policy].append(record)
         return {key: records for key, records in groups.items() if records}
-
-    @property
-    def retry_notes(self) -> list[str]:
-        """How many episodes of which policies were flown again after a failure: a line, or nothing."""
-        counts = Counter(policy for policy, _ in self.retries)
-        listed = ", ".join(f"{count} of {policy}" for policy, count in counts.items())
-        return [f"episodes flown again after a failure: {listed}; {WHICH_COUNTS}"] if counts else []
-
-    @property
-    def seed_notes(self) -> list[str]:
-        """Which policies were trained, validated or chosen on some of the seeds: a line, or nothing."""
-        line = seen_seeds_line(self.policies, {record.task.seed for record in self.records})
-        return [line] if line else []
 
     @property
     def warnings(self) -> list[str]:
@@ -166,8 +150,13 @@ class Results(PolicyLists):
         return np.array([_value(r, metric) / (b or np.nan) for r, b in zip(records, least, strict=True)], np.float64)
 
     def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
-        """Return (E,) which map each episode was flown on; equal maps have equal labels, whatever their files."""
-        return np.array([record.floorplan.digest for record in self.groups[scenario, policy]])
+        """Return (E,) which map each episode was flown on; equal maps have equal labels, whatever their files.
+
+        Maps that suites say are of one building have one label, as they are alike.
+        """
+        known = buildings()
+        digests = [record.floorplan.digest for record in self.groups[scenario, policy]]
+        return np.array([known.get(digest, digest) for digest in digests])
 
     @cached_property
     def references(self) -> dict[str, dict[Task, Record]]:

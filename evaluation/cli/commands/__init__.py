@@ -13,10 +13,11 @@ from indoor_explorers.evaluation.cli.commands.compare import COMPARE
 from indoor_explorers.evaluation.cli.commands.listings import POLICIES, SCENARIOS
 from indoor_explorers.evaluation.cli.commands.maps import MAPS
 from indoor_explorers.evaluation.cli.commands.report import REPORT
+from indoor_explorers.evaluation.cli.commands.suites import SUITES
 from indoor_explorers.evaluation.cli.commands.training import ABLATE, THESIS, TRAIN
 from indoor_explorers.evaluation.cli.commands.watch import WATCH
 
 #: All commands, in the order of the help.
 COMMANDS: tuple[Command[Any], ...] = (
-    *(COMPARE, WATCH, REPORT, TRAIN, ABLATE, THESIS, POLICIES, SCENARIOS, MAPS, BENCH, CHECK),
+    *(COMPARE, WATCH, REPORT, TRAIN, ABLATE, THESIS, POLICIES, SCENARIOS, SUITES, MAPS, BENCH, CHECK),
 )

@@ -64,8 +64,9 @@ def print_ratios(results: Results, asked: Sequence[str] | None, console: Console
 
 
 def print_notes(results: Results, console: Console) -> None:
-    """Print what happened to the stores that the results are from, and which policies know their seeds."""
-    for note in (*results.notes, *results.retry_notes, *results.seed_notes):
+    """Print suite and part, what happened to the stores, and which policies know the maps or the seeds."""
+    notes = (*results.suite_notes, *results.notes, *results.retry_notes, *results.map_notes, *results.seed_notes)
+    for note in notes:
         print_line(console, note)
 
 

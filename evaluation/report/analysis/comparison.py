@@ -52,12 +52,17 @@ class Comparison:
         return self.results.level(self.scenario)
 
     def maps(self, policy: str) -> NDArray[np.str_]:
-        """Return (E,) which map each episode of a policy was flown on; equal maps have equal labels."""
+        """Return (E,) which map, or building, each episode of a policy was flown on; equal ones have equal labels."""
         return self.results.maps(self.scenario, policy)
 
     @cached_property
     def map_count(self) -> int:
         """How many different maps were flown."""
+        return len({record.floorplan.digest for record in self.records})
+
+    @cached_property
+    def building_count(self) -> int:
+        """How many they are when those of one building count as one."""
         return len({label for policy in self.groups for label in self.maps(policy).tolist()})
 
     @cached_property

@@ -46,16 +46,17 @@ def verdict_on(results: Results) -> Verdict:
     copies, repeats = _copies(results)
     warnings = [
         *_missing(results), *_unlike(results), *copies, *_failed(results), *_failed_checks(results), *_few(results),
-        *_runs(results),
+        *_sentences(results.map_notes), *_runs(results),
     ]  # fmt: skip
     notes = [
+        *_buildings(results),
         *repeats,
         *_unlike_sizes(results),
         *_few_maps(results),
         *_privileged(results),
         *_aims(results),
         *_censored(results),
-        *_seeds(results),
+        *_sentences(results.seed_notes),
         *_unknown_code(results),
     ]
     return Verdict(not warnings, _headline(results), warnings, notes)
@@ -181,7 +182,7 @@ def _runs(results: Results) -> Iterator[str]:
     """Warn of uncommitted changes, and name what differs between the runs."""
     if any("uncommitted" in str(run.get("commit", "")) for run in results.runs):
         yield "The source had uncommitted changes: the commit alone does not identify the code."
-    yield from (f"{text[0].upper()}{text[1:]}." for text in results.warnings)
+    yield from _sentences(results.warnings)
 
 
 def _few_maps(results: Results) -> Iterator[str]:
@@ -234,8 +235,20 @@ def _unknown_code(results: Results) -> Iterator[str]:
         yield f"The code behind {names} is unknown: no hashes of its sources were stored."
 
 
-def _seeds(results: Results) -> Iterator[str]:
-    yield from (f"{text[0].upper()}{text[1:]}." for text in results.seed_notes)
+def _sentences(notes: Sequence[str]) -> list[str]:
+    return [f"{text[0].upper()}{text[1:]}." for text in notes]
+
+
+def _buildings(results: Results) -> Iterator[str]:
+    """Tell where maps of one building count as one."""
+    comparisons = [Comparison(results, name) for name in results.scenarios]
+    told = {
+        f"{counted(each.map_count, 'map')} of {counted(each.building_count, 'building')}"
+        for each in comparisons
+        if each.building_count < each.map_count
+    }
+    if told:
+        yield f"Intervals and tests count maps of one building as one, as they are alike: {', '.join(sorted(told))}."
 
 
 def _censored(results: Results) -> Iterator[str]:

@@ -1,0 +1,69 @@
+"""The suites that ship, a TOML file each, ``NAME-VERSION.toml``; older versions stay, so that results are known."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.scenarios.suites.suite import Part, Suite
+from indoor_explorers.env.scenarios.validation import read_toml, validated
+
+#: The folder of the files.
+FOLDER = Path(__file__).parent
+
+
+@lru_cache(maxsize=1)
+def all_suites() -> tuple[Suite, ...]:
+    """Return every version of every suite by name, the latest version of each first."""
+    found = [validated(Suite, read_toml(path), path.name) for path in FOLDER.glob("*.toml")]
+    return tuple(sorted(found, key=lambda suite: (suite.name, -suite.version)))
+
+
+def suites() -> dict[str, Suite]:
+    """Return the latest version of each suite by name."""
+    found: dict[str, Suite] = {}
+    for suite in all_suites():
+        found.setdefault(suite.name, suite)
+    return found
+
+
+def suite_of(name: str) -> Suite:
+    """Return the latest version of a suite.
+
+    Raises:
+        InputError: there is no suite of that name.
+
+    """
+    known = suites()
+    if name not in known:
+        raise InputError(f"unknown suite {name!r}{did_you_mean(name, known)}")
+    return known[name]
+
+
+@lru_cache(maxsize=1)
+def buildings() -> dict[str, str]:
+    """Return suite and building of each map of a file by its digest, such as ``floors: GDC``."""
+    return {
+        each.digest: f"{suite.name}: {each.building}"
+        for suite in reversed(all_suites())
+        for home in suite.repositories
+        for each in home.maps
+    }
+
+
+def digests_of(name: str) -> list[str]:
+    """Return the digests of the maps of a part, such as ``floors/train``, of all versions; a digest is its own.
+
+    Raises:
+        InputError: there is no suite or no part of that name, or its maps are generated: their seeds tell them.
+
+    """
+    title, slash, part = name.partition("/")
+    if not slash:
+        return [name]
+    suite = suite_of(title)
+    if part not in list(Part) or suite.map is not None:
+        raise InputError(f"expected a part of a suite of map files, such as 'floors/train', got {name!r}")
+    mine = (each for each in all_suites() if each.name == title)
+    return list(dict.fromkeys(entry.digest for each in mine for _, entry in each.maps(Part(part))))

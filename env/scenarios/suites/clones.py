@@ -1,0 +1,119 @@
+"""The map files of a suite in clones of the repositories that they are from: found, and checked by their checksums."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Sequence
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.maps.sources import FileMaps, MapSource
+from indoor_explorers.env.scenarios.suites.suite import Part, Repository, Suite, SuiteMap, digest_of
+
+Located = tuple[Repository, SuiteMap, Path | None]
+
+
+def located(suite: Suite, part: Part, data: Iterable[Path]) -> Iterator[Located]:
+    """Yield the map files of a part, each with the folder of the clone that has it; None where none does.
+
+    Args:
+        suite: the suite.
+        part: the part.
+        data: clones, or folders that clones are in.
+
+    """
+    roots = [root for folder in data for root in (folder, *_subfolders(folder))]
+    for home, each in suite.maps(part):
+        inside = [root / home.folder for root in roots]
+        yield home, each, next((root for root in inside if all((root / path).is_file() for path in each.files)), None)
+
+
+def _subfolders(folder: Path) -> list[Path]:
+    try:
+        return sorted(entry for entry in folder.iterdir() if entry.is_dir())
+    except OSError:
+        return []
+
+
+def how_to_fetch(home: Repository) -> str:
+    """Return the command that clones a repository at the commit of a suite."""
+    return f"git clone {home.url} && git -C {home.name} checkout {home.commit}"
+
+
+def maps_of(suite: Suite, part: Part, data: Sequence[Path], only: Sequence[str] = ()) -> MapSource:
+    """Return where the maps of a part come from, all of them or those whose names or buildings match a pattern.
+
+    Raises:
+        InputError: files are missing or not those of the suite, or maps are not read or drawn as the suite has them.
+
+    """
+    if suite.map is not None:
+        return _checked_generator(suite, part, only)
+    found = _matching(suite, part, list(located(suite, part, data)), only)
+    _refuse_missing(suite, found)
+    paths = []
+    for home, each, root in found:
+        assert root is not None
+        _check_files(home, each, root)
+        paths.append(str(root / each.path))
+    maps = FileMaps(paths=tuple(paths), resolution=suite.resolution)
+    for index, (_, each, _) in enumerate(found):
+        _refuse_other_map(suite, each.name, each.digest, maps.floorplan(index, 0).digest)
+    return maps
+
+
+def _checked_generator(suite: Suite, part: Part, only: Sequence[str]) -> MapSource:
+    assert suite.map is not None
+    if only:
+        raise InputError(
+            f"expected no --maps with suite {suite.name!r}, whose maps are generated; ask for fewer --episodes"
+        )
+    digest = digest_of(suite.map, suite.seeds(part))
+    _refuse_other_map(suite, f"its {part} part", suite.parts[part].digest, digest)
+    return suite.map
+
+
+def _matching(suite: Suite, part: Part, found: list[Located], only: Sequence[str]) -> list[Located]:
+    """Return the maps that match one of the patterns, in the order of the suite."""
+    for pattern in only:
+        if not any(_matches(each, pattern) for _, each, _ in found):
+            names = {word for _, each, _ in found for word in (each.name, each.building)}
+            raise InputError(
+                f"no map {pattern!r} in the {part} part of suite {suite.name!r}{did_you_mean(pattern, names)}"
+            )
+    return [entry for entry in found if not only or any(_matches(entry[1], pattern) for pattern in only)]
+
+
+def _matches(each: SuiteMap, pattern: str) -> bool:
+    return fnmatchcase(each.name, pattern) or fnmatchcase(each.building, pattern)
+
+
+def _refuse_missing(suite: Suite, found: Iterable[Located]) -> None:
+    lacking: dict[str, tuple[Repository, list[str]]] = {}
+    for home, each, root in found:
+        if root is None:
+            lacking.setdefault(home.url, (home, []))[1].append(home.folder + each.path)
+    if lacking:
+        told = "; ".join(
+            f"{len(paths)} of {home.name}, such as {paths[0]}: {how_to_fetch(home)}" for home, paths in lacking.values()
+        )
+        raise InputError(f"suite {suite.name!r} lacks map files below --data: {told}")
+
+
+def _check_files(home: Repository, each: SuiteMap, root: Path) -> None:
+    for path, expected in each.files.items():
+        digest = hashlib.sha256((root / path).read_bytes()).hexdigest()
+        if digest != expected:
+            raise InputError(
+                f"{root / path}: expected the file of commit {home.commit[:12]} (SHA-256 {expected[:12]}...), "
+                f"got another one ({digest[:12]}...); {how_to_fetch(home)}"
+            )
+
+
+def _refuse_other_map(suite: Suite, what: str, expected: str, got: str) -> None:
+    if got != expected:
+        raise InputError(
+            f"suite {suite.title}: {what} is not what it was when the suite was made (expected digest {expected}, got "
+            f"{got}), as this version of the package reads or draws maps in another way; results would not compare"
+        )
