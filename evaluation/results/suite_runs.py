@@ -84,7 +84,8 @@ def _name_in(suite: Suite, stored: Mapping[str, Any]) -> str:
 
 
 def _settings(scenario: Scenario) -> dict[str, Any]:
-    return scenario.model_dump(exclude={"name", "map"})
+    """Return what makes a task beside its maps; one UAV has nobody to call."""
+    return scenario.model_dump(exclude={"name", "map", *(["radio"] if scenario.team == 1 else [])})
 
 
 def _task(suite: Suite, names: Mapping[str, str], record: Record) -> SuiteTask:

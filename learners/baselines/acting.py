@@ -28,7 +28,7 @@ from indoor_explorers.learners.baselines.evaluation import Scores, best_moves
 from indoor_explorers.learners.baselines.trainee import BaselineRecord
 from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.sessions.process import one_thread
-from indoor_explorers.learners.sessions.record import RECORD, read_record
+from indoor_explorers.learners.sessions.record import RECORD, read_record, recorded_maps
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
 
 
@@ -115,6 +115,10 @@ class TrainedPolicy(Policy):
     def seen_seeds(self) -> dict[str, list[range]]:
         """Return the seeds of the training and its evaluations."""
         return recorded_seeds(folder_and_model(self.path, self.MODEL)[0] / RECORD)
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return the map files that the training flew."""
+        return recorded_maps(folder_and_model(self.path, self.MODEL)[0] / RECORD)
 
     def pilot(self, briefing: Briefing) -> TrainedPilot:
         """Make the pilot of one UAV for one episode."""

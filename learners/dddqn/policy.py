@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
@@ -18,8 +19,10 @@ from indoor_explorers.learners.dddqn.observation.config import WIDEST
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE
 from indoor_explorers.learners.dddqn.pilot import DddqnPilot
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
-from indoor_explorers.learners.sessions.record import record_of
+from indoor_explorers.learners.sessions.record import record_of, recorded_maps
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
+
+Seen = TypeVar("Seen")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,9 +106,11 @@ class Dddqn(Policy):
 
     def seen_seeds(self) -> dict[str, list[range]]:
         """Return the seeds of the trainings of these weights, and of the rooms that they were chosen on."""
-        records = [recorded_seeds(record_of(path)) for path in self._paths().values()]
-        uses = dict.fromkeys(use for record in records for use in record)
-        return {use: list(dict.fromkeys(seeds for record in records for seeds in record.get(use, ()))) for use in uses}
+        return _joined([recorded_seeds(record_of(path)) for path in self._paths().values()])
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return the map files that the trainings of these weights flew."""
+        return _joined([recorded_maps(record_of(path)) for path in self._paths().values()])
 
     def pilot(self, briefing: Briefing) -> DddqnPilot:
         """Make the pilot of one UAV for one episode."""
@@ -116,6 +121,12 @@ class Dddqn(Policy):
         if not self.network:
             loaded = loaded._replace(weights=without_network(loaded.weights, loaded.layout))
         return DddqnPilot(briefing, loaded, guard=self.guard, other_range=self.is_outside_training(briefing))
+
+
+def _joined(records: Sequence[Mapping[str, Sequence[Seen]]]) -> dict[str, list[Seen]]:
+    """Return what several trainings saw by use, each entry once."""
+    uses = dict.fromkeys(use for record in records for use in record)
+    return {use: list(dict.fromkeys(each for record in records for each in record.get(use, ()))) for use in uses}
 
 
 #: The rule of :func:`suited` in words, for the provenance.

@@ -14,6 +14,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.learners.sessions.settings import LearnerSettings
 
@@ -45,6 +46,9 @@ class TrainingRecord(BaseModel):
     """Commit of the source tree at the start of the training."""
     commits: tuple[str | None, ...] = ()
     """All commits that the training ran under, the first one first; empty in older records."""
+    seen_maps: dict[str, tuple[str, ...]] = {}
+    """The map files behind the network by use, as :meth:`~indoor_explorers.env.policies.policy.Policy.seen_maps` tells
+    them; empty where all maps were generated, and in older records."""
     seconds: float = 0.0
     """Duration of the training in seconds, evaluations included."""
     done: bool = False
@@ -84,18 +88,26 @@ def new_record(
     learner: str, config: LearnerSettings, scenario: Scenario, seed: int, packages: Iterable[str] = ()
 ) -> TrainingRecord:
     """Return the record of a new training whose result depends on :data:`PACKAGES` and on ``packages``."""
-    commit = source_commit()
+    commit, tasks = source_commit(), config.tasks(scenario)
+    digests = tuple(dict.fromkeys(digest for task in tasks for digest in _file_digests(task)))
     return TrainingRecord(
         learner=learner,
         seed=seed,
         scenario=scenario.model_dump(mode="json"),
         fingerprint=scenario.fingerprint,
-        task=" ".join(task.fingerprint for task in config.tasks(scenario)),
+        task=" ".join(task.fingerprint for task in tasks),
         config=config.model_dump(mode="json"),
         versions={"python": platform.python_version()} | versions((*PACKAGES, *packages)),
         commit=commit,
         commits=(commit,),
+        seen_maps={use: digests for use in (SeedUse.TRAINING, SeedUse.VALIDATION) if digests},
     )
+
+
+def _file_digests(task: Scenario) -> list[str]:
+    """Return the digests of a scenario's maps that no seed makes."""
+    maps = task.map
+    return [] if maps.generated else [maps.floorplan(index, 0).digest for index in range(maps.count)]
 
 
 def write_record(record: TrainingRecord, folder: Path, results: Mapping[str, Any]) -> None:
@@ -109,6 +121,15 @@ def record_of(weights: Path) -> Path:
     """Return the path of the record of the training that made a weights file: that of shipped ones has their name."""
     shipped = weights.with_suffix(".json")
     return shipped if shipped.exists() else weights.parent / RECORD
+
+
+def recorded_maps(path: Path) -> dict[str, list[str]]:
+    """Return the map files behind some weights by their use, from the record of the training; empty without one."""
+    try:
+        seen = json.loads(path.read_text(encoding="utf-8")).get("seen_maps", {})
+        return {SeedUse(use): [str(each) for each in listed] for use, listed in seen.items()}
+    except (OSError, ValueError, AttributeError, TypeError):
+        return {}
 
 
 def read_record(folder: Path, kind: type[Kind], learners: Collection[str]) -> Kind:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.guard import WatchedPilot
-from indoor_explorers.learners.sessions.record import record_of
+from indoor_explorers.learners.sessions.record import record_of, recorded_maps
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
 from indoor_explorers.learners.thesis.inference import q_values
 from indoor_explorers.learners.thesis.observation import LEVELS, painted, window
@@ -63,6 +63,10 @@ class DddqnThesis(Policy):
     def seen_seeds(self) -> dict[str, list[range]]:
         """Return the seeds of the training and its evaluations."""
         return recorded_seeds(record_of(self.path))
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return the map files that the training flew."""
+        return recorded_maps(record_of(self.path))
 
     def pilot(self, briefing: Briefing) -> DddqnThesisPilot:
         """Make the pilot of one UAV for one episode."""

@@ -66,9 +66,7 @@ def maps_of(suite: Suite, part: Part, data: Sequence[Path], only: Sequence[str] 
 def _checked_generator(suite: Suite, part: Part, only: Sequence[str]) -> MapSource:
     assert suite.map is not None
     if only:
-        raise InputError(
-            f"expected no --maps with suite {suite.name!r}, whose maps are generated; ask for fewer --episodes"
-        )
+        raise InputError(f"suite {suite.name!r} generates its maps; leave --maps out, or ask for fewer --episodes")
     digest = digest_of(suite.map, suite.seeds(part))
     _refuse_other_map(suite, f"its {part} part", suite.parts[part].digest, digest)
     return suite.map

@@ -74,7 +74,7 @@ def _parts(suite: Suite) -> Table:
     for part in Part:
         seeds, buildings = suite.seeds(part), len(suite.buildings(part))
         counts = (suite.map_count(part), buildings or "-", suite.starts, suite.task_count(part))
-        table.add_row(part, *map(str, counts), f"{seeds[0]} to {seeds[-1]}")
+        table.add_row(part, *map(str, counts), f"{seeds[0]:,} to {seeds[-1]:,}")
     return table
 
 

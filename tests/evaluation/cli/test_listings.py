@@ -6,6 +6,7 @@ import pytest
 
 from indoor_explorers.env import PRESETS, policy_names
 from indoor_explorers.env.policies.registry import policy_entry_points
+from indoor_explorers.env.scenarios.suites.catalogue import suites
 from indoor_explorers.evaluation.cli.commands import listings
 from indoor_explorers.evaluation.cli.parser import main
 
@@ -47,3 +48,22 @@ def test_policies_are_listed_with_their_aliases_and_without_markup(capsys):
     assert "alias of rrt-aep" in lines["rrt"]
     aliases = [name for name in policy_names() if "alias of" in lines[name]]
     assert len({entry.value for entry in policy_entry_points().values()}) == len(policy_names()) - len(aliases)
+
+
+def test_suites_are_listed_with_their_parts(capsys):
+    assert main(["suites"]) == 0
+    printed = capsys.readouterr().out
+    assert [line.split()[0] for line in printed.splitlines() if " / " in line][1:] == list(suites())
+    assert re.search(r"floors +1 +36 / 17 / 36 +amrl_maps", printed)
+
+
+def test_a_suite_is_explained_with_the_commands_that_fetch_its_maps(capsys, tmp_path):
+    (tmp_path / "GDC3").mkdir()
+    (tmp_path / "GDC3" / "GDC3.vectormap.json").write_text("[]")
+    assert main(["suites", "floors", "rooms", "--data", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert re.search(r"test +36 +26 +2 +504 +32,000,000 to 32,000,001", printed)
+    assert "Data: https://github.com/ut-amrl/amrl_maps, 1 of 17 maps found below --data; licence: BSD" in printed
+    assert "  git clone https://github.com/ut-amrl/amrl_maps && git -C amrl_maps checkout 38db3f2b17f7313aa" in printed
+    assert "Data: none, the maps are generated." in printed
+    assert main(["suites", "flors"]) == 2

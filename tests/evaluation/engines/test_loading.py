@@ -7,6 +7,7 @@ import textwrap
 import pytest
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.scenarios.suites.catalogue import digests_of
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.engines.loading import PolicyLoader
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
@@ -100,6 +101,26 @@ def test_seeds_that_a_policy_has_seen_are_facts_that_make_no_other_version_of_it
     assert "seen_seeds" not in plain
     assert facts["hash"] == plain["hash"]
     assert not version_difference(plain, facts)
+
+
+@pytest.mark.parametrize("answer", [None, {"training": [3]}, {"fun": ["a"]}, {"training": "floors/train"}])
+def test_seen_maps_are_texts_by_use(answer):
+    odd = type("Odd", (Wander,), {"seen_maps": lambda self: answer})
+    with pytest.raises(InputError, match=r"Odd: expected seen_maps\(\) to return lists of texts by use"):
+        policy_facts(odd(), "odd")
+
+
+def test_maps_that_a_policy_has_seen_are_facts_and_parts_of_suites_are_spelt_out():
+    about = {"seen_maps": lambda self: {"training": ["floors/train", "0123"], "tuning": []}}
+    facts = policy_facts(type("Wander", (Wander,), about)(), "wander")
+    assert list(facts["seen_maps"]) == ["training"]
+    assert facts["seen_maps"]["training"] == [*digests_of("floors/train"), "0123"]
+    plain = policy_facts(type("Wander", (Wander,), {})(), "wander")
+    assert "seen_maps" not in plain
+    assert not version_difference(plain, facts)
+    other = type("Odd", (Wander,), {"seen_maps": lambda self: {"training": ["rooms/train"]}})
+    with pytest.raises(InputError, match=r"expected a part of a suite of map files, .*, got 'rooms/train'"):
+        policy_facts(other(), "odd")
 
 
 @pytest.mark.parametrize("aim", [None, 0.9, "x" * 81, "two\nlines"])

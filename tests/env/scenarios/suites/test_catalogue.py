@@ -1,0 +1,154 @@
+"""The suites that ship: their parts share nothing, and their maps are what the files say."""
+
+import os
+from itertools import combinations
+from pathlib import Path
+
+import pytest
+
+from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.maps.files import read_map
+from indoor_explorers.env.scenarios.seed_sets import SeedUse, use_of
+from indoor_explorers.env.scenarios.suites.catalogue import FOLDER, all_suites, buildings, digests_of, suite_of, suites
+from indoor_explorers.env.scenarios.suites.clones import maps_of
+from indoor_explorers.env.scenarios.suites.suite import Part, Suite, digest_of
+
+SHARED = Path(__file__).parents[5] / "shared" / "maps"
+#: Shared maps: the suite's resolution, and files of which some are in the suite.
+FOLDERS = {
+    "floors": (0.5, [*(SHARED / "floors").glob("*.yaml"), *(SHARED / "slam").glob("[SUg]*.yaml")]),
+    "dungeons": (4.0, [*(SHARED / "dungeon").glob("*.png")]),
+}
+#: The repositories' clones, where there are any.
+CLONES = Path(os.environ.get("SUITE_DATA", "no-folder"))
+USES = {Part.TRAIN: SeedUse.TRAINING, Part.VALIDATION: SeedUse.VALIDATION, Part.TEST: SeedUse.TEST}
+ALL = pytest.mark.parametrize("suite", all_suites(), ids=lambda suite: suite.title)
+
+
+def test_these_suites_ship():
+    assert list(suites()) == ["dungeons", "floors", "floors-generated", "rooms"]
+    assert {f"{suite.name}-{suite.version}.toml" for suite in all_suites()} == {
+        file.name for file in FOLDER.glob("*.toml")
+    }
+
+
+@ALL
+def test_parts_share_no_building_no_map_and_no_seed(suite: Suite):
+    for one, other in combinations(Part, 2):
+        assert not suite.buildings(one) & suite.buildings(other)
+        assert not set(suite.seeds(one)) & set(suite.seeds(other))
+    every = [each for home in suite.repositories for each in home.maps]
+    for values in ([each.digest for each in every], [sha for each in every for sha in each.files.values()]):
+        assert len(values) == len(set(values))
+    assert {each.part for each in every} == (set() if suite.map else set(Part))
+
+
+@ALL
+def test_a_part_is_flown_on_seeds_of_its_use(suite: Suite):
+    for part in Part:
+        assert suite.map_count(part) > 0
+        assert use_of(suite.seeds(part)) is USES[part]
+
+
+@ALL
+def test_checksums_and_names_are_whole(suite: Suite):
+    assert set(suite.parts) == (set(Part) if suite.map else set())
+    for home in suite.repositories:
+        assert home.url.startswith("https://github.com/")
+        assert len(home.commit) == 40
+        assert not home.folder or home.folder.endswith("/")
+        assert all(len(sha) == 64 for each in home.maps for sha in each.files.values())
+        assert all(len(each.digest) == 16 and each.cells >= 200 for each in home.maps)
+        assert len({each.name for each in home.maps}) == len(home.maps)  # --maps names one
+
+
+@ALL
+def test_a_suite_flies_one_two_and_four_uavs_and_three_radios(suite: Suite):
+    flown = suite.scenarios()
+    radios = [f"{suite.name}-{team}-{radio}" for team in (2, 4) for radio in ("none", "disc", "unlimited")]
+    assert [scenario.name for scenario in flown] == [f"{suite.name}-1", *radios]
+    assert {scenario.goal for scenario in flown} == {1.0}
+    assert [(scenario.team, scenario.radio.model) for scenario in flown[:3]] == [(1, "none"), (2, "none"), (2, "disc")]
+
+
+def test_the_settings_of_each_suite():
+    flown = {name: suite.scenarios()[2] for name, suite in suites().items()}
+    assert {name: (task.lidar.range, task.radio.range, task.on_collision) for name, task in flown.items()} == {
+        "dungeons": (20.0, 15.0, "block"),
+        "floors": (10.0, 15.0, "block"),
+        "floors-generated": (10.0, 15.0, "block"),
+        "rooms": (3.0, 4.5, "end"),
+    }
+    assert suite_of("floors").task_count(Part.TEST) == 7 * suite_of("floors").map_count(Part.TEST) * 2
+
+
+def test_some_teams_and_radios_of_a_suite():
+    def names(**chosen) -> list[str]:
+        return [scenario.name for scenario in suite_of("floors").scenarios(**chosen)]
+
+    assert names(teams=[1]) == ["floors-1"]
+    assert names(teams=[2, 4], radios=["disc"]) == ["floors-2-disc", "floors-4-disc"]
+    assert names(radios=["none"]) == ["floors-1", "floors-2-none", "floors-4-none"]
+
+
+@pytest.mark.parametrize("name", ["rooms", "floors-generated"])
+def test_generators_draw_the_maps_that_the_suites_have(name: str):
+    suite = suite_of(name)
+    assert suite.map is not None
+    assert digest_of(suite.map, suite.seeds(Part.VALIDATION)) == suite.parts[Part.VALIDATION].digest
+
+
+def test_an_unknown_suite_is_told_with_the_nearest_one():
+    with pytest.raises(InputError, match="unknown suite 'flors'; did you mean 'floors'"):
+        suite_of("flors")
+
+
+def test_parts_stand_for_their_maps_and_digests_for_themselves():
+    assert digests_of("0123") == ["0123"]
+    assert len(digests_of("floors/train")) == suite_of("floors").map_count(Part.TRAIN)
+    assert not set(digests_of("floors/train")) & set(digests_of("floors/test"))
+    for name in ("floors/tests", "rooms/train", "flors/train"):
+        with pytest.raises(InputError, match=name.partition("/")[0]):
+            digests_of(name)
+
+
+def test_floors_of_one_building_have_one_label():
+    floors = {each.name: buildings()[each.digest] for _, each in suite_of("floors").maps(Part.TRAIN)}
+    assert floors["GDC3"] == floors["GDC4"] == "floors: GDC"
+    assert floors["GDC3"] != floors["ED21"]
+
+
+def test_manifests_that_have_maps_twice_or_not_at_all_are_refused():
+    told = suite_of("rooms").model_dump(exclude={"map"})
+    with pytest.raises(ValueError, match="needs map files of repositories or a generator, and not both"):
+        Suite.model_validate(told)
+
+
+@pytest.mark.parametrize("name", FOLDERS)
+@pytest.mark.skipif(not SHARED.is_dir(), reason="../shared/maps is not there")
+def test_shared_maps_are_in_no_test_part(name: str):
+    resolution, files = FOLDERS[name]
+    known = {each.digest: each.part for _, each in ((h, e) for h in suite_of(name).repositories for e in h.maps)}
+    parts = [known.get(read_map(file, resolution).digest) for file in sorted(files)[::8]]
+    assert set(parts) == {Part.TRAIN, Part.VALIDATION}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FOLDERS)
+@pytest.mark.skipif(not SHARED.is_dir(), reason="../shared/maps is not there")
+def test_the_shared_maps_are_the_train_and_validation_parts(name: str):
+    resolution, files = FOLDERS[name]
+    mine = {digest for part in (Part.TRAIN, Part.VALIDATION) for digest in digests_of(f"{name}/{part}")}
+    assert {read_map(file, resolution).digest for file in files} == mine
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", Part)
+@pytest.mark.parametrize("name", FOLDERS)
+@pytest.mark.skipif(not CLONES.is_dir(), reason="SUITE_DATA names no folder of clones")
+def test_the_files_of_the_repositories_are_read_as_the_suites_have_them(name: str, part: Part):
+    suite = suite_of(name)
+    maps = maps_of(suite, part, [CLONES])
+    plans = [maps.floorplan(index, 0) for index in range(maps.count)]
+    assert [int(plan.main_part.sum()) for plan in plans] == [each.cells for _, each in suite.maps(part)]
+    assert all(isinstance(scenario, Scenario) for scenario in suite.scenarios(maps))
