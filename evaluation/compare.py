@@ -30,9 +30,9 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
         command: the command that was typed; the report shows it.
         **options: those of ``indoor-explorers compare``, which are the fields of
             :class:`~indoor_explorers.evaluation.experiment.request.ComparisonRequest`: ``policies``, ``scenario``,
-            ``experiment``, ``maps``, ``resolution``, ``team``, ``episodes``, ``seed``, ``settings``, ``workers``,
-            ``engine``, ``address``, ``decision_timeout`` (seconds, None for none), ``memory_limit`` (GB per worker),
-            ``isolate``, ``retry_failed``, ``refly``, ``fresh``, ``ratio_to``.
+            ``experiment``, ``suite``, ``part``, ``data``, ``radio``, ``maps``, ``resolution``, ``team``, ``episodes``,
+            ``seed``, ``settings``, ``workers``, ``engine``, ``address``, ``decision_timeout`` (seconds, None for none),
+            ``memory_limit`` (GB per worker), ``isolate``, ``retry_failed``, ``refly``, ``fresh``, ``ratio_to``.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.

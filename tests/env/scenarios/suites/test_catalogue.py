@@ -1,6 +1,7 @@
 """The suites that ship: their parts share nothing, and their maps are what the files say."""
 
 import os
+import re
 from itertools import combinations
 from pathlib import Path
 
@@ -10,9 +11,10 @@ from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.scenarios.seed_sets import SeedUse, use_of
 from indoor_explorers.env.scenarios.suites.catalogue import FOLDER, all_suites, buildings, digests_of, suite_of, suites
-from indoor_explorers.env.scenarios.suites.clones import maps_of
+from indoor_explorers.env.scenarios.suites.clones import how_to_fetch, maps_of
 from indoor_explorers.env.scenarios.suites.suite import Part, Suite, digest_of
 
+DOCUMENT = (Path(__file__).parents[4] / "evaluation" / "SUITES.md").read_text()
 SHARED = Path(__file__).parents[5] / "shared" / "maps"
 #: Shared maps: the suite's resolution, and files of which some are in the suite.
 FOLDERS = {
@@ -152,3 +154,24 @@ def test_the_files_of_the_repositories_are_read_as_the_suites_have_them(name: st
     plans = [maps.floorplan(index, 0) for index in range(maps.count)]
     assert [int(plan.main_part.sum()) for plan in plans] == [each.cells for _, each in suite.maps(part)]
     assert all(isinstance(scenario, Scenario) for scenario in suite.scenarios(maps))
+
+
+def test_the_document_has_the_numbers_of_the_suites():
+    rows = re.findall(
+        r"^\| `([\w-]+)` \|.*?\| (\d+ / \d+ / \d+) \| ([\d/ -]+) \| (\d+) \| ([\d,]+) \|", DOCUMENT, re.MULTILINE
+    )
+    told = {
+        name: (maps, buildings, int(starts), int(tasks.replace(",", "")))
+        for name, maps, buildings, starts, tasks in rows
+    }
+    assert told == {
+        name: (
+            " / ".join(str(suite.map_count(part)) for part in Part),
+            " / ".join(str(len(suite.buildings(part))) for part in Part) if name == "floors" else "-",
+            suite.starts,
+            suite.task_count(Part.TEST),
+        )
+        for name, suite in suites().items()
+    }
+    for suite in all_suites():
+        assert all(how_to_fetch(home) in DOCUMENT for home in suite.repositories)
