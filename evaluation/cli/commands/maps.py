@@ -1,4 +1,4 @@
-"""``maps``: draw map files, or the maps of a scenario, and print their facts."""
+"""``maps``: draw map files, or the maps of a scenario, and print their facts; or compare files with scenarios."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.experiment.request import NO_SETTINGS, RESOLUTION, SEED, Request, Settings
-from indoor_explorers.evaluation.options import Option
+from indoor_explorers.evaluation.options import Option, read_count, read_names
 
 if TYPE_CHECKING:
     from indoor_explorers.env.maps.floorplan import Floorplan
+
+#: Maps of each generator in a comparison.
+SAMPLES = 100
 
 
 class MapsOptions(Request):
@@ -27,12 +30,20 @@ class MapsOptions(Request):
     """Seed of the scenario's map (default 0)."""
     settings: Settings = NO_SETTINGS
     """Scenario settings such as map.height=128."""
+    compare: Annotated[tuple[str, ...], Option(metavar="PRESET|FILE.toml,...", read=read_names)] = ()
+    """Say instead how far the maps of these scenarios are from the map files, statistic by statistic."""
+    samples: Annotated[int | None, Option(metavar="N", read=read_count)] = None
+    """Maps of each generator to compare (default 100)."""
+    figures: Annotated[Path | None, Option(metavar="DIR")] = None
+    """Draw the comparison as maps.svg/.png in DIR."""
 
 
 def show_maps(options: MapsOptions, typed: str) -> int:
     """Print a picture and the facts of map files, or of the maps of a scenario."""
     from indoor_explorers.evaluation.cli.map_text import facts, picture
 
+    if options.compare:
+        return _compare(options)
     console = make_console()
     for floorplan in _floorplans(options):
         print_line(console, picture(floorplan, console.width))
@@ -46,6 +57,8 @@ def _floorplans(options: MapsOptions) -> Iterator[Floorplan]:
     from indoor_explorers.env.scenarios.loading import named_scenario
     from indoor_explorers.env.simulation.spawns import draw_floorplan
 
+    if options.samples is not None or options.figures is not None:
+        raise InputError("expected --compare with --samples and --figures, got neither scenario; leave them out")
     if bool(options.paths) == bool(options.scenario):
         got = "both" if options.paths else "neither"
         raise InputError(f"expected the paths of map files or a --scenario, got {got}; see maps --help")
@@ -57,6 +70,33 @@ def _floorplans(options: MapsOptions) -> Iterator[Floorplan]:
     if options.scenario:
         scenario = named_scenario(options.scenario).with_settings(options.settings)
         yield from (draw_floorplan(scenario, options.seed or 0, index) for index in range(scenario.map.count))
+
+
+def _compare(options: MapsOptions) -> int:
+    """Print how far the maps of scenarios are from map files."""
+    from indoor_explorers.env.errors import InputError
+    from indoor_explorers.env.maps.files import read_map
+    from indoor_explorers.env.scenarios.loading import named_scenario
+    from indoor_explorers.evaluation.maps.comparison import maps_of, measured
+    from indoor_explorers.evaluation.maps.drawing import write_comparison
+    from indoor_explorers.evaluation.maps.table import comparison_table
+
+    if options.scenario or not options.paths:
+        raise InputError("expected the paths of map files with --compare and no --scenario; see maps --help")
+    console, seed = make_console(), options.seed or 0
+    scenarios = {name: named_scenario(name).with_settings(options.settings) for name in options.compare}
+    plans = [read_map(path, options.resolution) for path in options.paths]
+    given = measured("files", plans, next(iter(scenarios.values())), seed)
+    others = []
+    for name, scenario in scenarios.items():
+        maps = maps_of(scenario, options.samples or SAMPLES, seed)
+        others.append(measured(Path(name).stem, maps, scenario, seed))
+    console.print(comparison_table(given, others))
+    print_line(console, "Wasserstein distances to the files, in standard deviations of theirs; 0: alike", "dim")
+    if options.figures is not None:
+        for path in write_comparison(given, others, options.figures):
+            print_line(console, f"Figure: {path}")
+    return 0
 
 
 MAPS = Command("maps", "draw map files, or the maps of a scenario, and print their facts", MapsOptions, show_maps)
