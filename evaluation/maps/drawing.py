@@ -54,7 +54,7 @@ def comparison_figure(given: MapSet, others: Sequence[MapSet]) -> Figure:
         axes.set_ylabel("share of values", fontsize=7.0)
     handles, names = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="lower center", ncols=5)
-    figure.subplots_adjust(left=0.06, right=0.98, bottom=0.11, top=0.96, hspace=0.85, wspace=0.12)
+    figure.subplots_adjust(left=0.06, right=0.98, bottom=0.13, top=0.96, hspace=0.85, wspace=0.12)
     return figure
 
 
