@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from indoor_explorers.env.scenarios.seed_sets import fresh_test_set
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
@@ -91,7 +92,8 @@ def test_seeds_that_a_policy_has_seen_are_noted(sound: Results) -> None:
 
     assert notes("training", 6, 9) == []
     assert notes("validation", 4, 9) == [
-        "Not new to straight: seeds 4 to 5, on which its weights were validated; --seed 20000000 begins a fresh set."
+        "Not new to straight: seeds 4 to 5, on which its weights were validated; "
+        f"--seed {fresh_test_set().first} begins a fresh set."
     ]
     assert "seed 0, which its training flew" in notes("training", 0, 0)[0]
 
