@@ -29,14 +29,15 @@ PRIOR_OF = "thesis-obstacles"
 class Tours(Policy):
     """Begin the shortest tour to 99 % coverage that a beam search finds; on large maps, fly to the best viewpoint.
 
-    Among moves with equally short tours it makes the one whose tour sees cells soonest. This is what the DDDQN is
-    given, without its network: what learning adds is measured against it. Maps of up to 16x16 cells are searched
+    Among moves with equally short tours it makes the one whose tour sees cells soonest; with ``delay``, it trades steps
+    to 99 % for steps to 90 %. This is what the DDDQN is given, without its network: what learning adds is measured
+    against it. Maps of up to 16x16 cells are searched
     (:mod:`indoor_explorers.learners.dddqn.observation.tours`); on larger ones the UAV flies to the frontier cell with
     the best view gain for its distance (:mod:`indoor_explorers.learners.dddqn.observation.candidates`). Everything but
     the guard's back-off is deterministic.
 
     Raises:
-        InputError: ``states`` is out of range.
+        InputError: ``states`` or ``delay`` is out of range.
 
     """
 
@@ -44,6 +45,9 @@ class Tours(Policy):
 
     states: int = 32
     """Beam width: states kept at each step; a wider beam finds shorter tours and takes longer."""
+    delay: float = 0.0
+    """Cost of each step for which one cell stays unseen longer than necessary, in steps of the tour; 0: delay decides
+    between equally short tours only."""
     map_prior: bool = True
     """Whether tours avoid likely obstacles by the learned map prior, the only learned part; else every unknown cell
     counts as free."""
@@ -53,6 +57,8 @@ class Tours(Policy):
     def __post_init__(self) -> None:
         if self.states not in range(1, WIDEST + 1):
             raise InputError(f"expected states from 1 to {WIDEST}, got {self.states!r}")
+        if not 0.0 <= self.delay <= 1.0:
+            raise InputError(f"expected delay from 0 to 1, got {self.delay!r}")
 
     def observation(self, shape: tuple[int, int]) -> ObservationConfig:
         """Return what is computed on (H, W) maps: tours or candidates, and hardly a picture of the map."""
@@ -91,7 +97,7 @@ class ToursPilot(ObservingPilot):
         observation = policy.observation(briefing.shape)
         prior = prior_from(load_weights(shipped()[PRIOR_OF]).prior) if policy.map_prior else no_prior()
         super().__init__(briefing, observation, prior, guard=policy.guard)
-        costs = search_costs(observation_layout(observation))
+        costs = search_costs(observation_layout(observation), policy.delay)
         assert costs is not None
         self._costs = costs
 

@@ -53,6 +53,8 @@ PROSPECT = ("there is one", "steps behind the best", "it is the best", "distance
 
 #: Steps beyond the shortest tour, or behind the best candidate, at which that feature is 1.
 BEYOND = 8.0
+#: Delay beyond the least at which that feature is 1.
+DELAYS = 200.0
 
 
 class ObservationLayout(NamedTuple):
@@ -160,15 +162,20 @@ def tour_costs(
     return weights
 
 
-#: Cost of a step of delay beyond the least, where a step beyond the shortest tour costs 1: it decides between equals.
+#: Cost of a delay of :data:`DELAYS` beyond the least, where a step beyond the shortest tour costs 1: it decides between
+#: equals.
 TIE = 0.01
 
 
-def search_costs(layout: ObservationLayout) -> NDArray[np.float32] | None:
-    """Return weights (F,) of a move's features that follow the tours or candidates alone; None if there are none."""
+def search_costs(layout: ObservationLayout, delay: float = 0.0) -> NDArray[np.float32] | None:
+    """Return weights (F,) of a move's features that follow the tours or candidates alone; None if there are none.
+
+    A step beyond the shortest tour costs 1, each step for which a cell is unseen longer than in the tour of least delay
+    ``delay``, at least so much that it decides between equally short tours.
+    """
     weights = tour_costs(layout, 1.0, 0.0)
     if weights is not None and layout.tours_at >= 0:
-        weights[layout.tours_at + TOURS.index("its delay beyond the least")] = -TIE
+        weights[layout.tours_at + TOURS.index("its delay beyond the least")] = -max(TIE, delay * DELAYS)
     return weights
 
 

@@ -20,7 +20,7 @@ from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS, board_size,
 from indoor_explorers.env.search.optimistic_views import attainable
 from indoor_explorers.learners.dddqn.observation.beam import Aim, Beam, Tour, follow_tour, new_beam, shortest_tour
 from indoor_explorers.learners.dddqn.observation.known import Known
-from indoor_explorers.learners.dddqn.observation.layout import BEYOND, TOURS
+from indoor_explorers.learners.dddqn.observation.layout import BEYOND, DELAYS, TOURS
 from indoor_explorers.learners.dddqn.observation.memory import LONGEST, ObservationMemory
 
 #: Shares of the cells that tours leave unseen: at the goal (99 %) and at the mark (90 %).
@@ -36,8 +36,8 @@ LIKELY = 96
 #: Share of the map covered by the radios of all teammates above which teammates are likely to hear each other at the
 #: start.
 OFTEN = 0.4
-#: Scales of the features: steps, steps to the mark, delay beyond the least.
-STEPS, HALFWAY_STEPS, DELAYS = 48.0, 40.0, 200.0
+#: Scales of the features: steps, steps to the mark.
+STEPS, HALFWAY_STEPS = 48.0, 40.0
 #: Columns of ``TourScratch.found``.
 _FINISHED, _STEPS, _DELAY, _HALFWAY = range(4)
 #: Columns of ``TourScratch.least``: the least steps, delay and steps to the mark of all moves.

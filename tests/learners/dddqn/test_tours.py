@@ -29,10 +29,11 @@ def test_tours_fly_as_the_dddqn_does_without_its_network(name: str, steps: int) 
     assert moves(Tours(guard=False), PRESETS[name], 1, steps) != moves(Dddqn(guard=False), PRESETS[name], 1, steps)
 
 
-def test_more_states_and_the_map_prior_change_the_tours() -> None:
+def test_states_delay_and_map_prior_change_the_tours() -> None:
     room = PRESETS["thesis-obstacles"]
-    flown = [moves(Tours(guard=False, **other), room, 4, 45) for other in ({}, {"states": 2}, {"map_prior": False})]
-    assert len({tuple(each) for each in flown}) == 3
+    every = Tours(), Tours(states=2), Tours(delay=0.1), Tours(map_prior=False)
+    assert len({tuple(moves(each, room, 4, 45)) for each in every}) == 4
+    assert moves(Tours(delay=1e-9), room, 4, 45) == moves(Tours(), room, 4, 45)
 
 
 def test_tours_tell_what_they_are_made_of() -> None:
@@ -43,3 +44,5 @@ def test_tours_tell_what_they_are_made_of() -> None:
     for wrong in (0, 2000, 2.5):
         with pytest.raises(InputError, match=r"expected states from 1 to 1024, got"):
             Tours(states=wrong)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"expected delay from 0 to 1, got -1"):
+        Tours(delay=-1)
