@@ -19,7 +19,7 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.generators.floors.details import mirrored, set_fire_doors, set_niches
 from indoor_explorers.env.maps.generators.floors.doors import doors, open_doors
 from indoor_explorers.env.maps.generators.floors.finish import furnished, ragged, rooms_of, turned
-from indoor_explorers.env.maps.generators.floors.sections import fill, fill_gaps
+from indoor_explorers.env.maps.generators.floors.sections import Filling
 from indoor_explorers.env.maps.generators.floors.site import Site
 from indoor_explorers.env.maps.generators.floors.skeletons import Skeleton, draw_skeleton, extent, fitted
 from indoor_explorers.env.maps.generators.floors.style import draw_style
@@ -50,7 +50,7 @@ class FloorsMaps(GeneratedMaps):
     furniture: float = Field(0.08, ge=0.0, le=0.3)
     """Mean share of the floor of a furnished room under furniture; a fifth of the buildings is furnished."""
     turned: float = Field(0.1, ge=0.0, le=1.0)
-    """Share of plans turned by any angle."""
+    """Share of plans turned by any angle, where that fits into the map."""
     ragged: float = Field(0.1, ge=0.0, le=1.0)
     """Share of plans with uneven walls."""
 
@@ -94,8 +94,7 @@ class FloorsMaps(GeneratedMaps):
         site = Site(*((self.width, self.height) if flip else (self.height, self.width)))
         tall, wide = (_inside(side, margin) for side in site.spaces.shape)
         laid = site.lay(rng, fitted(skeleton, tall, wide), margin)
-        fill(rng, site, laid, style)
-        fill_gaps(rng, site, laid, style)
+        Filling(rng, site, style).fill(laid)
         set_fire_doors(rng, site, laid.corridors, style)
         spaces, made = site.spaces, doors(rng, site.spaces, style)
         free = spaces > 0
