@@ -167,7 +167,7 @@ class Filling:
             if not free[row, col]:
                 continue
             width = _run(free[row, col:])
-            height = _run(free[row:, col : col + width].all(axis=1))
+            height = _run(np.asarray(free[row:, col : col + width].all(axis=1)))
             if min(height, width) >= self.least and self.rng.random() < 0.9:
                 self._divide(part[row : row + height, col : col + width], self.least, 3 * self.style.module)
             free[max(row - 1, 0) : row + height + 1, max(col - 1, 0) : col + width + 1] = False
