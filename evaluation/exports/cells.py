@@ -69,7 +69,7 @@ def caption(comparison: Comparison) -> list[str]:
     limit = f"{budgets[0]}" if len(budgets) == 1 else f"{budgets[0]} to {budgets[-1]}"
     settings = comparison.results.scenarios[comparison.scenario]
     return [
-        f"{span} of each policy on {counted(comparison.map_count, 'map')}.",
+        f"{span} of each policy on {_maps(comparison)}{_of_suite(comparison)}.",
         _interval_kind(comparison, min(counts)),
         f"Coverage is the {denominator(settings)}.",
         f"{_times(comparison.level)}; an episode that never reaches it counts as its budget of {limit} steps.",
@@ -80,6 +80,18 @@ def caption(comparison: Comparison) -> list[str]:
         *(["Policies that know the map are not ranked."] if any(map(comparison.privileged, comparison.groups)) else []),
         *footnotes(comparison.results, comparison.groups),
     ]
+
+
+def _maps(comparison: Comparison) -> str:
+    """Return the number of maps, and of buildings where some have several maps."""
+    maps = counted(comparison.map_count, "map")
+    several = comparison.building_count < comparison.map_count
+    return f"{maps} of {counted(comparison.building_count, 'building')}" if several else maps
+
+
+def _of_suite(comparison: Comparison) -> str:
+    run = comparison.results.suite_run
+    return f"; {', '.join(run.phrases)}" if run else ""
 
 
 def _times(level: CoverageThreshold) -> str:
