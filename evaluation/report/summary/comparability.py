@@ -187,23 +187,29 @@ def _runs(results: Results) -> Iterator[str]:
 
 def _few_maps(results: Results) -> Iterator[str]:
     """Name the scenarios whose intervals hold for their own maps alone."""
+    found: defaultdict[int, list[str]] = defaultdict(list)
     for name in results.scenarios:
         comparison = Comparison(results, name)
         if len(results.common_tasks(name)) >= FEWEST and not comparison.over_maps:
-            number = comparison.map_count
-            which = "its one map" if number == 1 else f"its {number} maps"
-            yield f"Intervals of {name} hold for {which} alone, not for other maps of this kind."
+            found[comparison.map_count].append(name)
+    for number, names in found.items():
+        whose = "its" if len(names) == 1 else "their"
+        which = f"{whose} one map" if number == 1 else f"{whose} {number} maps"
+        yield f"Intervals of {', '.join(names)} hold for {which} alone, not for other maps of this kind."
 
 
 def _unlike_sizes(results: Results) -> Iterator[str]:
     """Name the scenarios whose maps differ so much in size that the large ones dominate means in steps."""
+    found: defaultdict[tuple[int, int], list[str]] = defaultdict(list)
     for name in results.scenarios:
         sizes = [record.reachable for record in results.records if record.task.scenario == name]
         if sizes and max(sizes) > UNLIKE * min(sizes):
-            yield (
-                f"The maps of {name} have {min(sizes)} to {max(sizes)} cells to cover: the large ones dominate means "
-                "in steps; ranks, wins, profiles and AUC weigh all maps alike."
-            )
+            found[min(sizes), max(sizes)].append(name)
+    for (smallest, largest), names in found.items():
+        yield (
+            f"The maps of {', '.join(names)} have {smallest} to {largest} cells to cover: the large ones dominate "
+            "means in steps; ranks, wins, profiles and AUC weigh all maps alike."
+        )
 
 
 def _privileged(results: Results) -> Iterator[str]:

@@ -33,6 +33,7 @@ def test_a_suite_flown_whole_says_so(tiny: Path, tmp_path: Path):
     page = render(whole, replays=0)
     assert "<span>suite tiny 3, test part</span><span>complete</span>" in page
     assert "Intervals and tests count maps of one building as one, as they are alike: 3 maps of 2 buildings." in page
+    assert "Intervals of tiny-1, tiny-2-none, tiny-2-disc hold for their 3 maps alone" in page
     alone = Comparison(whole, "tiny-1")
     assert alone.maps("frontier-nearest").tolist() == ["tiny: A"] * 4 + ["tiny: B"] * 2
     assert (alone.map_count, alone.building_count) == (3, 2)
