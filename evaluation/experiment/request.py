@@ -81,7 +81,7 @@ class ComparisonRequest(Request):
     scenario: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), SCENARIO] = None
     """One or more, separated by commas: presets, files, or names of entries of the experiment."""
     maps: Annotated[tuple[str, ...], BeforeValidator(_paths), Option(metavar="PATH", several=True)] = ()
-    """Explore these map files instead."""
+    """Explore these map files instead; with --suite, these of its maps."""
     resolution: Annotated[float | None, RESOLUTION] = None
     """Metres per cell to resample map files to."""
     suite: Annotated[str | None, Option(metavar="NAME")] = None

@@ -6,7 +6,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from pydantic import ValidationError
+
 from indoor_explorers.env import Scenario
+from indoor_explorers.env.maps.base import BaseMaps
 from indoor_explorers.env.scenarios.suites.catalogue import all_suites
 from indoor_explorers.env.scenarios.suites.suite import Part, Suite
 from indoor_explorers.evaluation.episodes.record import Record
@@ -77,10 +80,18 @@ def suite_run_of(
 
 def _name_in(suite: Suite, stored: Mapping[str, Any]) -> str:
     """Return the name that a suite gives to a scenario, empty where it is none of it."""
-    if suite.map is not None and stored["map"] != suite.map.model_dump(mode="json"):
+    if suite.map is not None and not _is_generator(suite.map, stored["map"]):
         return ""
     settings = _settings(recorded_scenario(stored))
     return next((each.name for each in suite.scenarios() if _settings(each) == settings), "")
+
+
+def _is_generator(maps: BaseMaps, stored: Mapping[str, Any]) -> bool:
+    """Tell whether stored settings are those of a generator; what older results lack is at its default."""
+    try:
+        return type(maps).model_validate(stored) == maps
+    except ValidationError:
+        return False
 
 
 def _settings(scenario: Scenario) -> dict[str, Any]:
