@@ -68,13 +68,15 @@ def _alone(plot: Plot, comparison: Comparison, styles: Styles, note: str) -> Fig
 def _sweep_figure(title: str, panels: Sequence[SweepPanel], styles: Styles) -> Figure:
     """Draw the plots of all panels, which have equally many episodes a point, under one title."""
     plots = [plot for panel in panels for plot in panel.plots]
-    rows = -(-len(plots) // COLUMNS)
+    columns = min(COLUMNS, len(panels[0].plots))
+    rows = -(-len(plots) // columns)
     figure = sheet(7.6, 0.5 + 2.3 * rows)
     for place, plot in enumerate(plots, 1):
-        axes = figure.add_subplot(rows, COLUMNS, place)
+        axes = figure.add_subplot(rows, columns, place)
         draw(axes, plot)
         axes.set_title(plot.title)
-    figure.subplots_adjust(wspace=0.42, hspace=0.62, top=1 - 0.55 / figure.get_figheight())
+    height = figure.get_figheight()
+    figure.subplots_adjust(wspace=0.42, hspace=0.62, top=1 - 0.55 / height, bottom=0.31 / height)
     figure.suptitle(plain(title, 90), x=0.07, y=1.0, ha="left", fontsize=10)
     _legend(figure, list(dict.fromkeys(name for panel in panels for name in panel.policies)), styles, (0.93, 0.88))
     few, hollow = any(panel.few for panel in panels), any(panel.hollow for panel in panels)

@@ -35,10 +35,9 @@ class Quantity(NamedTuple):
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
 
-AUC = Quantity("auc", "AUC", "", 1, 3)
 #: Quantities that are shown against the range of the radio besides times.
 OTHERS = (
-    AUC,
+    Quantity("auc", "AUC", "", 1, 3),
     Quantity("messages_bytes", "messages", "kB", 1000, 2),
     Quantity("overlap", "overlap", "", 1, 2),
 )
@@ -73,11 +72,11 @@ def range_plots(results: Results, sweep: RadioSweep, styles: Styles) -> list[Plo
 
 
 def setting_plots(results: Results, sweep: SettingSweep, styles: Styles) -> list[Plot]:
-    """Return a plot for each quantity, of the policies flown with two values or more; empty without any."""
+    """Return a plot for each time, of the policies flown with two values or more; empty without any."""
     names = tuple(f"{value:g}" for value in sweep.values)
     word = sweep.setting.partition(" [")[0]
     axis = SweptAxis(sweep.setting, word, sweep.scenarios, sweep.values, names, min(sweep.values))
-    return _plots(results, axis, (AUC,), word, styles)
+    return _plots(results, axis, (), word, styles)
 
 
 def _plots(results: Results, axis: SweptAxis, others: Sequence[Quantity], about: str, styles: Styles) -> list[Plot]:
