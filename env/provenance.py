@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+
+from indoor_explorers.env.scenarios.seed_sets import SeedUse
 
 
 def versions(packages: Iterable[str]) -> dict[str, str]:
@@ -26,6 +29,15 @@ def source_commit() -> str | None:
         return None
     commit = _git(here.parent, "rev-parse", "HEAD")
     return f"{commit} with uncommitted changes" if _git(here.parent, "status", "-uno", "--porcelain") else commit
+
+
+def recorded_maps(path: Path) -> dict[str, list[str]]:
+    """Return the map files behind some weights by their use, ``seen_maps`` of a training's record; empty without."""
+    try:
+        seen = json.loads(path.read_text(encoding="utf-8")).get("seen_maps", {})
+        return {SeedUse(use): [str(each) for each in listed] for use, listed in seen.items()}
+    except (OSError, ValueError, AttributeError, TypeError):
+        return {}
 
 
 def _git(folder: Path, *words: str) -> str | None:

@@ -25,9 +25,11 @@ def seen_maps_line(policies: Mapping[str, Mapping[str, Any]], flown: Mapping[str
 
 
 def _seen(facts: Mapping[str, Any], flown: Mapping[str, str]) -> Iterator[str]:
-    """Say which of some maps a policy saw, and for what."""
+    """Say which of some maps a policy saw, and for what first: trainings often validate on their own maps."""
+    left = set(flown)
     for use, digests in facts.get("seen_maps", {}).items():
-        names = sorted(flown[digest] for digest in flown.keys() & set(digests))
+        names = sorted(flown[digest] for digest in left & set(digests))
+        left -= set(digests)
         if names:
             listed = ", ".join(names[:MOST_NAMED]) + (", ..." if len(names) > MOST_NAMED else "")
             yield f"{len(names)} of {len(flown)} maps ({listed}), {SAID[SeedUse(use)]}"

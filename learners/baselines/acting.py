@@ -22,13 +22,14 @@ from indoor_explorers.env.observations import Encoder, make_encoder
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.registry import missing_module
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.learners.baselines.config import EGOCENTRIC, BaselineConfig
 from indoor_explorers.learners.baselines.evaluation import Scores, best_moves
 from indoor_explorers.learners.baselines.trainee import BaselineRecord
 from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.sessions.process import one_thread
-from indoor_explorers.learners.sessions.record import RECORD, read_record, recorded_maps
+from indoor_explorers.learners.sessions.record import RECORD, read_record
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
 
 

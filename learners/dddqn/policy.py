@@ -12,6 +12,7 @@ from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing
+from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.env.search.bitsets import ROOM
 from indoor_explorers.env.tensors import WEIGHTS
 from indoor_explorers.learners.dddqn.network.inference import without_network
@@ -19,7 +20,7 @@ from indoor_explorers.learners.dddqn.observation.config import WIDEST
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE
 from indoor_explorers.learners.dddqn.pilot import DddqnPilot
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
-from indoor_explorers.learners.sessions.record import record_of, recorded_maps
+from indoor_explorers.learners.sessions.record import record_of
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
 
 Seen = TypeVar("Seen")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing
+from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.env.search.bitsets import ROOM
 from indoor_explorers.learners.dddqn.observation.config import WIDEST, ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import observation_layout, search_costs
@@ -84,6 +85,10 @@ class Tours(Policy):
     def seen_seeds(self) -> dict[str, list[range]]:
         """Return the seeds of the training that fitted the map prior, and of the rooms that settings were chosen on."""
         return recorded_seeds(record_of(shipped()[PRIOR_OF]))
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return the map files of that training."""
+        return recorded_maps(record_of(shipped()[PRIOR_OF]))
 
     def pilot(self, briefing: Briefing) -> ToursPilot:
         """Make the pilot of one UAV for one episode."""

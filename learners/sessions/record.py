@@ -123,15 +123,6 @@ def record_of(weights: Path) -> Path:
     return shipped if shipped.exists() else weights.parent / RECORD
 
 
-def recorded_maps(path: Path) -> dict[str, list[str]]:
-    """Return the map files behind some weights by their use, from the record of the training; empty without one."""
-    try:
-        seen = json.loads(path.read_text(encoding="utf-8")).get("seen_maps", {})
-        return {SeedUse(use): [str(each) for each in listed] for use, listed in seen.items()}
-    except (OSError, ValueError, AttributeError, TypeError):
-        return {}
-
-
 def read_record(folder: Path, kind: type[Kind], learners: Collection[str]) -> Kind:
     """Return the record of a folder.
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.learners.guard import WatchedPilot
-from indoor_explorers.learners.sessions.record import record_of, recorded_maps
+from indoor_explorers.learners.sessions.record import record_of
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
 from indoor_explorers.learners.thesis.inference import q_values
 from indoor_explorers.learners.thesis.observation import LEVELS, painted, window

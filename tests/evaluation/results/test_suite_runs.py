@@ -79,7 +79,7 @@ def test_a_generated_suite_is_known_by_its_seeds(tmp_path: Path):
 def test_maps_that_a_policy_has_seen_are_warned_of(tiny: Path, tmp_path: Path):
     flown = fly(tmp_path, suite="tiny", data=tiny, team=1)
     seen = [record.floorplan.digest for record in flown.records][:3]
-    flown.policies["frontier-nearest"]["seen_maps"] = {"training": [*seen, "of no map here"], "tuning": []}
+    flown.policies["frontier-nearest"]["seen_maps"] = {"training": [*seen, "of no map here"], "validation": seen[:1]}
     assert flown.map_notes == ["not new to frontier-nearest: 2 of 3 maps (a1, a2), which its training flew"]
     verdict = verdict_on(flown)
     assert "Not new to frontier-nearest: 2 of 3 maps (a1, a2), which its training flew." in verdict.warnings

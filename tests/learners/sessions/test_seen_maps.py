@@ -7,16 +7,20 @@ from pathlib import Path
 import pytest
 
 from indoor_explorers.env import PRESETS, make_policy
+from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.scenarios.suites.catalogue import all_suites, digests_of
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.tensors import WEIGHTS
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.sessions.record import RECORD, new_record, recorded_maps, write_record
+from indoor_explorers.learners.sessions.record import RECORD, new_record, write_record
 from tests.suites import tiny, tiny_clones
 
-LEARNERS = Path(__file__).parents[3] / "learners"
+ROOT = Path(__file__).parents[3]
+LEARNERS = ROOT / "learners"
+#: Where weights ship.
+FLOORS = ("env", "planners", "learners")
 
 __all__ = ["tiny", "tiny_clones"]
 
@@ -56,7 +60,7 @@ def test_policies_tell_the_maps_of_their_trainings(tmp_path: Path) -> None:
 
 
 def test_weights_that_ship_saw_no_map_of_a_test_part() -> None:
-    seen = [recorded_maps(path) for path in LEARNERS.glob("*/weights/*.json")]
+    seen = [recorded_maps(path) for floor in FLOORS for path in (ROOT / floor).glob("**/weights/*.json")]
     assert len(seen) >= 6
     digests = {digest for each in seen for names in each.values() for name in names for digest in digests_of(name)}
     tested = {each.digest for suite in all_suites() for _, each in suite.maps(Part.TEST)}
