@@ -1,5 +1,7 @@
 """The suites that ship: their parts share nothing, and their maps are what the files say."""
 
+import hashlib
+import json
 import os
 import re
 from itertools import combinations
@@ -24,6 +26,13 @@ FOLDERS = {
 #: The repositories' clones, where there are any.
 CLONES = Path(os.environ.get("SUITE_DATA", "no-folder"))
 USES = {Part.TRAIN: SeedUse.TRAINING, Part.VALIDATION: SeedUse.VALIDATION, Part.TEST: SeedUse.TEST}
+#: What each version of each suite holds.
+CONTENTS = {
+    "dungeons 1": "5a5c4c30a7b389f1",
+    "floors 1": "a770d13394c06bed",
+    "floors-generated 1": "b867267fe6de98b5",
+    "rooms 1": "b501cb3e625b5e57",
+}
 ALL = pytest.mark.parametrize("suite", all_suites(), ids=lambda suite: suite.title)
 
 
@@ -32,6 +41,24 @@ def test_these_suites_ship():
     assert {f"{suite.name}-{suite.version}.toml" for suite in all_suites()} == {
         file.name for file in FOLDER.glob("*.toml")
     }
+
+
+@ALL
+def test_a_suite_never_changes(suite: Suite):
+    """Of what was published, another version is made: ``NAME-VERSION.toml`` beside the old file."""
+    assert contents(suite) == CONTENTS[suite.title]
+
+
+def contents(suite: Suite) -> str:
+    """A hash of all tasks of a suite: settings that are not defaults, seeds, and maps with their buildings."""
+    settings = [
+        scenario.model_dump(mode="json", exclude_defaults=True, exclude={"map"}) for scenario in suite.scenarios()
+    ]
+    maps = {part: [(each.building, each.digest) for _, each in suite.maps(part)] for part in Part}
+    seeds = {part: [suite.seeds(part)[0], len(suite.seeds(part))] for part in Part}
+    drawn = {part: each.digest for part, each in suite.parts.items()}
+    told = json.dumps([settings, maps, seeds, drawn, suite.resolution], sort_keys=True)
+    return hashlib.sha256(told.encode()).hexdigest()[:16]
 
 
 @ALL
