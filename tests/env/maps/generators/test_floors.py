@@ -31,7 +31,7 @@ plans = st.builds(
 )
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(plans, st.integers(0, 2**32))
 def test_any_legal_setting_gives_one_connected_floor_inside_walls(maps, seed):
     plan = maps.floorplan(0, seed)
