@@ -89,8 +89,21 @@ def test_the_numbers_of_a_sweep_are_those_of_the_records(swept: Results) -> None
 
 def test_sweeps_are_absent_where_there_are_none() -> None:
     page = Elements(render(flown({"a": [10, 20], "b": [12, 30]})))
-    assert not {"radio", "teams"} & {about.get("id") for _, about in page.tags}
-    assert not [about for _, about in page.tags if about.get("href") in ("#radio", "#teams")]
+    assert not {"radio", "teams", "sweeps"} & {about.get("id") for _, about in page.tags}
+    assert not [about for _, about in page.tags if about.get("href") in ("#radio", "#teams", "#sweeps")]
+
+
+def test_a_sweep_of_a_setting_has_a_section_and_a_figure() -> None:
+    rooms = [room(f"range {reach}", **{"lidar.range": reach}) for reach in (2, 3, 5)]
+    times = {"range 2": 40, "range 3": 30, "range 5": 20}
+    records = [made_up("a", Task(name, 0, seed), late + seed) for name, late in times.items() for seed in range(5)]
+    results = results_of(records, *rooms)
+    page = Elements(render(results))
+    assert [about for _, about in page.tags if about.get("href") == "#sweeps"]
+    (t99,) = json.loads(page.data["plot-data-setting-1-2"])["series"]
+    assert (t99["x"], t99["y"]) == ([2, 3, 5], [42, 32, 22])
+    with print_style():
+        assert [name for name, _ in sweep_figures(results, policy_styles(results.policies))] == ["settings"]
 
 
 def test_a_single_policy_gets_no_comparison() -> None:
