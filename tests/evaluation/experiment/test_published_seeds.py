@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 ROOT = Path(__file__).parents[3]
 DOCUMENTS = ("README.md", "learners/DDDQN.md", "learners/BASELINES.md", "learners/THESIS.md", "planners/PLANNERS.md")
 #: The experiments by which something was, or might have been, chosen: words of their commands.
-CHOICES = {"lidar-ranges", "tours-delay", "dddqn:results/general"}
+CHOICES = {"lidar-ranges", "tours-delay", "dddqn:results/general", "results/kept-"}
 EXPERIMENTS = {path.stem: path for path in SHIPPED.glob("*.toml")}
 
 
