@@ -16,6 +16,7 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.coordination.teammates import remembered
 from indoor_explorers.planners.frontier.minpos import ranks
+from indoor_explorers.planners.information.outlook import Outlook
 from indoor_explorers.planners.information.view_gain import WeightedGains
 from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
@@ -113,6 +114,10 @@ class LatencyPilot(GoalPilot):
         costs = self._costs(view, places) - self._policy.hold * places.kept
         return divmod(int(places.cells[np.argmin(costs)]), self.paths.width)
 
+    def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
+        """Return what to expect of K clusters, ``away`` (K,) steps from the UAV: here, the same of all."""
+        return Outlook(np.zeros(clusters.size, np.bool_), np.ones(clusters.size))
+
     def factors(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
         """Return the factors on the gains of (K,) flat cells for teammates, (K,) in [0, 1].
 
@@ -126,15 +131,18 @@ class LatencyPilot(GoalPilot):
         """Return the best places of the best reachable clusters."""
         clusters = frontier_clusters(view.belief, self._range)
         field = self.steps_from(view, view.cell)
-        nearest, _ = nearest_cells(field, clusters)
+        nearest, away = nearest_cells(field, clusters)
         cells, owner = cluster_viewpoints(clusters, nearest, STRIDE * self._range)
         steps = field.ravel()[cells]
         fine = (steps < UNREACHABLE) & ~self.near_banned(view, cells)
+        outlook = self.outlook(view, clusters, away)
+        wanted = fine & ~outlook.deferred[owner]
+        fine = wanted if wanted.any() else fine
         cells, owner, steps = cells[fine], owner[fine], steps[fine]
         factors = self.factors(view, cells, steps)
         fine = factors > LEFT_TO_OTHERS * factors.max(initial=0.0)
         cells, owner, steps, factors = cells[fine], owner[fine], steps[fine], factors[fine]
-        gains = factors * self._gains.at(view.belief, cells)
+        gains = factors * outlook.chances[owner] * self._gains.at(view.belief, cells)
         scores = np.log(np.maximum(gains, 1e-9)) - self._policy.discount * steps / self._range
         kept = self._near_goal(cells)
         best = first_of_each(owner, scores + self._policy.hold * kept)

@@ -1,0 +1,1 @@
+"""Training of the pocket network: how much unknown free space is behind a frontier cluster."""

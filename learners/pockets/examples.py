@@ -1,0 +1,115 @@
+"""Training examples: frontier clusters on the way of planners, and what is truly behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.sources import FileMaps
+from indoor_explorers.env.policies.registry import make_policy
+from indoor_explorers.env.scenarios.presets import on_files
+from indoor_explorers.env.search.bfs import distance_field
+from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.env.search.pockets.features import pictures
+from indoor_explorers.env.search.pockets.labels import true_pockets
+from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.env.simulation.world import World
+from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps
+
+#: Policies whose flights are looked at.
+POLICIES = ("frontier-nearest", "frontier", "frontier-latency")
+#: Snapshots of a flight, about, and most clusters of a snapshot.
+SNAPSHOTS, CLUSTERS = 36, 12
+#: Lidar ranges in cells, and their shares.
+RANGES, SHARES = (10.0, 7.0, 5.0, 14.0, 20.0), (0.6, 0.1, 0.1, 0.1, 0.1)
+#: Coverage at which a flight ends.
+ENOUGH = 0.999
+
+
+def chosen(clusters: Clusters, numbers: NDArray[np.int64]) -> Clusters:
+    """Return some of the clusters."""
+    parts = [clusters.cells[clusters.ends[k] : clusters.ends[k + 1]] for k in numbers]
+    cells = np.concatenate(parts) if parts else clusters.cells[:0]
+    return Clusters(cells, np.cumsum([0, *map(len, parts)]))
+
+
+def examples_of(plan: Floorplan, seed: int, lidar_range: float | None = None) -> dict[str, NDArray[Any]]:
+    """Return the examples of one flight, each (K, ...).
+
+    ``fine``, ``coarse``, ``numbers`` are what the network sees, ``sizes`` and ``depths`` what is behind the clusters,
+    and ``real`` whether the map is from a file. The lidar range is drawn at random if none is given.
+    """
+    rng = np.random.default_rng(seed)
+    lidar_range = float(rng.choice(RANGES, p=SHARES)) if lidar_range is None else lidar_range
+    base = on_files(("map",), None)
+    scenario = base.model_copy(
+        update={
+            "map": FileMaps(paths=("map",)).holding({0: plan}),
+            "lidar": base.lidar.model_copy(update={"range": lidar_range}),
+            "goal": 1.0,
+        }
+    )
+    world = World(scenario)
+    world.reset([seed])
+    policy = make_policy(str(rng.choice(POLICIES)))
+    free = np.count_nonzero(plan.truth == FREE)
+    every = max(2, round(0.35 * free * 10.0 / lidar_range / SNAPSHOTS))
+    found: list[dict[str, NDArray[Any]]] = []
+    due = int(rng.integers(1, every + 1))
+    for step, _ in enumerate(rollout(world, ask_pilots(policy, make_pilots(policy, world), world)), start=1):
+        if step == due:
+            found.append(_snapshot(world, plan, lidar_range, rng))
+            due += int(rng.integers(every // 2 + 1, every + every // 2 + 1))
+        if world.team_coverage[0] >= ENOUGH:
+            break
+    if not found:
+        return {}
+    examples = {name: np.concatenate([each[name] for each in found]) for name in found[0]}
+    return examples | {"real": np.full(len(examples["sizes"]), plan.name != GENERATED)}
+
+
+def _snapshot(world: World, plan: Floorplan, lidar_range: float, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
+    """Return some clusters of the moment."""
+    view = world.view(0, 0)
+    belief = np.array(view.belief)
+    clusters = frontier_clusters(belief, lidar_range)
+    field = distance_field(belief, view.cell)
+    pockets = true_pockets(belief, plan.truth, field, clusters)
+    reached = np.flatnonzero(nearest_cells(field, clusters)[1] < UNREACHABLE)
+    some = np.sort(rng.permutation(reached)[:CLUSTERS])
+    seen = pictures(belief, chosen(clusters, some), lidar_range)
+    return {
+        "fine": seen.fine,
+        "coarse": seen.coarse,
+        "numbers": seen.numbers,
+        "sizes": pockets.sizes[some].astype(np.float32),
+        "depths": pockets.depths[some].astype(np.float32),
+    }
+
+
+def write_examples(maps: TrainingMaps, out: Path, seeds: Sequence[int]) -> None:
+    """Write the examples of a flight for each seed into a folder; seeds that are there are skipped."""
+    out.mkdir(parents=True, exist_ok=True)
+    for seed in seeds:
+        path = out / f"{seed}.npz"
+        if not path.exists():
+            found = examples_of(maps.draw(np.random.default_rng([seed, 1])), seed)
+            with written_whole(path) as whole, whole.open("wb") as file:
+                np.savez_compressed(file, allow_pickle=False, **found)
+
+
+def read_examples(paths: list[Path]) -> dict[str, NDArray[Any]]:
+    """Return the examples of some files."""
+    parts: dict[str, list[NDArray[Any]]] = {}
+    for path in paths:
+        with np.load(path) as found:
+            for name in found.files:
+                parts.setdefault(name, []).append(found[name])
+    return {name: np.concatenate(each) for name, each in parts.items()}

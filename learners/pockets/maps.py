@@ -1,0 +1,142 @@
+"""Training maps: real floors, turned, scaled and cut anew each time, and maps of the generators."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from scipy import ndimage
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED
+from indoor_explorers.env.maps.base import GeneratedMaps
+from indoor_explorers.env.maps.files import read_map
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.generators.cave import CaveMaps
+from indoor_explorers.env.maps.generators.floors.plans import FloorsMaps
+from indoor_explorers.env.maps.generators.maze import MazeMaps
+from indoor_explorers.env.maps.generators.offices import OfficesMaps
+from indoor_explorers.env.maps.generators.rooms import RoomsMaps
+from indoor_explorers.env.maps.reduction import Source, reduced
+from indoor_explorers.env.search.connected_parts import largest_part
+
+#: Name of a map that is from no file.
+GENERATED = "generated"
+#: Share of generated maps that are floors; the others are offices, rooms, caves and mazes.
+FLOORS = 0.6
+#: Share of maps turned by any angle instead of quarter turns, and of maps cut to a part.
+TURNED, CUT = 0.33, 0.3
+#: Largest factor, and smallest, by which cells of real maps are coarser than usual.
+SCALES = (0.75, 1.4)
+#: Share of generated maps with ragged walls, and the largest share of wall and border cells that change.
+RAGGED, RAGGEDNESS = 0.4, 0.15
+#: Free cells that a training map has at least, and metres a cell.
+LEAST_FREE, METRES = 150, 0.5
+#: Attempts to find a map of that size.
+ATTEMPTS = 20
+
+
+@dataclass(frozen=True)
+class TrainingMaps:
+    """Draw training maps."""
+
+    paths: tuple[str, ...] = ()
+    """Map files with a scale, or pictures of 4 pixels a cell."""
+    real: float = 0.6
+    """Share of maps from files, if there are any."""
+
+    def draw(self, rng: np.random.Generator) -> Floorplan:
+        """Return a map; its name is ``GENERATED`` or that of its file.
+
+        Raises :class:`InputError` where no attempt finds one that is large enough.
+        """
+        for _ in range(ATTEMPTS):
+            plan = self._attempt(rng)
+            if plan is not None and np.count_nonzero(plan.truth == FREE) >= LEAST_FREE:
+                return plan
+        raise InputError(
+            f"expected training maps of at least {LEAST_FREE} free cells, got none in {ATTEMPTS} attempts; add larger "
+            "ones"
+        )
+
+    def _attempt(self, rng: np.random.Generator) -> Floorplan | None:
+        if self.paths and rng.random() < self.real:
+            return varied(self.paths[rng.integers(len(self.paths))], rng)
+        free = random_generator(rng).draw(rng)
+        if rng.random() < RAGGED:
+            free = ragged(free, rng.uniform(0.0, RAGGEDNESS), rng)
+        return Floorplan.from_free(turned(free, rng), GENERATED)
+
+
+def random_generator(rng: np.random.Generator) -> GeneratedMaps:
+    """Return a generator with random settings."""
+    if rng.random() < FLOORS:
+        return FloorsMaps()
+    sides = {"height": int(rng.integers(30, 110)), "width": int(rng.integers(30, 110))}
+    depth, width = int(rng.integers(4, 9)), int(rng.integers(4, 9))
+    kinds: list[GeneratedMaps] = [
+        OfficesMaps(
+            **sides,
+            corridor=int(rng.integers(2, 6)),
+            room_depth=(depth, depth + int(rng.integers(1, 8))),
+            room_width=(width, width + int(rng.integers(1, 10))),
+            links=float(rng.uniform(0.0, 0.5)),
+            furniture=float(rng.uniform(0.0, 0.25)),
+        ),
+        RoomsMaps(**sides, room_size=(depth, depth + int(rng.integers(1, 9))), corridor=int(rng.integers(1, 4))),
+        CaveMaps(**sides),
+        MazeMaps(**{name: min(side, 60) for name, side in sides.items()}, corridor=int(rng.integers(1, 4))),
+    ]
+    return kinds[rng.choice(4, p=(0.4, 0.3, 0.2, 0.1))]
+
+
+@lru_cache(maxsize=256)
+def _pixels(path: str) -> tuple[Mask, float]:
+    """Return the free pixels of a map file, (H, W) bool, and metres a pixel."""
+    plan = read_map(Path(path))
+    return plan.truth == FREE, METRES / 4.0 if plan.resolution in (None, 1.0) else plan.resolution
+
+
+def varied(path: str, rng: np.random.Generator) -> Floorplan | None:
+    """Return a map file's map, turned, mirrored, scaled and cut at random; None if too little is left."""
+    free, metres = _pixels(path)
+    free = turned(free, rng)
+    if rng.random() < CUT:
+        free = cut(free, rng)
+    cells = np.where(free, FREE, OCCUPIED).astype(np.uint8)
+    try:
+        return reduced(Source(name=Path(path).stem, where=path, cells=cells, resolution=metres), METRES * scale(rng))
+    except InputError:
+        return None
+
+
+def scale(rng: np.random.Generator) -> float:
+    """Return a random factor for the size of a cell, mostly 1."""
+    return 1.0 if rng.random() < 0.5 else float(rng.uniform(*SCALES))
+
+
+def turned(free: Mask, rng: np.random.Generator) -> Mask:
+    """Return a (H, W) map turned by quarters or any angle, and perhaps mirrored."""
+    free = np.rot90(free, int(rng.integers(4)))
+    if rng.random() < 0.5:
+        free = free[:, ::-1]
+    if rng.random() < TURNED:
+        free = ndimage.rotate(free.astype(np.uint8), rng.uniform(0.0, 90.0), order=0, cval=0).astype(bool)
+    return largest_part(np.pad(np.ascontiguousarray(free), 1))
+
+
+def cut(free: Mask, rng: np.random.Generator) -> Mask:
+    """Return the largest connected part of a random window."""
+    sides = [int(side * rng.uniform(0.4, 1.0)) for side in free.shape]
+    row, col = (int(rng.integers(whole - side + 1)) for whole, side in zip(free.shape, sides, strict=True))
+    return largest_part(np.pad(free[row : row + sides[0], col : col + sides[1]], 1))
+
+
+def ragged(free: Mask, share: float, rng: np.random.Generator) -> Mask:
+    """Return a map in which a share of the cells on both sides of its walls has changed, as in maps of real robots."""
+    edge = ndimage.binary_dilation(free) & ndimage.binary_dilation(~free)
+    edge[[0, -1]] = edge[:, [0, -1]] = False
+    return largest_part(free ^ (edge & (rng.random(free.shape) < share)))

@@ -1,0 +1,88 @@
+"""How good the estimates are on buildings that the network has not seen, building by building."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.maps.sources import FileMaps
+from indoor_explorers.env.scenarios.suites.catalogue import buildings
+from indoor_explorers.env.search.pockets.estimates import PocketEstimates, estimates_from, load_weights
+from indoor_explorers.env.search.pockets.network import THRESHOLDS, outputs
+from indoor_explorers.learners.pockets.examples import examples_of
+
+#: Numbers of cells whose exceedance is judged.
+JUDGED = (0, 3, 24)
+#: Lidar range, in cells, of the flights over the maps.
+LIDAR_RANGE = 10.0
+
+
+class Judged(NamedTuple):
+    """How good the estimates for one building are."""
+
+    building: str
+    clusters: int
+    aucs: tuple[float, ...]
+    """For each of ``JUDGED``, the chance that a larger pocket gets the larger probability; nan if all are alike."""
+    told: tuple[float, ...]
+    """Mean probabilities of exceeding each of ``JUDGED``."""
+    found: tuple[float, ...]
+    """Shares of clusters that do."""
+    entropy: float
+    """Mean cross-entropy over all thresholds, in nats."""
+
+
+def auc(positive: NDArray[np.bool_], scores: NDArray[np.float64]) -> float:
+    """Return the chance that a positive case has a larger score than a negative one, ties half; nan without both."""
+    from scipy.stats import rankdata
+
+    count = int(positive.sum())
+    if count in (0, len(positive)):
+        return float("nan")
+    above = rankdata(scores)[positive].sum() - count * (count + 1) / 2
+    return float(above / (count * (len(positive) - count)))
+
+
+def judged(building: str, examples: Mapping[str, NDArray[Any]], estimates: PocketEstimates) -> Judged:
+    """Compare estimates with what was behind the clusters."""
+    columns = [THRESHOLDS.index(limit) for limit in JUDGED]
+    larger = examples["sizes"][:, None] > np.array(THRESHOLDS)
+    chance = np.clip(estimates.tails, 1e-6, 1.0 - 1e-6)
+    return Judged(
+        building,
+        len(larger),
+        tuple(auc(larger[:, k], estimates.tails[:, k]) for k in columns),
+        tuple(float(estimates.tails[:, k].mean()) for k in columns),
+        tuple(float(larger[:, k].mean()) for k in columns),
+        float(-np.where(larger, np.log(chance), np.log(1.0 - chance)).mean()),
+    )
+
+
+def judge(maps: FileMaps, weights: Path) -> list[Judged]:
+    """Return how good the estimates of some weights are on maps, by building, then for all; a flight a map."""
+    network = load_weights(weights)
+    groups: dict[str, list[dict[str, NDArray[Any]]]] = {}
+    for index in range(maps.count):
+        plan = maps.floorplan(index, 0)
+        groups.setdefault(buildings().get(plan.digest, plan.name), []).append(examples_of(plan, index, LIDAR_RANGE))
+    groups["all"] = [each for group in groups.values() for each in group]
+    found = []
+    for building, parts in groups.items():
+        examples = {name: np.concatenate([each[name] for each in parts]) for name in parts[0]}
+        told = estimates_from(outputs(examples["fine"], examples["coarse"], examples["numbers"], network))
+        found.append(judged(building, examples, told))
+    return found
+
+
+def as_table(rows: list[Judged]) -> str:
+    """Return the comparison as a Markdown table."""
+    head = [f"{what} > {limit}" for limit in JUDGED for what in ("AUC", "told", "found")]
+    lines = [f"| building | clusters | {' | '.join(head)} | cross-entropy |", "|---" * (len(head) + 3) + "|"]
+    for row in rows:
+        cells = [f"{each:.2f}" for three in zip(row.aucs, row.told, row.found, strict=True) for each in three]
+        lines.append(f"| {row.building} | {row.clusters:,} | {' | '.join(cells)} | {row.entropy:.3f} |")
+    return "\n".join(lines) + "\n"

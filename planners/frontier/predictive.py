@@ -1,0 +1,57 @@
+"""Frontier clusters in an order of low mean waiting time, by what is probably behind them."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+from indoor_explorers.env.grid.arrays import Distances
+from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.provenance import recorded_maps
+from indoor_explorers.env.search.clusters import Clusters
+from indoor_explorers.env.search.pockets.estimates import SHIPPED
+from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
+from indoor_explorers.planners.information.outlook import Outlook, OutlookOfUav, OutlookParameters
+from indoor_explorers.planners.parameters import at_least
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontierPredictive(OutlookParameters, FrontierLatency):
+    """Fly as ``frontier-latency`` does, but weigh clusters by the chance that they lead to something, and defer some.
+
+    A network estimates from the map around each cluster how much unknown free space is behind it
+    (:mod:`indoor_explorers.env.search.pockets`). What probably hides little, for its way, waits as far as the goal
+    allows (:mod:`indoor_explorers.planners.information.outlook`).
+    """
+
+    worth: float = 0.8
+    """Exponent of gains as weights of waiting times; 0 weights all clusters equally."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        at_least(self, 0.0, "skip", "risk", "visit", "near", "aim")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the pilot of one UAV."""
+        return PredictivePilot(briefing, self)
+
+    def provenance(self) -> dict[str, str]:
+        """Return a hash of the estimates' weights."""
+        return {"pocket_weights": hashlib.sha256(SHIPPED.read_bytes()).hexdigest()[:16]}
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return the maps that the estimates were learned from."""
+        return recorded_maps(SHIPPED.with_suffix(".json"))
+
+
+class PredictivePilot(LatencyPilot):
+    """Ask the network what to expect of the clusters."""
+
+    def __init__(self, briefing: Briefing, policy: FrontierPredictive) -> None:
+        super().__init__(briefing, policy)
+        self._outlook = OutlookOfUav(briefing, policy)
+
+    def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
+        """Return what to expect of K clusters, ``away`` (K,) steps from the UAV."""
+        return self._outlook.of(view.belief, clusters, away)

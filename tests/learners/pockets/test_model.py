@@ -1,0 +1,19 @@
+from __future__ import annotations
+
+import numpy as np
+import torch
+
+from indoor_explorers.env.search.pockets.network import outputs, shapes, weights_from
+from indoor_explorers.learners.pockets.model import PocketNet, arrays
+
+
+def test_the_compiled_network_computes_what_torch_does() -> None:
+    torch.manual_seed(0)
+    network, rng = PocketNet(), np.random.default_rng(0)
+    assert {name: array.shape for name, array in arrays(network).items()} == shapes()
+    fine = rng.integers(0, 2, (7, 5, 25, 25)).astype(np.uint8)
+    fine[:, 4] = rng.integers(0, 256, (7, 25, 25))
+    coarse, numbers = rng.integers(0, 10, (7, 2, 25, 25)).astype(np.uint8), rng.random((7, 2)).astype(np.float32)
+    with torch.no_grad():
+        expected = network(*map(torch.from_numpy, (fine, coarse, numbers))).numpy()
+    np.testing.assert_allclose(outputs(fine, coarse, numbers, weights_from(arrays(network))), expected, atol=1e-5)

@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from indoor_explorers.env import InputError
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.scenarios.suites.suite import Part
+from indoor_explorers.env.search.connected_parts import largest_part
+from indoor_explorers.env.search.pockets.estimates import estimates_from, load_weights
+from indoor_explorers.env.search.pockets.network import OUTPUTS, THRESHOLDS
+from indoor_explorers.learners.pockets.__main__ import main, map_files
+from indoor_explorers.learners.pockets.examples import examples_of, read_examples
+from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps, cut, ragged, turned
+from indoor_explorers.learners.pockets.train import loss, train
+from indoor_explorers.learners.pockets.validation import auc, judged
+from tests.planners.flights import rooms
+
+
+def random_examples(count: int) -> dict[str, np.ndarray]:
+    """Examples whose size can be read off the coarse picture."""
+    rng = np.random.default_rng(0)
+    large = rng.random(count) < 0.5
+    coarse = np.zeros((count, 2, 25, 25), np.uint8)
+    coarse[large] = 9
+    return {
+        "fine": rng.integers(0, 2, (count, 5, 25, 25)).astype(np.uint8),
+        "coarse": coarse,
+        "numbers": np.ones((count, 2), np.float32),
+        "sizes": np.where(large, 100.0, 0.0).astype(np.float32),
+        "depths": np.where(large, 20.0, 0.0).astype(np.float32),
+    }
+
+
+def test_training_learns_what_can_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("indoor_explorers.learners.pockets.train.BATCH", 32)
+    losses = [told["loss"] for _, told in train(random_examples(320), epochs=4, seed=0)]
+    assert losses[-1] < 0.5 * losses[0]
+
+
+def test_the_loss_is_least_at_the_truth() -> None:
+    sizes, depths = torch.tensor([5.0, 0.0]), torch.tensor([3.0, 0.0])
+    truth = torch.where(sizes[:, None] > torch.tensor(THRESHOLDS), 20.0, -20.0)
+    right = torch.cat([truth, torch.log1p(depths)[:, None]], dim=1)
+    assert float(loss(right, sizes, depths)) < 1e-6
+    assert float(loss(-right, sizes, depths)) > 10.0
+
+
+def test_training_maps_are_connected_and_repeat_with_the_seed() -> None:
+    maps = TrainingMaps()
+    for seed in range(4):
+        first, second = (maps.draw(np.random.default_rng(seed)) for _ in range(2))
+        assert (first.truth == second.truth).all()
+        free = first.truth == 1
+        assert (largest_part(free) == free).all()
+
+
+def test_maps_are_turned_cut_and_roughened() -> None:
+    rng = np.random.default_rng(1)
+    free = np.ones((20, 30), np.bool_)
+    area = free.sum()
+    for _ in range(8):
+        part = turned(free, rng)
+        assert 0.85 * area <= part.sum() <= 1.05 * area
+        assert not part[0].any()
+        assert 0 < cut(free, rng).sum() <= area
+    free = np.pad(rooms(3, 9, 0), 1)
+    rough = ragged(free, 0.15, rng)
+    assert 0 < (rough != free).sum() < 0.5 * free.size
+
+
+def test_examples_of_a_flight_are_complete() -> None:
+    plan = Floorplan.from_free(np.pad(rooms(3, 9, 0), 1), GENERATED)
+    found = examples_of(plan, 3, 4.0)
+    count = len(found["sizes"])
+    assert count > 30
+    assert all(len(each) == count for each in found.values())
+    assert found["sizes"].max() > 20
+    assert ((found["depths"] > 0) == (found["sizes"] > 0)).all()
+    assert not found["real"].any()
+
+
+def test_estimates_are_judged_against_what_was_found() -> None:
+    sizes = np.array([0.0, 0.0, 50.0, 50.0], np.float32)
+    sure = np.where(sizes[:, None] > np.array(THRESHOLDS), 9.0, -9.0)
+    outputs = np.concatenate([sure, np.zeros((4, OUTPUTS - len(THRESHOLDS)))], axis=1).astype(np.float32)
+    row = judged("a", {"sizes": sizes}, estimates_from(outputs))
+    assert row.aucs == (1.0, 1.0, 1.0)
+    assert row.found == (0.5, 0.5, 0.5)
+    assert row.told == pytest.approx((0.5, 0.5, 0.5), abs=1e-3)
+    assert row.entropy < 1e-3
+    assert auc(np.array([True, False, True, False]), np.array([1.0, 1.0, 1.0, 1.0])) == 0.5
+    assert np.isnan(auc(np.ones(3, np.bool_), np.arange(3.0)))
+
+
+def test_the_command_trains_and_tells_how(tmp_path: Path) -> None:
+    assert main(["--flights", "2", "--epochs", "1", "--seed", "3", "--out", str(tmp_path)]) == 0
+    assert len(read_examples(sorted((tmp_path / "examples").glob("*.npz")))["sizes"]) > 20
+    load_weights(tmp_path / "pockets.safetensors")
+    about = json.loads((tmp_path / "pockets.json").read_text(encoding="utf-8"))
+    assert (about["seed"], about["seen_maps"]) == (3, {"training": []})
+
+
+def test_missing_clones_are_told_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--suites", "floors", "--data", str(tmp_path), "--out", str(tmp_path)]) == 2
+    assert "git clone" in capsys.readouterr().err
+    with pytest.raises(InputError, match="expected suites of map files, got 'rooms'"):
+        map_files("rooms", Part.TRAIN, [])
