@@ -1,0 +1,82 @@
+"""Frontier clusters by what is truly behind them, made wrong on purpose: how good must an estimate be?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.arrays import Distances
+from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.clusters import Clusters, middles
+from indoor_explorers.env.search.pockets.estimates import PocketEstimates
+from indoor_explorers.env.search.pockets.labels import true_pockets
+from indoor_explorers.env.search.pockets.network import THRESHOLDS
+from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
+from indoor_explorers.planners.information.outlook import Outlook
+from indoor_explorers.planners.parameters import at_least
+
+#: Cells that are told of a mistaken cluster that hides nothing.
+SUPPOSED = 30.0
+#: Side of the squares of the map that share an error, in cells: a cluster keeps its error while it moves a little.
+SQUARE = 6
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontierInformed(FrontierPredictive):
+    """Fly as ``frontier-predictive`` does, with the true sizes of pockets, or with sizes that are wrong by so much.
+
+    It is told how much is behind each cluster, and nothing else of the true map.
+    """
+
+    privileged: ClassVar[bool] = True
+
+    error: float = 0.0
+    """Standard deviation of the natural logarithm of told size by true size."""
+    mistaken: float = 0.0
+    """Share of clusters that are told to be empty if they are not, and not to be if they are; 0 to 1."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        at_least(self, 0.0, "error", "mistaken")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the pilot of one UAV."""
+        return InformedPilot(briefing, self)
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return no maps: the network is not asked."""
+        return {}
+
+
+class InformedPilot(PredictivePilot):
+    """Look behind the clusters."""
+
+    def __init__(self, briefing: Briefing, policy: FrontierInformed) -> None:
+        super().__init__(briefing, policy)
+        if briefing.truth is None:
+            raise InputError("expected a briefing with the true map, as privileged policies are given")
+        self._truth = briefing.truth
+        squares = (briefing.shape[0] // SQUARE + 1, briefing.shape[1] // SQUARE + 1)
+        self._factors = np.exp(policy.error * briefing.rng.standard_normal(squares))
+        self._mistaken = briefing.rng.random(squares) < policy.mistaken
+
+    def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
+        """Return what to expect of K clusters, ``away`` (K,) steps from the UAV."""
+        field = self.steps_from(view, view.cell)
+        sizes = self.told(true_pockets(view.belief, self._truth, field, clusters).sizes, clusters)
+        tails = (sizes[:, None] > np.array(THRESHOLDS)).astype(np.float64)
+        estimates = PocketEstimates(tails, sizes, np.zeros(clusters.size))
+        return self._outlook.outlook(estimates, int(np.count_nonzero(view.belief == FREE)), away)
+
+    def told(self, sizes: NDArray[np.float64], clusters: Clusters) -> NDArray[np.float64]:
+        """Return the sizes (K,) that the planner is told."""
+        rows, cols = np.divmod(middles(clusters, self.paths.width), self.paths.width)
+        place = rows // SQUARE, cols // SQUARE
+        swapped = np.where(sizes > 0.0, 0.0, SUPPOSED)
+        return np.asarray(np.where(self._mistaken[place], swapped, sizes * self._factors[place]))

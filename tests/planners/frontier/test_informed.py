@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import InputError, World, make_policy, scenario
+from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.search.clusters import frontier_clusters
+from indoor_explorers.planners.frontier.informed import SUPPOSED, FrontierInformed, InformedPilot
+
+SPEC = "indoor_explorers.planners.frontier.informed:FrontierInformed"
+#: A room, known, with doors to a large one in the east and to a niche in the west.
+TRUTH = np.full((9, 24), 2, np.uint8)
+TRUTH[1:8, 4:11] = TRUTH[1:8, 12:23] = 1
+TRUTH[4, 2:12] = 1
+
+
+def pilot_of(policy: FrontierInformed, *, privileged: bool = True) -> InformedPilot:
+    world = World(scenario("thesis-open").with_settings({"lidar.range": 10.0}))
+    world.begin(0, 0, floorplan=Floorplan.from_free(TRUTH == 1, "rooms"), spawns=[(4, 7)])
+    pilot = policy.pilot(world.briefing(0, 0, privileged=privileged))
+    assert isinstance(pilot, InformedPilot)
+    return pilot
+
+
+def told(policy: FrontierInformed) -> list[float]:
+    belief = np.where((np.arange(24) > 2) & (np.arange(24) < 12), TRUTH, 0).astype(np.uint8)
+    clusters = frontier_clusters(belief, 10.0)
+    assert (clusters.cells % 24).tolist() == [3, 11]
+    return pilot_of(policy).told(np.array([2.0, 0.0]), clusters).tolist()
+
+
+def test_true_sizes_are_told_unless_they_are_to_be_wrong() -> None:
+    assert told(FrontierInformed()) == [2.0, 0.0]
+    assert told(FrontierInformed(mistaken=1.0)) == [0.0, SUPPOSED]
+    wrong = told(FrontierInformed(error=1.0))
+    assert wrong[0] not in (0.0, 2.0)
+    assert wrong[1] == 0.0
+
+
+def test_it_needs_the_true_map() -> None:
+    with pytest.raises(InputError, match="expected a briefing with the true map"):
+        pilot_of(FrontierInformed(), privileged=False)
+    assert make_policy(SPEC).privileged
+
+
+@pytest.mark.parametrize("name", ["error", "mistaken"])
+def test_bad_parameters_are_refused(name: str) -> None:
+    with pytest.raises(InputError, match=f"expected {name} of at least"):
+        make_policy(SPEC, **{name: -1.0})
