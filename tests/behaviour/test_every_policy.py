@@ -27,6 +27,8 @@ from tests.planners import flights
 ROWS = covering_array()
 REAL_MAP = Path(__file__).resolve().parents[3] / "shared" / "maps" / "slam" / "Sarmis2_map_adj.yaml"
 every_explorer = parametrized(EXPLORERS)
+#: Policies whose decisions take longest, and those that decide much as another one does.
+SLOW_CONFORMANCE = ["prm-tour", "rrt-aep", "rrt-frontier", "rrt-nbv", "horizon", "frontier-predictive", "tours"]
 
 
 def flown(name: str, scenario: Scenario, seeds: Sequence[int]) -> list[Record]:
@@ -40,7 +42,7 @@ def assert_well_flown(records: Sequence[Record]) -> None:
         assert record.metrics["collisions"] == 0
 
 
-@parametrized(POLICIES, slow=["prm-tour", "rrt-aep"])  # their decisions take ten times as long as those of others
+@parametrized(POLICIES, slow=SLOW_CONFORMANCE)
 def test_it_passes_the_conformance_suite(name):
     policy = make_policy(name)
     hidden = check_policy(policy)["no hidden knowledge"]

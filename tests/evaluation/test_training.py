@@ -38,6 +38,7 @@ SMALL = "prior_notes=2000 total_steps=200 environments=4 warmup_steps=40 batch=8
 TINY = [*SMALL.split(), "evaluation_episodes=2", "device=cpu", "network.width=16"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("preset", "kinds"), [("general", "first"), ("general-both", "both")])
 def test_the_recipes_of_general_go_through(preset: str, kinds: str, tmp_path: Path) -> None:
     small = [*TINY, "replay_steps=4000", "environments=16"]

@@ -102,6 +102,7 @@ def test_only_what_is_asked_for_is_trained_and_teams_have_more(tmp_path):
         names(1, "mates")
 
 
+@pytest.mark.slow
 def test_the_table_tells_what_was_flown(trained):
     found, results = rows(trained), Results.load(trained / "judged")
     assert list(found) == ["full", "no-visits"]
@@ -121,6 +122,7 @@ def test_the_table_tells_what_was_flown(trained):
     assert {record.task.seed for record in results.records} == set(range(2**39, 2**39 + 6))
 
 
+@pytest.mark.slow
 def test_the_figure_is_there_in_every_format(trained):
     starts = {"svg": b"<?xml", "png": b"\x89PNG", "pdf": b"%PDF"}
     assert {path.name for path in (trained / "figures").iterdir()} == {f"ablation.{ending}" for ending in starts}
@@ -128,6 +130,7 @@ def test_the_figure_is_there_in_every_format(trained):
         assert (trained / "figures" / f"ablation.{ending}").read_bytes().startswith(start)
 
 
+@pytest.mark.slow
 def test_a_variant_that_fails_leaves_the_others_alone(trained):
     for variant in ("full", "no-visits"):
         for seed in (1, 2):
@@ -135,6 +138,7 @@ def test_a_variant_that_fails_leaves_the_others_alone(trained):
     assert not list((trained / "broken").rglob("weights.safetensors"))
 
 
+@pytest.mark.slow
 def test_what_is_finished_is_not_trained_again_and_seeds_may_be_added(trained, room, monkeypatch):
     inline(monkeypatch)
     begun = []
@@ -148,6 +152,7 @@ def test_what_is_finished_is_not_trained_again_and_seeds_may_be_added(trained, r
     assert rows(trained)["full"]["seeds"] == "3"
 
 
+@pytest.mark.slow
 def test_another_ablation_in_the_folder_is_refused_in_one_line(trained, room, capsys):
     assert run(trained, room, "no-visits", more=["batch=16"]) == 2
     line = capsys.readouterr().err

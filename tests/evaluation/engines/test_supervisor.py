@@ -84,9 +84,9 @@ OVERDUE = "decision took longer than 1 s (--decision-timeout)"
         ("ExitsPython", "SystemExit: enough"),
         pytest.param("HangsInSleep", OVERDUE, marks=SLOW),
         ("HangsInPython", OVERDUE),
-        ("HangsTogether", OVERDUE),
+        pytest.param("HangsTogether", OVERDUE, marks=SLOW),
         pytest.param("HangsForGood", OVERDUE, marks=SLOW),
-        ("HangsInC", OVERDUE),
+        pytest.param("HangsInC", OVERDUE, marks=SLOW),
         ("Exits", "the process of the policy ended with exit code 3"),
         pytest.param("KillsItself", "the process of the policy was killed by signal 9 (SIGKILL)", marks=SLOW),
         pytest.param("Segfaults", "the process of the policy was killed by signal 11 (SIGSEGV)", marks=SLOW),
@@ -150,6 +150,7 @@ def test_the_packages_own_policies_share_a_process(supervisor):
     assert supervisor._workers == [process]
 
 
+@SLOW
 def test_pilots_that_hang_when_they_are_deleted_are_stopped(supervisor):
     (record,) = supervisor.fly(job("HangsWhenDeleted", [0]))
     assert (record.outcome, record.reason) == (Outcome.FAILED, OVERDUE)

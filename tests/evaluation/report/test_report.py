@@ -3,6 +3,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
 from rich.console import Console, RenderableType
 
 from indoor_explorers.env import Scenario
@@ -95,6 +96,7 @@ def test_a_big_map_makes_no_big_page(tmp_path: Path) -> None:
     assert episode["height"] == 300
 
 
+@pytest.mark.slow
 def test_figures_are_deterministic(hostile: Results, tmp_path: Path) -> None:
     first, second = write_figures(hostile, tmp_path / "a"), write_figures(hostile, tmp_path / "b")
     assert {path.suffix for path in first} == {".svg", ".png", ".pdf"}

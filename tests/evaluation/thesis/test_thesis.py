@@ -68,6 +68,7 @@ def test_versions_are_the_thesis_the_mended_one_and_single_switches():
         versions(["menden"], SWITCHES)
 
 
+@pytest.mark.slow
 def test_the_table_has_a_row_for_each_training(flown):
     found = rows(flown)
     assert tuple(found[0]) == COLUMNS
@@ -80,6 +81,7 @@ def test_the_table_has_a_row_for_each_training(flown):
     assert all(0 < float(row["coverage"]) <= 1 and float(row["t90"]) <= 400 for row in found)
 
 
+@pytest.mark.slow
 def test_the_versions_differ_in_the_switches_and_teams_start_from_one_uav(flown):
     configs = {
         (name, version): json.loads((flown / name / version / "training.json").read_text())["config"]
@@ -96,6 +98,7 @@ def test_the_versions_differ_in_the_switches_and_teams_start_from_one_uav(flown)
         assert configs["team-2-radio-3", version]["initial_weights"] == weights
 
 
+@pytest.mark.slow
 def test_the_page_holds_everything(flown):
     page = (flown / "thesis.html").read_text()
     for word in ("rewards-2-stuck-1", "team-2-radio-3", "124.36 min", "terminal_target", "advantage_mean"):
@@ -109,6 +112,7 @@ def test_the_page_holds_everything(flown):
     assert names == {f"{stem}.{ending}" for stem in stems for ending in ("svg", "png")}
 
 
+@pytest.mark.slow
 def test_what_is_finished_is_not_flown_again(flown, monkeypatch):
     before = {path: path.stat().st_mtime_ns for path in flown.rglob("training.json")}
     monkeypatch.setattr("indoor_explorers.evaluation.thesis.running.run_training", pytest.fail)
@@ -117,6 +121,7 @@ def test_what_is_finished_is_not_flown_again(flown, monkeypatch):
     assert {path: path.stat().st_mtime_ns for path in flown.rglob("training.json")} == before
 
 
+@pytest.mark.slow
 def test_a_folder_of_other_settings_is_refused_in_one_line(flown, capsys):
     assert run(flown, "rewards-2-stuck-1", "--seed", "5") == 2
     line = capsys.readouterr().err
