@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.search.clusters import frontier_clusters
 from indoor_explorers.env.search.pockets.labels import true_pockets
+from indoor_explorers.env.simulation.rollout import Uav, ask_pilots, make_pilots, rollout
 
 #: The policy that flies, and steps from one look at its frontiers to the next.
 POLICY, EVERY = "frontier-nearest", 25
@@ -32,13 +34,16 @@ def fly(plan: Floorplan, scenario: Scenario, seed: int) -> Frontiers:
     world = World(scenario.with_settings({"team": 1, "spawn": "random", "budget": None}).for_evaluation())
     world.begin(0, seed, floorplan=plan)
     policy = make_policy(POLICY)
-    pilots = [policy.pilot(world.briefing(0, 0))]
-    looks = []
-    while world.flying.any():
+    asks = ask_pilots(policy, make_pilots(policy, world), world)
+    looks: list[NDArray[np.float64]] = []
+
+    def look_and_ask(flying: list[Uav]) -> Iterable[tuple[Uav, int]]:
         view = world.view(0, 0)
         if view.step % EVERY == 0:
-            belief = world.state.belief[0, 0]
-            clusters = frontier_clusters(belief, scenario.lidar.range)
-            looks.append(true_pockets(belief, plan.truth, distance_field(belief, view.cell), clusters).sizes)
-        world.step(np.reshape(policy.act(pilots, [view]), (1, 1)))
+            clusters = frontier_clusters(view.belief, scenario.lidar.range)
+            looks.append(true_pockets(view.belief, plan.truth, distance_field(view.belief, view.cell), clusters).sizes)
+        return asks(flying)
+
+    for _ in rollout(world, look_and_ask):
+        pass
     return Frontiers(np.concatenate([np.zeros(0), *looks]), np.array([float(len(look)) for look in looks]))

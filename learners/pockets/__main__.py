@@ -61,14 +61,14 @@ def _train(asked: argparse.Namespace) -> None:
     names = [name for name in asked.suites.split(",") if name]
     paths = [path for name in names for path in map_files(name, Part.TRAIN, asked.data).paths]
     folder = asked.out / "examples"
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [folder / f"{seed}.npz" for seed in range(asked.flights)]
     maps = TrainingMaps(paths=tuple(paths))
-    for seed in range(asked.flights):
-        write_examples(maps, folder, [seed])
+    for seed, path in enumerate(files):
+        write_examples(maps, path, seed)
         if (seed + 1) % 50 == 0:
             _tell(f"{seed + 1} of {asked.flights} flights")
-    examples = chosen_examples(
-        read_examples([folder / f"{seed}.npz" for seed in range(asked.flights)]), asked.learn_from
-    )
+    examples = chosen_examples(read_examples(files), asked.learn_from)
     losses: list[dict[str, float]] = []
     for network, epoch in train(examples, epochs=asked.epochs, seed=asked.seed):
         _tell(", ".join(f"{name} {value:.4g}" for name, value in epoch.items()))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,6 @@ from numpy.typing import NDArray
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.search.bfs import distance_field
@@ -49,15 +47,8 @@ def examples_of(plan: Floorplan, seed: int, lidar_range: float | None = None) ->
     rng = np.random.default_rng(seed)
     lidar_range = float(rng.choice(RANGES, p=SHARES)) if lidar_range is None else lidar_range
     base = on_files(("map",), None)
-    scenario = base.model_copy(
-        update={
-            "map": FileMaps(paths=("map",)).holding({0: plan}),
-            "lidar": base.lidar.model_copy(update={"range": lidar_range}),
-            "goal": 1.0,
-        }
-    )
-    world = World(scenario)
-    world.reset([seed])
+    world = World(base.with_settings({"lidar.range": lidar_range, "goal": 1.0}))
+    world.begin(0, seed, floorplan=plan)
     policy = make_policy(str(rng.choice(POLICIES)))
     free = np.count_nonzero(plan.truth == FREE)
     every = max(2, round(0.35 * free * 10.0 / lidar_range / SNAPSHOTS))
@@ -94,15 +85,13 @@ def _snapshot(world: World, plan: Floorplan, lidar_range: float, rng: np.random.
     }
 
 
-def write_examples(maps: TrainingMaps, out: Path, seeds: Sequence[int]) -> None:
-    """Write the examples of a flight for each seed into a folder; seeds that are there are skipped."""
-    out.mkdir(parents=True, exist_ok=True)
-    for seed in seeds:
-        path = out / f"{seed}.npz"
-        if not path.exists():
-            found = examples_of(maps.draw(np.random.default_rng([seed, 1])), seed)
-            with written_whole(path) as whole, whole.open("wb") as file:
-                np.savez_compressed(file, allow_pickle=False, **found)
+def write_examples(maps: TrainingMaps, path: Path, seed: int) -> None:
+    """Write the examples of one flight to a file, unless that is there."""
+    if path.exists():
+        return
+    found = examples_of(maps.draw(np.random.default_rng([seed, 1])), seed)
+    with written_whole(path) as whole, whole.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **found)
 
 
 def read_examples(paths: list[Path]) -> dict[str, NDArray[Any]]:

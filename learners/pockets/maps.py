@@ -29,7 +29,7 @@ GENERATED = "generated"
 FLOORS = 0.6
 #: Share of maps turned by any angle instead of quarter turns, and of maps cut to a part.
 TURNED, CUT = 0.33, 0.3
-#: Largest factor, and smallest, by which cells of real maps are coarser than usual.
+#: Smallest and largest factor of the size of a cell, for real maps.
 SCALES = (0.75, 1.4)
 #: Share of generated maps with ragged walls, and the largest share of wall and border cells that change.
 RAGGED, RAGGEDNESS = 0.4, 0.15

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.learners.dddqn.network.inference import linear, relu
+from indoor_explorers.env.network_layers import convolved, linear, relu
 
 Array = NDArray[np.float32]
 
@@ -49,28 +49,6 @@ def weights_from(arrays: Mapping[str, NDArray[Any]], view: tuple[int, int]) -> T
     return ThesisWeights(*found)
 
 
-@kernel(entry=False)
-def _convolved(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, stride: int) -> np.ndarray:
-    """Return ReLU of the convolution of ``x`` (H, W, C), without padding."""
-    side, filters = weight.shape[0], weight.shape[3]
-    rows, cols = (x.shape[0] - side) // stride + 1, (x.shape[1] - side) // stride + 1
-    out = np.empty((rows, cols, filters), np.float32)
-    for i in range(rows):
-        for j in range(cols):
-            total = out[i, j]
-            total[:] = bias
-            for a in range(side):
-                for b in range(side):
-                    for c in range(x.shape[2]):
-                        seen = x[i * stride + a, j * stride + b, c]
-                        if seen != 0.0:
-                            for f in range(filters):
-                                total[f] += seen * weight[a, b, c, f]
-            for f in range(filters):
-                total[f] = max(total[f], np.float32(0.0))
-    return out
-
-
 @kernel()
 def q_values(images: np.ndarray, levels: np.ndarray, weights: ThesisWeights, q: np.ndarray) -> None:
     """Write the values ``q`` (B, 4) of images (B, K, H, W) of codes; ``levels`` (256,) are the codes' grey levels.
@@ -87,9 +65,9 @@ def q_values(images: np.ndarray, levels: np.ndarray, weights: ThesisWeights, q: 
             for r in range(height):
                 for c in range(width):
                     x[r, c, k] = levels[images[b, k, r, c]]
-        near = _convolved(x, weights.near, weights.near_bias, 1)
-        middle = _convolved(near, weights.middle, weights.middle_bias, 2)
-        far = _convolved(middle, weights.far, weights.far_bias, 4)
+        near = convolved(x, weights.near, weights.near_bias, 1)
+        middle = convolved(near, weights.middle, weights.middle_bias, 2)
+        far = convolved(middle, weights.far, weights.far_bias, 4)
         linear(far.ravel(), weights.first, weights.first_bias, first)
         relu(first)
         linear(first, weights.second, weights.second_bias, second)

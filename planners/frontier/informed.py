@@ -9,8 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid.arrays import Distances
-from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.clusters import Clusters, middles
@@ -18,7 +16,6 @@ from indoor_explorers.env.search.pockets.estimates import PocketEstimates
 from indoor_explorers.env.search.pockets.labels import true_pockets
 from indoor_explorers.env.search.pockets.network import THRESHOLDS
 from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
-from indoor_explorers.planners.information.outlook import Outlook
 from indoor_explorers.planners.parameters import at_least
 
 #: Cells that are told of a mistaken cluster that hides nothing.
@@ -49,6 +46,10 @@ class FrontierInformed(FrontierPredictive):
         """Make the pilot of one UAV."""
         return InformedPilot(briefing, self)
 
+    def provenance(self) -> dict[str, str]:
+        """Return nothing: the network is not asked."""
+        return {}
+
     def seen_maps(self) -> dict[str, list[str]]:
         """Return no maps: the network is not asked."""
         return {}
@@ -66,13 +67,12 @@ class InformedPilot(PredictivePilot):
         self._factors = np.exp(policy.error * briefing.rng.standard_normal(squares))
         self._mistaken = briefing.rng.random(squares) < policy.mistaken
 
-    def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
-        """Return what to expect of K clusters, ``away`` (K,) steps from the UAV."""
+    def estimates(self, view: View, clusters: Clusters) -> PocketEstimates:
+        """Return what the planner is told of K clusters, as if it were sure."""
         field = self.steps_from(view, view.cell)
         sizes = self.told(true_pockets(view.belief, self._truth, field, clusters).sizes, clusters)
         tails = (sizes[:, None] > np.array(THRESHOLDS)).astype(np.float64)
-        estimates = PocketEstimates(tails, sizes, np.zeros(clusters.size))
-        return self._outlook.outlook(estimates, int(np.count_nonzero(view.belief == FREE)), away)
+        return PocketEstimates(tails, sizes, np.zeros(clusters.size))
 
     def told(self, sizes: NDArray[np.float64], clusters: Clusters) -> NDArray[np.float64]:
         """Return the sizes (K,) that the planner is told."""

@@ -5,14 +5,17 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 
+import numpy as np
+
 from indoor_explorers.env.grid.arrays import Distances
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.env.search.clusters import Clusters
-from indoor_explorers.env.search.pockets.estimates import SHIPPED
+from indoor_explorers.env.search.pockets.estimates import SHIPPED, PocketEstimates, PocketEstimator
 from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
-from indoor_explorers.planners.information.outlook import Outlook, OutlookOfUav, OutlookParameters
+from indoor_explorers.planners.information.outlook import ClusterJudge, Outlook, OutlookParameters
 from indoor_explorers.planners.parameters import at_least
 
 
@@ -50,8 +53,14 @@ class PredictivePilot(LatencyPilot):
 
     def __init__(self, briefing: Briefing, policy: FrontierPredictive) -> None:
         super().__init__(briefing, policy)
-        self._outlook = OutlookOfUav(briefing, policy)
+        self._estimator = PocketEstimator(briefing.lidar_range)
+        self._judge = ClusterJudge(briefing, policy)
+
+    def estimates(self, view: View, clusters: Clusters) -> PocketEstimates:
+        """Return what the network expects behind K clusters."""
+        return self._estimator.estimate(view.belief, clusters)
 
     def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
         """Return what to expect of K clusters, ``away`` (K,) steps from the UAV."""
-        return self._outlook.of(view.belief, clusters, away)
+        known = int(np.count_nonzero(view.belief == FREE))
+        return self._judge.outlook(self.estimates(view, clusters), known, away)

@@ -13,11 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.grid.arrays import Belief, Distances, Mask
-from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.grid.arrays import Distances, Mask
 from indoor_explorers.env.policies.view import Briefing
-from indoor_explorers.env.search.clusters import Clusters
-from indoor_explorers.env.search.pockets.estimates import PocketEstimates, PocketEstimator
+from indoor_explorers.env.search.pockets.estimates import PocketEstimates
 from indoor_explorers.env.search.pockets.network import THRESHOLDS
 
 
@@ -46,22 +44,19 @@ class Outlook(NamedTuple):
     """(K,) probability that any unknown free cell is behind it."""
 
 
-class OutlookOfUav:
-    """Compute the outlook of one UAV's clusters during one episode."""
+class ClusterJudge:
+    """Tell the outlook of one UAV's clusters from what is estimated behind them."""
 
     def __init__(self, briefing: Briefing, parameters: OutlookParameters) -> None:
-        self._estimator = PocketEstimator(briefing.lidar_range)
         self._parameters = parameters
         self._visit = parameters.visit * briefing.lidar_range
         self._share = parameters.skip * (1.0 - min(parameters.aim, briefing.scenario.goal))
 
-    def of(self, belief: Belief, clusters: Clusters, away: Distances) -> Outlook:
-        """Return the outlook of K clusters of a (H, W) belief, ``away`` (K,) steps from the UAV."""
-        estimates = self._estimator.estimate(belief, clusters)
-        return self.outlook(estimates, int(np.count_nonzero(belief == FREE)), away)
-
     def outlook(self, estimates: PocketEstimates, known: int, away: Distances) -> Outlook:
-        """Return the outlook for estimates, and the number of ``known`` free cells."""
+        """Return the outlook of K clusters.
+
+        ``known`` is the number of known free cells, and ``away`` (K,) are the steps from the UAV.
+        """
         allowance = self._share * known
         large = int(np.searchsorted(THRESHOLDS, allowance / 4.0, side="right")) - 1
         safe = np.flatnonzero(estimates.tails[:, large] <= self._parameters.risk)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.network_layers import convolved, linear, relu
 from indoor_explorers.env.search.pockets.features import COARSE_LAYERS, FINE_LAYERS, SIDE
 
 Array = NDArray[np.float32]
@@ -95,29 +96,6 @@ def weights_from(arrays: Mapping[str, NDArray[Any]]) -> NetworkWeights:
 
 
 @kernel(entry=False)
-def _convolve(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, stride: int) -> np.ndarray:
-    """Return the rectified convolution of a picture (side, side, in), (side', side', out); zeros cost little."""
-    size, layers, channels = weight.shape[0], weight.shape[2], weight.shape[3]
-    side = (x.shape[0] - size) // stride + 1
-    out = np.empty((side, side, channels), np.float32)
-    for row in range(side):
-        for col in range(side):
-            total = out[row, col]
-            total[:] = bias
-            for i in range(size):
-                for j in range(size):
-                    for layer in range(layers):
-                        value = x[row * stride + i, col * stride + j, layer]
-                        if value != 0.0:
-                            line = weight[i, j, layer]
-                            for k in range(channels):
-                                total[k] += value * line[k]
-            for k in range(channels):
-                total[k] = max(total[k], np.float32(0.0))
-    return out
-
-
-@kernel(entry=False)
 def _features(picture: np.ndarray, scales: np.ndarray, first: tuple, second: tuple, third: tuple) -> np.ndarray:  # type: ignore[type-arg]
     """Return the third convolution of a picture (layers, side, side) uint8."""
     x = np.empty((picture.shape[1], picture.shape[2], picture.shape[0]), np.float32)
@@ -125,20 +103,9 @@ def _features(picture: np.ndarray, scales: np.ndarray, first: tuple, second: tup
         for row in range(picture.shape[1]):
             for col in range(picture.shape[2]):
                 x[row, col, layer] = picture[layer, row, col] * scales[layer]
-    x = _convolve(x, first[0], first[1], first[2])
-    x = _convolve(x, second[0], second[1], second[2])
-    return _convolve(x, third[0], third[1], third[2])
-
-
-@kernel(entry=False)
-def _add_inputs(values: np.ndarray, weight: np.ndarray, first: int, total: np.ndarray) -> None:
-    """Add a matrix's lines from ``first`` on, each times its input, to ``total``."""
-    for i in range(values.shape[0]):
-        value = values[i]
-        if value != 0.0:
-            line = weight[first + i]
-            for k in range(total.shape[0]):
-                total[k] += value * line[k]
+    x = convolved(x, first[0], first[1], first[2])
+    x = convolved(x, second[0], second[1], second[2])
+    return convolved(x, third[0], third[1], third[2])
 
 
 @kernel()
@@ -155,14 +122,10 @@ def _outputs(
     for k in range(fine.shape[0]):
         near = _features(fine[k], fine_scales, weights.fine1, weights.fine2, weights.fine3).ravel()
         far = _features(coarse[k], coarse_scales, weights.coarse1, weights.coarse2, weights.coarse3).ravel()
-        hidden[:] = weights.hidden_bias
-        _add_inputs(near, weights.hidden, 0, hidden)
-        _add_inputs(far, weights.hidden, near.shape[0], hidden)
-        _add_inputs(numbers[k], weights.hidden, near.shape[0] + far.shape[0], hidden)
-        for i in range(hidden.shape[0]):
-            hidden[i] = max(hidden[i], np.float32(0.0))
-        out[k] = weights.out_bias
-        _add_inputs(hidden, weights.out, 0, out[k])
+        joined = np.concatenate((near, far, numbers[k]))
+        linear(joined, weights.hidden, weights.hidden_bias, hidden)
+        relu(hidden)
+        linear(hidden, weights.out, weights.out_bias, out[k])
     return out
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.network_layers import linear, relu
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, search_costs, tour_costs
 
@@ -101,18 +102,6 @@ def without_network(weights: NetworkWeights, layout: ObservationLayout) -> Netwo
 
 
 @kernel(entry=False)
-def linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray) -> None:
-    """Write x W + b; zero inputs are skipped."""
-    for j in range(out.shape[0]):
-        out[j] = bias[j]
-    for i in range(x.shape[0]):
-        value = x[i]
-        if value != 0.0:
-            for j in range(out.shape[0]):
-                out[j] += value * weight[i, j]
-
-
-@kernel(entry=False)
 def _norm(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
     """Apply layer normalisation (Ba et al. 2016) in place."""
     mean = variance = 0.0
@@ -124,13 +113,6 @@ def _norm(x: np.ndarray, scale: np.ndarray, shift: np.ndarray) -> None:
     spread = 1.0 / np.sqrt(variance / x.shape[0] + 1e-5)
     for j in range(x.shape[0]):
         x[j] = np.float32((x[j] - mean) * spread) * scale[j] + shift[j]
-
-
-@kernel(entry=False)
-def relu(x: np.ndarray) -> None:
-    """Apply max(x, 0) in place."""
-    for j in range(x.shape[0]):
-        x[j] = max(x[j], np.float32(0.0))
 
 
 @kernel(entry=False)

@@ -6,7 +6,7 @@ from indoor_explorers.env import World, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.search.pockets.estimates import PocketEstimates
 from indoor_explorers.env.search.pockets.network import THRESHOLDS
-from indoor_explorers.planners.information.outlook import Outlook, OutlookOfUav, OutlookParameters
+from indoor_explorers.planners.information.outlook import ClusterJudge, Outlook, OutlookParameters
 
 
 def outlook(
@@ -21,7 +21,7 @@ def outlook(
     """The outlook of clusters that hide these numbers of cells, some steps away, at a lidar range of 3."""
     world = World(scenario("thesis-open").with_settings({"goal": goal}))
     world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((4, 4), np.bool_), "open"), spawns=[(0, 0)])
-    judge = OutlookOfUav(world.briefing(0, 0), OutlookParameters(skip=skip))
+    judge = ClusterJudge(world.briefing(0, 0), OutlookParameters(skip=skip))
     tails = np.zeros((len(sizes), len(THRESHOLDS))) if tails is None else tails
     estimates = PocketEstimates(tails, np.array(sizes), np.zeros(len(sizes)))
     return judge.outlook(estimates, known, np.array(away, np.int32))
