@@ -31,25 +31,49 @@ def relu(x: np.ndarray) -> None:
 
 
 @kernel(entry=False)
+def _add_eight(
+    x: np.ndarray, places: np.ndarray, shifts: np.ndarray, weight: np.ndarray, first: int, out: np.ndarray
+) -> None:
+    """Add the products of eight inputs, from ``first`` on, to the sums of all P places, (P, filters).
+
+    One input after the other, as if each was added by itself; but sums are loaded and stored once for eight.
+    """
+    w0, w1, w2, w3 = weight[first], weight[first + 1], weight[first + 2], weight[first + 3]
+    w4, w5, w6, w7 = weight[first + 4], weight[first + 5], weight[first + 6], weight[first + 7]
+    s0, s1, s2, s3 = shifts[first], shifts[first + 1], shifts[first + 2], shifts[first + 3]
+    s4, s5, s6, s7 = shifts[first + 4], shifts[first + 5], shifts[first + 6], shifts[first + 7]
+    for p in range(out.shape[0]):
+        at, total = places[p], out[p]
+        x0, x1, x2, x3 = x[at + s0], x[at + s1], x[at + s2], x[at + s3]
+        x4, x5, x6, x7 = x[at + s4], x[at + s5], x[at + s6], x[at + s7]
+        for f in range(out.shape[1]):
+            half = (((total[f] + x0 * w0[f]) + x1 * w1[f]) + x2 * w2[f]) + x3 * w3[f]
+            total[f] = (((half + x4 * w4[f]) + x5 * w5[f]) + x6 * w6[f]) + x7 * w7[f]
+
+
+@kernel(entry=False)
 def convolved(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, stride: int) -> np.ndarray:
-    """Return ReLU of the convolution of ``x`` (H, W, C), without padding; zero inputs are skipped.
+    """Return ReLU of the convolution of ``x`` (H, W, C), without padding.
 
     ``weight`` is (rows, columns, inputs, filters).
     """
-    side, filters = weight.shape[0], weight.shape[3]
+    side, inputs, filters = weight.shape[0], weight.shape[2], weight.shape[3]
     rows, cols = (x.shape[0] - side) // stride + 1, (x.shape[1] - side) // stride + 1
-    out = np.empty((rows, cols, filters), np.float32)
-    for i in range(rows):
-        for j in range(cols):
-            total = out[i, j]
-            total[:] = bias
-            for a in range(side):
-                for b in range(side):
-                    for c in range(x.shape[2]):
-                        seen = x[i * stride + a, j * stride + b, c]
-                        if seen != 0.0:
-                            for f in range(filters):
-                                total[f] += seen * weight[a, b, c, f]
+    line, run = x.shape[1] * inputs, side * inputs
+    places, shifts = np.empty(rows * cols, np.uint64), np.empty(side * run, np.uint64)
+    for k in range(shifts.shape[0]):
+        shifts[k] = k // run * line + k % run
+    out = np.empty((rows * cols, filters), np.float32)
+    for p in range(rows * cols):
+        places[p] = p // cols * stride * line + p % cols * stride * inputs
+        out[p] = bias
+    flat, matrix = x.reshape(x.size), weight.reshape((side * run, filters))
+    together = side * run // 8 * 8
+    for first in range(0, together, 8):
+        _add_eight(flat, places, shifts, matrix, first, out)
+    for k in range(together, side * run):
+        for p in range(rows * cols):
             for f in range(filters):
-                total[f] = max(total[f], np.float32(0.0))
-    return out
+                out[p, f] += flat[places[p] + shifts[k]] * matrix[k, f]
+    relu(out.reshape(out.size))
+    return out.reshape((rows, cols, filters))

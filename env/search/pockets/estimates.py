@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.clusters import Clusters
-from indoor_explorers.env.search.pockets.features import pictures
+from indoor_explorers.env.search.pockets.features import COARSE_LAYERS, SIDE, pictures
 from indoor_explorers.env.search.pockets.network import (
     OUTPUTS,
     THRESHOLDS,
@@ -80,27 +81,34 @@ class PocketEstimator:
     def __init__(self, lidar_range: float, path: Path = SHIPPED) -> None:
         self._range = float(lidar_range)
         self._weights = load_weights(path)
-        self._kept: dict[bytes, tuple[NDArray[np.uint8], NDArray[np.float32]]] = {}
+        self._kept: dict[bytes, int] = {}
+        self._coarse = np.empty((0, COARSE_LAYERS, SIDE, SIDE), np.uint8)
+        self._found = np.empty((0, OUTPUTS), np.float32)
 
     def estimate(self, belief: Belief, clusters: Clusters) -> PocketEstimates:
         """Return the estimates for K clusters of a (H, W) belief."""
         seen = pictures(belief, clusters, self._range)
-        found = np.empty((clusters.size, OUTPUTS), np.float32)
         names = [picture.tobytes() for picture in seen.fine]
-        new = [k for k, name in enumerate(names) if not self._is_kept(name, seen.coarse[k], found[k])]
-        if new:
-            found[new] = outputs(seen.fine[new], seen.coarse[new], seen.numbers[new], self._weights)
-        before = self._kept
-        self._kept = {name: before[name] for name in names if name in before}
-        self._kept |= {names[k]: (seen.coarse[k], found[k].copy()) for k in new}
+        before = np.array([self._kept.get(name, -1) for name in names], np.int64)
+        is_kept = _are_alike(seen.coarse, self._coarse, before)
+        kept, new = np.flatnonzero(is_kept), np.flatnonzero(~is_kept)
+        found, coarse = np.empty((clusters.size, OUTPUTS), np.float32), seen.coarse
+        found[kept], coarse[kept] = self._found[before[kept]], self._coarse[before[kept]]
+        if len(new):
+            found[new] = outputs(seen.fine[new], coarse[new], seen.numbers[new], self._weights)
+        self._kept = {names[k]: k for k in (*kept.tolist(), *new.tolist())}
+        self._coarse, self._found = coarse, found
         return estimates_from(found)
 
-    def _is_kept(self, name: bytes, coarse: NDArray[np.uint8], out: NDArray[np.float32]) -> bool:
-        """Copy the outputs for a picture seen before, and tell whether there are any."""
-        if name not in self._kept:
-            return False
-        before, found = self._kept[name]
-        if np.abs(coarse.astype(np.int16) - before).sum() > CHANGED:
-            return False
-        out[:] = found
-        return True
+
+@kernel()
+def _are_alike(coarse: np.ndarray, before: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """Return which coarse pictures, (K,), differ little from those before of the given numbers; -1 for none."""
+    alike = np.zeros(numbers.shape[0], np.bool_)
+    for k in range(numbers.shape[0]):
+        if numbers[k] >= 0:
+            new, old, changed = coarse[k].ravel(), before[numbers[k]].ravel(), np.int64(0)
+            for place in range(new.shape[0]):
+                changed += abs(np.int64(new[place]) - np.int64(old[place]))
+            alike[k] = changed <= CHANGED
+    return alike

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.clusters import Clusters
 
@@ -39,71 +39,89 @@ class Pictures(NamedTuple):
     """(K, 2): log(1 + cells of the cluster) / 3, and lidar range / 10."""
 
 
+#: In a sum of cells, a free one counts 1 and an occupied one this much.
+_OCCUPIED_BIT = 32
+_ONE_OCCUPIED = 1 << _OCCUPIED_BIT
+
+
 @kernel(entry=False)
-def _sums(belief: np.ndarray, value: np.uint8) -> np.ndarray:
-    """Return how many cells above and left of each corner hold a value, (H + 1, W + 1)."""
+def _sums(belief: np.ndarray) -> np.ndarray:
+    """Return the cells above and left of each corner, (H + 1, W + 1): free ones, and occupied ones above bit 32."""
     height, width = belief.shape
-    sums = np.zeros((height + 1, width + 1), np.int32)
+    sums = np.zeros((height + 1, width + 1), np.int64)
     for row in range(height):
         line = 0
         for col in range(width):
-            line += belief[row, col] == value
+            line += (belief[row, col] == FREE) + (belief[row, col] == OCCUPIED) * _ONE_OCCUPIED
             sums[row + 1, col + 1] = sums[row, col + 1] + line
     return sums
 
 
 @kernel(entry=False)
-def _counted(sums: np.ndarray, top: int, left: int) -> tuple[int, int]:
-    """Return how many cells of a block hold the value, and how many are on the map."""
-    height, width = sums.shape
-    r0, r1 = min(max(top, 0), height - 1), min(max(top + BLOCK, 0), height - 1)
-    c0, c1 = min(max(left, 0), width - 1), min(max(left + BLOCK, 0), width - 1)
-    return sums[r1, c1] - sums[r0, c1] - sums[r1, c0] + sums[r0, c0], (r1 - r0) * (c1 - c0)
-
-
-@kernel(entry=False)
-def _draw_near(belief: np.ndarray, cells: np.ndarray, top: int, left: int, out: np.ndarray) -> None:
-    """Draw how near cells of the picture are to a cluster through unknown cells."""
-    height, width = belief.shape
-    queue, steps = np.empty(SIDE * SIDE, np.int32), np.zeros((SIDE, SIDE), np.int32)
-    head, tail = 0, 0
-    for cell in cells:
-        row, col = cell // width - top, cell % width - left
-        if 0 <= row < SIDE and 0 <= col < SIDE:
-            queue[tail] = row * SIDE + col
-            tail += 1
-    while head < tail:
-        row, col = divmod(queue[head], SIDE)
-        head += 1
-        if steps[row, col] == NEAR:
-            break
-        for move in range(4):
-            r, c = row + MOVES[move, 0], col + MOVES[move, 1]
-            if not (0 <= r < SIDE and 0 <= c < SIDE and 0 <= r + top < height and 0 <= c + left < width):
-                continue
-            if belief[r + top, c + left] == UNKNOWN and steps[r, c] == 0:
-                steps[r, c] = steps[row, col] + 1
-                out[r, c] = np.uint8(255.0 * np.exp(-(steps[r, c] - 1) / FADE))
-                queue[tail] = r * SIDE + c
-                tail += 1
+def _draw_blocks(sums: np.ndarray, top: int, left: int, out: np.ndarray) -> None:
+    """Count the free and the occupied cells of each block."""
+    rows, cols = np.empty(SIDE + 1, np.int64), np.empty(SIDE + 1, np.int64)
+    for place in range(SIDE + 1):
+        rows[place] = min(max(top + place * BLOCK, 0), sums.shape[0] - 1)
+        cols[place] = min(max(left + place * BLOCK, 0), sums.shape[1] - 1)
+    for r in range(SIDE):
+        above, below = sums[rows[r]], sums[rows[r + 1]]
+        for c in range(SIDE):
+            known = below[cols[c + 1]] - above[cols[c + 1]] - below[cols[c]] + above[cols[c]]
+            inside = (rows[r + 1] - rows[r]) * (cols[c + 1] - cols[c])
+            out[0, r, c] = known & (_ONE_OCCUPIED - 1)
+            out[1, r, c] = (known >> _OCCUPIED_BIT) + BLOCK * BLOCK - inside
 
 
 @kernel(entry=False)
 def _draw_cells(belief: np.ndarray, top: int, left: int, out: np.ndarray) -> None:
+    """Draw which cells are free, occupied or off the map, and unknown."""
     height, width = belief.shape
-    for row in range(SIDE):
-        for col in range(SIDE):
-            r, c = row + top, col + left
-            value = belief[r, c] if 0 <= r < height and 0 <= c < width else np.uint8(OCCUPIED)
+    first, last = min(max(-left, 0), SIDE), min(max(width - left, 0), SIDE)
+    out[1] = 1
+    for row in range(max(-top, 0), min(height - top, SIDE)):
+        for col in range(first, last):
+            value = belief[row + top, col + left]
             out[0, row, col] = value == FREE
             out[1, row, col] = value == OCCUPIED
             out[3, row, col] = value == UNKNOWN
 
 
+#: Cells along a side of a picture with a border.
+_PITCH = SIDE + 2
+
+
+@kernel(entry=False)
+def _draw_near(cells: np.ndarray, unknown: np.ndarray, nearness: np.ndarray, out: np.ndarray) -> None:
+    """Draw how near ``unknown`` cells are to a cluster's ``cells`` through them; ``nearness`` by steps."""
+    left = np.zeros(_PITCH * _PITCH, np.uint8)
+    queue = np.empty(SIDE * SIDE, np.int32)
+    head, tail = 0, 0
+    for row in range(SIDE):
+        for col in range(SIDE):
+            place = (row + 1) * _PITCH + col + 1
+            left[place] = unknown[row, col]
+            if cells[row, col]:
+                queue[tail] = place
+                tail += 1
+    for steps in range(1, NEAR + 1):
+        last = tail
+        for k in range(head, last):
+            for beside in (queue[k] + _PITCH, queue[k] - 1, queue[k] - _PITCH, queue[k] + 1):
+                if left[beside]:
+                    left[beside] = 0
+                    out[beside // _PITCH - 1, beside % _PITCH - 1] = nearness[steps]
+                    queue[tail] = beside
+                    tail += 1
+        head = last
+
+
 @kernel()
 def _pictures(belief: np.ndarray, cells: np.ndarray, ends: np.ndarray, fine: np.ndarray, coarse: np.ndarray) -> None:
     width = belief.shape[1]
-    free, occupied = _sums(belief, np.uint8(FREE)), _sums(belief, np.uint8(OCCUPIED))
+    sums, nearness = _sums(belief), np.zeros(NEAR + 1, np.uint8)
+    for steps in range(1, NEAR + 1):
+        nearness[steps] = np.uint8(255.0 * np.exp(-(steps - 1) / FADE))
     for k in range(ends.shape[0] - 1):
         own = cells[ends[k] : ends[k + 1]]
         row_sum, col_sum = 0, 0
@@ -113,17 +131,13 @@ def _pictures(belief: np.ndarray, cells: np.ndarray, ends: np.ndarray, fine: np.
         row, col = int(np.round(row_sum / own.shape[0])), int(np.round(col_sum / own.shape[0]))
         top, left = row - SIDE // 2, col - SIDE // 2
         _draw_cells(belief, top, left, fine[k])
-        _draw_near(belief, own, top, left, fine[k, 4])
         for cell in own:
             r, c = cell // width - top, cell % width - left
             if 0 <= r < SIDE and 0 <= c < SIDE:
                 fine[k, 2, r, c] = 1
-        for r in range(SIDE):
-            for c in range(SIDE):
-                y, x = row + (r - SIDE // 2) * BLOCK - BLOCK // 2, col + (c - SIDE // 2) * BLOCK - BLOCK // 2
-                coarse[k, 0, r, c], _ = _counted(free, y, x)
-                known, inside = _counted(occupied, y, x)
-                coarse[k, 1, r, c] = known + BLOCK * BLOCK - inside
+        _draw_near(fine[k, 2], fine[k, 3], nearness, fine[k, 4])
+        middle = SIDE // 2 * BLOCK + BLOCK // 2
+        _draw_blocks(sums, row - middle, col - middle, coarse[k])
 
 
 def pictures(belief: Belief, clusters: Clusters, lidar_range: float) -> Pictures:
