@@ -15,8 +15,9 @@ from indoor_explorers.env import World
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bitsets import bit_count
-from indoor_explorers.env.search.visibility import VisibilityTable, add_visible, visibility_table
+from indoor_explorers.env.search.visibility import VisibilityTable, add_visible, count_cells, visibility_table
 from indoor_explorers.env.sensing.lidar import lidar_model
+from indoor_explorers.evaluation.episodes.flow_bound import flow_bound
 from indoor_explorers.evaluation.episodes.mst_bound import spanning_tree_bound
 
 #: Cells x cells in lidar range up to which walls are taken into account, which takes a tenth of a second.
@@ -26,7 +27,7 @@ EFFORT = 20_000_000
 def least_steps(world: World, episode: int, share: float) -> int:
     """Return a certified lower bound on the steps to a team coverage of ``share``, for an episode that has just begun.
 
-    The largest of four bounds:
+    The largest of five bounds:
 
     - by range: what is seen lies within lidar range of a cell flown through. The discs around the starts hold a known
       number of cells, and a step shifts a disc, which adds its leading edge at most: some g(y) for a step to cell y.
@@ -34,6 +35,7 @@ def least_steps(world: World, episode: int, share: float) -> int:
       V(y) - V(x) - S, at most some g(y) over all neighbours x.
     - by distance: in t steps only what can be seen from cells at most t steps from a start is seen.
     - by spanning tree: see :mod:`indoor_explorers.evaluation.episodes.mst_bound`.
+    - by flow: see :mod:`indoor_explorers.evaluation.episodes.flow_bound`, mostly the largest by far.
 
     For the first two, the most that can be seen in t steps is found by taking, in each step, the N largest gains among
     the cells that can be reached by then and are not taken yet, N UAVs entering no more. No choice does better: if
@@ -62,6 +64,7 @@ def least_steps(world: World, episode: int, share: float) -> int:
         _steps_by_gain(news, news.max(), steps, needed - seen, team),
         _steps_by_distance(table, steps, needed),
         spanning_tree_bound(table, truth.shape[1], team, total - needed),
+        flow_bound(table, team, max(0, count_cells(table.union) - needed)),
     )
 
 

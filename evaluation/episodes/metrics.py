@@ -42,8 +42,8 @@ MEASURES: dict[str, Measure] = {
     "t99_to_bound": Measure(
         "T99 / bound",
         "",
-        "T99 / a lower bound that holds for every team, whatever it knows: the largest of four bounds, by lidar range, "
-        "sight, distance, and a spanning tree of places that must be looked at",
+        "T99 / a lower bound that holds for every team, whatever it knows: the largest of five bounds, by lidar range, "
+        "sight, distance, a spanning tree of places that must be looked at, and a flow that newly shows every cell",
     ),
     "t99_to_reference": Measure(
         "T99 / reference",

@@ -18,6 +18,7 @@ from indoor_explorers.evaluation.episodes.metrics import first_step
 from indoor_explorers.evaluation.episodes.mst_bound import _between, _longest_tree, spanning_tree_bound
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
+from tests.env.search.small_maps import connected_map
 
 MOVES = ((1, 0), (0, -1), (-1, 0), (0, 1))
 SHARES = (0.5, 0.9, 0.99, 1.0)
@@ -63,12 +64,6 @@ def begun(truth, starts, reach, model="exact"):
     return world
 
 
-def connected_map(seed, shape, share):
-    rng = np.random.default_rng(seed)
-    free = Floorplan(np.where(rng.random(shape) < share, 2, 1).astype(np.uint8), "noise").main_part
-    return np.where(free, 1, 2).astype(np.uint8), [tuple(cell) for cell in rng.permutation(np.argwhere(free)).tolist()]
-
-
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize(("reach", "model"), [(1.0, "exact"), (2.0, "exact"), (1.5, "marsexplorer")])
 def test_the_best_way_there_is_takes_no_less(seed, reach, model):
@@ -111,7 +106,8 @@ def test_nobody_flies_below_the_bound(policy, scenario):
             assert reached is None or reached >= least_steps(world, 0, share) > 0
 
 
-def test_an_open_hall_is_worked_out_by_hand():
+def test_an_open_hall_is_worked_out_by_hand(monkeypatch):
+    monkeypatch.setattr(lower_bounds, "flow_bound", lambda *_: 0)
     world = begun(np.ones((16, 16), np.uint8), [(8, 8)], 3.0)
     assert least_steps(world, 0, 0.9) == -(-(231 - 29) // 7) == 29
     assert least_steps(world, 0, 0.05) == 0
