@@ -15,6 +15,7 @@ from indoor_explorers.env import PRESETS, World, make_policy
 from indoor_explorers.env.policies.registry import policy_entry_points
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
+from tests.behaviour.policies import EXHAUSTIVE
 
 GOLDEN = Path(__file__).parent / "golden.json"
 #: Every policy of this project; those of other installed packages are none of ours.
@@ -59,7 +60,7 @@ def golden():
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
-@pytest.mark.parametrize("policy", POLICIES)
+@pytest.mark.parametrize("policy", [pytest.param(p, marks=[pytest.mark.slow] * (p in EXHAUSTIVE)) for p in POLICIES])
 def test_a_policy_flies_its_golden_episodes(policy, scenario, golden):
     assert flown(policy, scenario) == golden[f"{policy} {scenario}"]
 

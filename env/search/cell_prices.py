@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.walk_graph import WalkGraph
 
-#: Primal step sizes relative to dual ones, and over-relaxation. Measured in the thesis's rooms and in offices.
-SCALE, RELAXATION = 0.3, 1.8
+#: Over-relaxation, and primal step sizes relative to dual ones in a few rounds and from ``LONG`` rounds on. Measured in
+#: the thesis's rooms and in offices.
+RELAXATION, SCALE, LONG_SCALE, LONG = 1.8, 0.3, 0.1, 300
 #: Halvings of the interval that the projection onto the missed cells searches.
 HALVINGS = 25
 
@@ -70,7 +71,7 @@ def _project(missed: np.ndarray, missable: float) -> None:
 
 
 @leaf(entry=False)
-def _move(graph: WalkGraph, prices: CellPrices, flow: _Flow) -> None:
+def _move(graph: WalkGraph, prices: CellPrices, flow: _Flow, scale: float) -> None:
     """Make one step of the primal values of walks, and add the effect of their extrapolation to the residuals."""
     for state in range(graph.first.shape[0] - 1):
         for step in range(graph.first[state], graph.first[state + 1]):
@@ -78,7 +79,7 @@ def _move(graph: WalkGraph, prices: CellPrices, flow: _Flow) -> None:
             cost = 1.0 - prices.potential[state] + prices.potential[target]
             for place in range(begin, end):
                 cost -= prices.price[graph.shown[place]]
-            taken = max(0.0, flow.taken[step] - SCALE / (end - begin + 2.0) * cost)
+            taken = max(0.0, flow.taken[step] - scale / (end - begin + 2.0) * cost)
             ahead = 2.0 * taken - flow.taken[step]
             flow.taken[step] = max(0.0, flow.taken[step] + RELAXATION * (taken - flow.taken[step]))
             if ahead != 0.0:
@@ -89,8 +90,9 @@ def _move(graph: WalkGraph, prices: CellPrices, flow: _Flow) -> None:
 
 
 @leaf(entry=False)
-def _dual_sizes(graph: WalkGraph, of_cells: np.ndarray, of_states: np.ndarray) -> None:
-    """Fill in the step sizes of prices (K,) and of potentials (S,)."""
+def _dual_sizes(graph: WalkGraph, sizes: CellPrices, scale: float) -> None:
+    """Fill in the step sizes of prices and of potentials."""
+    of_cells, of_states = sizes
     of_cells[:], of_states[:] = 1.0, 1.0
     for place in graph.shown:
         of_cells[place] += 1.0
@@ -99,17 +101,19 @@ def _dual_sizes(graph: WalkGraph, of_cells: np.ndarray, of_states: np.ndarray) -
     for target in graph.target:
         of_states[target] += 1.0
     for k in range(of_cells.shape[0]):
-        of_cells[k] = 1.0 / (SCALE * of_cells[k])
+        of_cells[k] = 1.0 / (scale * of_cells[k])
     for k in range(of_states.shape[0]):
-        of_states[k] = 1.0 / (SCALE * of_states[k])
+        of_states[k] = 1.0 / (scale * of_states[k])
 
 
 @leaf(entry=False)
-def _adjust(prices: CellPrices, flow: _Flow, trial: np.ndarray, sizes: CellPrices, missable: float) -> None:
+def _adjust(
+    prices: CellPrices, flow: _Flow, trial: np.ndarray, sizes: CellPrices, missable: float, scale: float
+) -> None:
     """Make one step of missed cells and ends, then of prices and potentials; ``trial`` (K,) is scratch."""
     price, potential = prices
     for k in range(price.shape[0]):
-        trial[k] = flow.missed[k] + SCALE * price[k]
+        trial[k] = flow.missed[k] + scale * price[k]
     _project(trial, missable)
     for k in range(price.shape[0]):
         change = trial[k] - flow.missed[k]
@@ -117,7 +121,7 @@ def _adjust(prices: CellPrices, flow: _Flow, trial: np.ndarray, sizes: CellPrice
         price[k] = max(0.0, price[k] + RELAXATION * (better - price[k]))
         flow.missed[k] += RELAXATION * change
     for k in range(potential.shape[0]):
-        ended = max(0.0, flow.ended[k] + SCALE * potential[k])
+        ended = max(0.0, flow.ended[k] + scale * potential[k])
         excess = flow.excess[k] - 2.0 * ended + flow.ended[k]
         flow.ended[k] += RELAXATION * (ended - flow.ended[k])
         potential[k] += RELAXATION * sizes.potential[k] * excess
@@ -132,10 +136,11 @@ def cell_prices(graph: WalkGraph, team: int, missable: int, rounds: int) -> Cell
         most = max(most, graph.offsets[step + 1] - graph.offsets[step])
     prices = CellPrices(np.full(count, 1.0 / most), np.zeros(states))
     sizes, trial = CellPrices(np.empty(count), np.empty(states)), np.empty(count)
-    _dual_sizes(graph, sizes.price, sizes.potential)
+    scale = LONG_SCALE if rounds >= LONG else SCALE
+    _dual_sizes(graph, sizes, scale)
     flow = _Flow(np.zeros(steps), np.zeros(count), np.zeros(states), np.empty(count), np.empty(states))
     for _ in range(rounds):
         flow.missing[:], flow.excess[:], flow.excess[:team] = 1.0, 0.0, 1.0
-        _move(graph, prices, flow)
-        _adjust(prices, flow, trial, sizes, float(missable))
+        _move(graph, prices, flow, scale)
+        _adjust(prices, flow, trial, sizes, float(missable), scale)
     return prices

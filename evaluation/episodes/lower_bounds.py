@@ -27,7 +27,13 @@ EFFORT = 20_000_000
 def least_steps(world: World, episode: int, share: float) -> int:
     """Return a certified lower bound on the steps to a team coverage of ``share``, for an episode that has just begun.
 
-    The largest of five bounds:
+    It is the largest of the :func:`lower_bounds`.
+    """
+    return max(lower_bounds(world, episode, share).values())
+
+
+def lower_bounds(world: World, episode: int, share: float) -> dict[str, int]:
+    """Return certified lower bounds on the steps to a team coverage of ``share``, for an episode that has just begun.
 
     - by range: what is seen lies within lidar range of a cell flown through. The discs around the starts hold a known
       number of cells, and a step shifts a disc, which adds its leading edge at most: some g(y) for a step to cell y.
@@ -57,15 +63,15 @@ def least_steps(world: World, episode: int, share: float) -> int:
     within, edges = _range_gains(counts, table.cells, team, half_widths)
     by_range = _steps_by_gain(edges, edges.max(), steps, needed - within, team)
     if not looks:
-        return by_range
+        return {"range": by_range}
     seen, news = _sight_gains(table, team)
-    return max(
-        by_range,
-        _steps_by_gain(news, news.max(), steps, needed - seen, team),
-        _steps_by_distance(table, steps, needed),
-        spanning_tree_bound(table, truth.shape[1], team, total - needed),
-        flow_bound(table, team, max(0, count_cells(table.union) - needed)),
-    )
+    return {
+        "range": by_range,
+        "sight": _steps_by_gain(news, news.max(), steps, needed - seen, team),
+        "distance": _steps_by_distance(table, steps, needed),
+        "spanning tree": spanning_tree_bound(table, truth.shape[1], team, total - needed),
+        "flow": flow_bound(table, team, max(0, count_cells(table.union) - needed)),
+    }
 
 
 @kernel()

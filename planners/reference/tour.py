@@ -59,7 +59,12 @@ class Reference(Policy):
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
-        return ReferencePilot(briefing, self.aim, SearchBudget(self.restarts, self.changes, self.work))
+        return ReferencePilot(briefing, self.aim, self.budget)
+
+    @property
+    def budget(self) -> SearchBudget:
+        """The effort of the search."""
+        return SearchBudget(self.restarts, self.changes, self.work)
 
 
 class ReferencePilot(NearestPilot):
@@ -88,13 +93,15 @@ class ReferencePilot(NearestPilot):
             self._sidestep(self._track, view)
         return self.navigator.command(view, self._following(self._track, view))
 
-    def _planned(self) -> Track:
+    @property
+    def request(self) -> PlanRequest:
+        """What the team's routes are planned for."""
         told, scenario = self.briefing, self.briefing.scenario
         lidar, all_cells = (float(told.lidar_range), scenario.lidar.model), scenario.denominator == "map"
-        request = PlanRequest(
-            self._truth.tobytes(), told.shape, self._starts, lidar, all_cells, self._aim, scenario.goal
-        )
-        return plan(request, self._budget)[told.agent]
+        return PlanRequest(self._truth.tobytes(), told.shape, self._starts, lidar, all_cells, self._aim, scenario.goal)
+
+    def _planned(self) -> Track:
+        return plan(self.request, self._budget)[self.briefing.agent]
 
     def _advance(self, track: Track, view: View) -> None:
         if self._place + 1 < len(track) and view.cell == track[self._place + 1]:

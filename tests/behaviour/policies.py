@@ -17,9 +17,12 @@ POLICIES = tuple(name for name in CLASSES if name not in ALIASES)
 UNRELIABLE = ("random", "dddqn-thesis")
 #: Those that explore all of every map they are given.
 EXPLORERS = tuple(name for name in POLICIES if name not in UNRELIABLE)
+#: An exhaustive search, which has tests of its own, and flies as `reference` does.
+EXHAUSTIVE = ("optimum",)
 
 
 def parametrized(names: Sequence[str], slow: Sequence[str] = ()) -> pytest.MarkDecorator:
     """Return a mark that runs a test for each ``name``, all tests of a policy in one process; for some it is slow."""
+    slow = [*slow, *EXHAUSTIVE]
     groups = {name: (pytest.mark.xdist_group(name), *[pytest.mark.slow] * (name in slow)) for name in names}
     return pytest.mark.parametrize("name", [pytest.param(name, marks=marks) for name, marks in groups.items()])

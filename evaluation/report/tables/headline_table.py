@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.report.style.formatting import decimals_for, fi
 from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
 from indoor_explorers.evaluation.report.summary.notes import scenario_notes
 from indoor_explorers.evaluation.report.tables.policy_names import BATCH_SHARE, footnotes, marked
-from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared, tabled
+from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, shared, tabled
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import Estimate
 
@@ -24,8 +24,8 @@ from indoor_explorers.evaluation.statistics import Estimate
 WIDE = 110
 #: The same with a column for the ratio to a policy that knows the map.
 WIDEST = 135
-#: Width of an additional time.
-TIME_WIDTH = 22
+#: Width of an additional time, and of the column for the ratio to the lower bound.
+TIME_WIDTH, BOUND_WIDTH = 22, 22
 
 
 def headings(levels: Sequence[CoverageThreshold]) -> list[str]:
@@ -46,7 +46,8 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
 
     The last three are left out where lines have less than :data:`WIDE` characters. Where a policy that knows the map
     flew the same tasks, the last column is the mean ratio of steps to it. Success and ratio are about the threshold of
-    the scenario, which has a column too; times above the goal of a scenario are a dash.
+    the scenario, which has a column too; times above the goal of a scenario are a dash. The ratio to the lower bound,
+    which is known for T99, is in front of it where there is room.
     """
     known, levels = reference_of(results), results.levels
     level, times = shared(levels), tabled(levels)
@@ -56,6 +57,9 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
     table.add_column("policy", overflow="fold", min_width=min(24, max(map(len, results.policies), default=0)))
     for heading in shown:
         table.add_column(heading, justify="right", no_wrap=True)
+    to_bound = level == T99 and width >= wide + BOUND_WIDTH
+    if to_bound:
+        table.add_column("T99 / bound", justify="right", no_wrap=True)
     if known:
         table.add_column(f"{level.title if level else 'steps'} / {known}", justify="right", no_wrap=True)
     notes = footnotes(results, [policy for _, policy in results.groups], times=width >= wide)
@@ -70,7 +74,8 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
         best = {key: shown_best(comparison, key) for key in comparison.level.times}
         best["auc"] = shown_best(comparison, "auc", lower_is_better=False)
         for policy in comparison.groups:
-            ratio = [Text(_ratio(comparison, policy))] if known else []
+            ratio = [Text(_to_bound(comparison, policy))] if to_bound else []
+            ratio += [Text(_ratio(comparison, policy))] if known else []
             bounds |= {each.plain[:1] for each in ratio} & {">", "<"}
             table.add_row(*_row(comparison, policy, times, best)[: 1 + len(shown)], *ratio)
         table.add_section()
@@ -121,6 +126,14 @@ def _ratio(comparison: Comparison, policy: str) -> str:
     if math.isnan(estimate.mean) or bound is None:
         return ""
     return f"{bound} {fixed(estimate.mean, 2)}" if bound else with_interval(estimate, 2)
+
+
+def _to_bound(comparison: Comparison, policy: str) -> str:
+    """Return the mean ratio of T99 to its lower bound, itself a lower bound where some episodes never got there."""
+    estimate = comparison.estimate(policy, "t99_to_bound")
+    if math.isnan(estimate.mean):
+        return ""
+    return with_interval(estimate, 2) if comparison.reached(policy) == 1 else f"> {fixed(estimate.mean, 2)}"
 
 
 def _steps(estimate: Estimate) -> str:

@@ -70,4 +70,6 @@ def test_the_terminal_shows_the_ratio_where_somebody_knows_the_map(results, widt
     assert "> 2.33 " in printed(results)
     assert ">: a bound, as some episodes never reached it." in printed(results)
     assert "2.00 [" in printed(replace(results, records=[r for r in results.records if r.task.seed != 2]))
-    assert "T99 / " not in printed(replace(results, policies={"slow": {}, "knows": {}}))
+    assert "T99 / knows" not in printed(replace(results, policies={"slow": {}, "knows": {}}))
+    assert ("T99 / bound" in printed(results)) == (width == 160)
+    assert ("> 9.04" in printed(results)) == (width == 160)
