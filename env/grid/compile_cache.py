@@ -135,6 +135,8 @@ class CompileCache:
 
     def _wait_for_others(self, file: Path) -> None:
         """Wait until no other process compiles this entry, and keep others from it."""
+        if file.name in self._waiting:  # this process tried before, and what it compiled has an error
+            return
         lock = FileLock(file.with_suffix(".lock"), timeout=PATIENCE)
         try:
             file.parent.mkdir(exist_ok=True)

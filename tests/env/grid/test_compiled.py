@@ -163,3 +163,38 @@ def test_entries_that_nobody_uses_are_removed_after_a_while(tmp_path):
     assert not old.exists()
     assert all(entry.exists() for entry in others)
     assert others
+
+
+def test_code_that_does_not_compile_is_refused_each_time_it_is_called(tmp_path):
+    (tmp_path / "wrong.py").write_text(
+        textwrap.dedent(
+            """
+            from indoor_explorers.env.grid.compiled import kernel
+
+            @kernel()
+            def wrong(number):
+                return number + "one"
+            """
+        )
+    )
+    code = textwrap.dedent(
+        """
+        import wrong
+        for _ in range(2):
+            try:
+                wrong.wrong(1)
+            except Exception as error:
+                print(type(error).__name__)
+        """
+    )
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=compile_cache.PATIENCE,  # the second call does not wait for the first one
+    )
+    assert done.stdout.split() == ["TypingError", "TypingError"]
