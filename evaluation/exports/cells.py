@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
@@ -10,8 +11,15 @@ from indoor_explorers.evaluation.report.analysis.shown_best import BOLD, shown_b
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent, percent_interval
 from indoor_explorers.evaluation.report.summary.facts import denominator
 from indoor_explorers.evaluation.report.summary.notes import narrow_notes, scenario_notes
-from indoor_explorers.evaluation.report.tables.headline_table import decision_time
+from indoor_explorers.evaluation.report.tables.headline_table import (
+    decision_time,
+    headings,
+    ratio_to_bound,
+    ratio_to_reference,
+    reference_of,
+)
 from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
+from indoor_explorers.evaluation.report.tables.ratio_table import bounded
 from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
@@ -29,7 +37,7 @@ class ExportCell:
 
 @dataclass(frozen=True)
 class ExportRow:
-    """The figures of one policy, in the order of the headline table's ``headings``."""
+    """The figures of one policy, in the order of :func:`table_headings`."""
 
     policy: str
     """Its name, marked where it knows the map or reads the settings of the maps' generator."""
@@ -45,6 +53,27 @@ def table_rows(comparison: Comparison) -> list[ExportRow]:
     ]
 
 
+def table_headings(comparison: Comparison) -> list[str]:
+    """Return the columns after a policy's name: those of the terminal's table at its widest."""
+    known, level = _reference(comparison), comparison.level
+    ratios = [*(["T99 / bound"] if level == T99 else []), *([f"{level.title} / {known}"] if known else [])]
+    return headings([level]) + ratios
+
+
+def _reference(comparison: Comparison) -> str | None:
+    return reference_of(comparison.results) if comparison.results.references.get(comparison.scenario) else None
+
+
+def _ratios(comparison: Comparison, policy: str) -> Iterator[ExportCell]:
+    """Yield the ratios to the lower bound and to the policy that knows the map, as far as the table has them."""
+    ratios = [ratio_to_bound(comparison, policy)] if comparison.level == T99 else []
+    ratios += [ratio_to_reference(comparison, policy)] if _reference(comparison) else []
+    for ratio in ratios:
+        sign, estimate = ratio or ("", None)
+        shown = interval(estimate, 2) if estimate and not sign else ""
+        yield ExportCell(bounded(fixed(estimate.mean, 2), sign) if estimate else "", shown)
+
+
 def _cells(comparison: Comparison, policy: str, best: dict[str, list[str]]) -> tuple[ExportCell, ...]:
     *times, auc = (
         replace(_measured(comparison, policy, metric, decimals), best=policy in best.get(metric, []))
@@ -53,7 +82,7 @@ def _cells(comparison: Comparison, policy: str, best: dict[str, list[str]]) -> t
     success = comparison.success(policy)
     reached = ExportCell(percent(success.mean), percent_interval(success))
     failures = ExportCell(str(len(failed(comparison.groups[policy]))))
-    return *times, reached, failures, auc, ExportCell(decision_time(comparison, policy))
+    return *times, reached, failures, auc, ExportCell(decision_time(comparison, policy)), *_ratios(comparison, policy)
 
 
 def _measured(comparison: Comparison, policy: str, metric: str, decimals: int) -> ExportCell:

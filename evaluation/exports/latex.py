@@ -10,11 +10,10 @@ import re
 import unicodedata
 from collections.abc import Sequence
 
-from indoor_explorers.evaluation.exports.cells import ExportCell, ExportRow, caption, table_rows
+from indoor_explorers.evaluation.exports.cells import ExportCell, ExportRow, caption, table_headings, table_rows
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, MINUS, THIN_SPACE, slug
 from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
-from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.report.tables.policy_names import DAGGER, DOUBLE_DAGGER, SECTION
 from indoor_explorers.evaluation.results.results import Results
 
@@ -64,7 +63,7 @@ def latex_tables(results: Results) -> str:
 
 
 def _table(comparison: Comparison, number: str, missing: Sequence[str]) -> str:
-    name, shown = escaped(comparison.scenario), headings([comparison.level])
+    name, shown = escaped(comparison.scenario), table_headings(comparison)
     lines = [
         "",
         r"\begin{table}[htbp]",

@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from indoor_explorers.evaluation.exports.cells import ExportCell, caption, table_rows
+from indoor_explorers.evaluation.exports.cells import ExportCell, caption, table_headings, table_rows
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
-from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.report.tables.ratio_table import RatioTable, bound_notes, ratio_tables
 from indoor_explorers.evaluation.results.ratios import Ratios
@@ -26,7 +25,7 @@ def markdown_tables(results: Results) -> str:
 
 
 def _section(comparison: Comparison, missing: Sequence[str]) -> str:
-    shown = headings([comparison.level])
+    shown = table_headings(comparison)
     lines = [
         f"## {escaped(comparison.scenario)}",
         "",
@@ -45,7 +44,8 @@ def _line(cells: list[str]) -> str:
 
 
 def _figure(cell: ExportCell) -> str:
-    text = f"**{cell.text}**" if cell.best else cell.text
+    text = SPECIAL.sub(r"\\\1", cell.text)
+    text = f"**{text}**" if cell.best else text
     return f"{text} {cell.interval}".strip()
 
 

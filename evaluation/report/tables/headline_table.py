@@ -74,8 +74,8 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
         best = {key: shown_best(comparison, key) for key in comparison.level.times}
         best["auc"] = shown_best(comparison, "auc", lower_is_better=False)
         for policy in comparison.groups:
-            ratio = [Text(_to_bound(comparison, policy))] if to_bound else []
-            ratio += [Text(_ratio(comparison, policy))] if known else []
+            ratio = [Text(_ratio(ratio_to_bound(comparison, policy)))] if to_bound else []
+            ratio += [Text(_ratio(ratio_to_reference(comparison, policy)))] if known else []
             bounds |= {each.plain[:1] for each in ratio} & {">", "<"}
             table.add_row(*_row(comparison, policy, times, best)[: 1 + len(shown)], *ratio)
         table.add_section()
@@ -118,22 +118,30 @@ def decision_time(comparison: Comparison, policy: str) -> str:
     return f"{shown} ({BATCH_SHARE})" if policy in comparison.results.batched_policies else shown
 
 
-def _ratio(comparison: Comparison, policy: str) -> str:
-    if comparison.privileged(policy):
-        return ""
-    estimate = comparison.to_reference(policy)
-    bound = comparison.reference_censoring(policy).bound
-    if math.isnan(estimate.mean) or bound is None:
-        return ""
-    return f"{bound} {fixed(estimate.mean, 2)}" if bound else with_interval(estimate, 2)
+def ratio_to_reference(comparison: Comparison, policy: str) -> tuple[str, Estimate] | None:
+    """Return the mean ratio of a policy's steps to those of the reference, and its sign.
+
+    The sign is that of a bound, or empty. There is no ratio for a policy that knows the map, and where none is known.
+    """
+    estimate, bound = comparison.to_reference(policy), comparison.reference_censoring(policy).bound
+    if comparison.privileged(policy) or math.isnan(estimate.mean) or bound is None:
+        return None
+    return bound, estimate
 
 
-def _to_bound(comparison: Comparison, policy: str) -> str:
-    """Return the mean ratio of T99 to its lower bound, itself a lower bound where some episodes never got there."""
+def ratio_to_bound(comparison: Comparison, policy: str) -> tuple[str, Estimate] | None:
+    """Return the mean ratio of T99 to its lower bound, and its sign: ``>`` where some episodes never got there."""
     estimate = comparison.estimate(policy, "t99_to_bound")
     if math.isnan(estimate.mean):
+        return None
+    return ("" if comparison.success(policy).mean == 1 else ">"), estimate
+
+
+def _ratio(ratio: tuple[str, Estimate] | None) -> str:
+    if ratio is None:
         return ""
-    return with_interval(estimate, 2) if comparison.reached(policy) == 1 else f"> {fixed(estimate.mean, 2)}"
+    bound, estimate = ratio
+    return f"{bound} {fixed(estimate.mean, 2)}" if bound else with_interval(estimate, 2)
 
 
 def _steps(estimate: Estimate) -> str:

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from indoor_explorers.evaluation.exports import write_exports
-from indoor_explorers.evaluation.exports.cells import caption, table_rows
+from indoor_explorers.evaluation.exports.cells import caption, table_headings, table_rows
 from indoor_explorers.evaluation.exports.latex import escaped as tex
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import escaped as md
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.shown_best import shown_best
-from indoor_explorers.evaluation.report.tables.headline_table import headings
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.special_names import NAMES, SCENARIO, results
 
@@ -107,11 +106,22 @@ def test_best_is_what_was_shown_to_be_better_than_every_other():
     assert "**30.0**" in markdown_tables(bold)
 
 
+def test_tables_of_99_per_cent_have_ratios_to_the_lower_bound():
+    held = with_t99(results(8), a=[0] * 8, b=[1] * 8, c=[2] * 8).results
+    never = [replace(r, metrics=r.metrics | {"t99": None}) if r.policy == NAMES[2] else r for r in held.records]
+    text = markdown_tables(replace(held, records=never))
+    lines = [line for line in text.splitlines() if line.startswith("|")]
+    assert lines[0].endswith("| T99 / bound |")
+    shown = Comparison(held, SCENARIO).estimate(NAMES[0], "t99_to_bound")
+    assert f"| {shown.mean:.2f} [{shown.low:.2f}, {shown.high:.2f}] |" in lines[2]
+    assert re.search(r"\| \\> \d+\.\d\d \|$", lines[4])
+
+
 def test_markdown_shows_names_as_they_are(held):
     text = markdown_tables(held)
     table = [line for line in text.splitlines() if line.startswith("|")]
     for line in table:
-        assert len(re.findall(r"(?<!\\)\|", line)) == 2 + len(headings(held.levels))
+        assert len(re.findall(r"(?<!\\)\|", line)) == 2 + len(table_headings(Comparison(held, SCENARIO)))
     plain = [
         re.sub(r"\\([^A-Za-z0-9\s])", r"\1", re.split(r" (?<!\\)\| ", line)[0].removeprefix("| ")) for line in table
     ]
@@ -132,7 +142,7 @@ def test_latex_is_ascii_balanced_and_escaped(held):
     assert not re.search(r"[%#^~]", loose)
     assert loose.count("$") % 2 == 0
     lines = [line for line in loose.splitlines() if line.endswith(r"\\")]
-    assert {line.count("&") for line in lines} == {len(headings(held.levels))}
+    assert {line.count("&") for line in lines} == {len(table_headings(Comparison(held, SCENARIO)))}
     assert r"\label{tab:01-" in text
     assert r"caf\'{e}" in text
     assert "[U+1F681]" in text
