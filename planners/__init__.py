@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 from indoor_explorers.env.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from indoor_explorers.env.navigation.goal_pilot import GoalPilot
+    from indoor_explorers.env.navigation.navigator import Navigator
+    from indoor_explorers.env.navigation.paths import Paths
     from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
-    from indoor_explorers.planners.information.view_gain import WeightedGains, unclaimed_gains
-    from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
-    from indoor_explorers.planners.navigation.navigator import Navigator
-    from indoor_explorers.planners.navigation.paths import Paths
+    from indoor_explorers.env.search.view_gain import WeightedGains, unclaimed_gains
 
 __all__ = [
     "Clusters",

@@ -183,3 +183,40 @@ def _middles(cells: np.ndarray, ends: np.ndarray, width: int) -> np.ndarray:
 def middles(clusters: Clusters, width: int) -> NDArray[np.int32]:
     """Return each cluster's flat cell nearest to the mean of its cells, (K,); the first among equals."""
     return np.asarray(_middles(clusters.cells, clusters.ends, width))
+
+
+@kernel()
+def _cluster_viewpoints(
+    cells: np.ndarray, ends: np.ndarray, nearest: np.ndarray, stride: float
+) -> tuple[np.ndarray, np.ndarray]:
+    count = ends.shape[0] - 1
+    out = np.empty(cells.shape[0] + count, np.int32)
+    owner = np.empty(cells.shape[0] + count, np.int64)
+    found = 0
+    for k in range(count):
+        size = ends[k + 1] - ends[k]
+        sampled = int(np.ceil(size / max(stride, 1.0)))
+        out[found], owner[found] = nearest[k], k
+        found += 1
+        for s in range(sampled):
+            cell = cells[ends[k] + (2 * s + 1) * size // (2 * sampled)]
+            if cell != nearest[k]:
+                out[found], owner[found] = cell, k
+                found += 1
+    return out[:found], owner[:found]
+
+
+def cluster_viewpoints(
+    clusters: Clusters, nearest: NDArray[np.int32], stride: float
+) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+    """Return (cells, owner): each cluster's nearest cell and one of every ``stride`` others, and their clusters.
+
+    Both are (L,), the cells flat, in the order of the clusters.
+    """
+    return _cluster_viewpoints(clusters.cells, clusters.ends, nearest, stride)
+
+
+def first_of_each(owner: NDArray[np.int64], scores: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the index of each owner's best score, the first among equals; owners in ascending order."""
+    order = np.lexsort((-scores, owner))
+    return np.asarray(order[np.r_[True, np.diff(owner[order]) > 0]] if len(order) else order)

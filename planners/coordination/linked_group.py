@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.navigation.teammates import MEMORY, linked, remembered, should_be_linked
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, Message, View
-from indoor_explorers.planners.coordination.teammates import MEMORY, linked, remembered, should_be_linked
 
 #: Goal of a UAV without a goal in a message, and plan of a UAV without a plan.
 NOWHERE = (-1.0, -1.0)

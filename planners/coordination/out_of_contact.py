@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
+from indoor_explorers.env.navigation.teammates import remembered, whereabouts
 from indoor_explorers.env.policies.view import Briefing, Mate, View
 from indoor_explorers.planners.coordination.sectors import Sectors
-from indoor_explorers.planners.coordination.teammates import remembered, whereabouts
 
 #: Smallest factor of one silent teammate.
 LEAST = 1e-3

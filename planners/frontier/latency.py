@@ -10,17 +10,21 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.navigation.goal_pilot import GoalPilot
+from indoor_explorers.env.navigation.teammates import ranks, remembered
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
-from indoor_explorers.planners.coordination.teammates import remembered
-from indoor_explorers.planners.frontier.minpos import ranks
-from indoor_explorers.planners.information.outlook import Outlook
-from indoor_explorers.planners.information.view_gain import WeightedGains
-from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
+from indoor_explorers.env.routing.min_latency import costs_of_first
+from indoor_explorers.env.search.clusters import (
+    Clusters,
+    cluster_viewpoints,
+    first_of_each,
+    frontier_clusters,
+    nearest_cells,
+)
+from indoor_explorers.env.search.pockets.outlook import Outlook
+from indoor_explorers.env.search.view_gain import WeightedGains
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.routing.min_latency import costs_of_first
 
 #: Spacing of the cells of a cluster that are considered, in lidar ranges.
 STRIDE = 0.3
@@ -165,40 +169,3 @@ class LatencyPilot(GoalPilot):
         rows, cols = np.divmod(cells, self.paths.width)
         away = np.maximum(np.abs(rows - self.goal[0]), np.abs(cols - self.goal[1]))
         return np.asarray(away <= max(1.0, SAME * self._range))
-
-
-@kernel()
-def _cluster_viewpoints(
-    cells: np.ndarray, ends: np.ndarray, nearest: np.ndarray, stride: float
-) -> tuple[np.ndarray, np.ndarray]:
-    count = ends.shape[0] - 1
-    out = np.empty(cells.shape[0] + count, np.int32)
-    owner = np.empty(cells.shape[0] + count, np.int64)
-    found = 0
-    for k in range(count):
-        size = ends[k + 1] - ends[k]
-        sampled = int(np.ceil(size / max(stride, 1.0)))
-        out[found], owner[found] = nearest[k], k
-        found += 1
-        for s in range(sampled):
-            cell = cells[ends[k] + (2 * s + 1) * size // (2 * sampled)]
-            if cell != nearest[k]:
-                out[found], owner[found] = cell, k
-                found += 1
-    return out[:found], owner[:found]
-
-
-def cluster_viewpoints(
-    clusters: Clusters, nearest: NDArray[np.int32], stride: float
-) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
-    """Return (cells, owner): each cluster's nearest cell and one of every ``stride`` others, and their clusters.
-
-    Both are (L,), the cells flat, in the order of the clusters.
-    """
-    return _cluster_viewpoints(clusters.cells, clusters.ends, nearest, stride)
-
-
-def first_of_each(owner: NDArray[np.int64], scores: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the index of each owner's best score, the first among equals; owners in ascending order."""
-    order = np.lexsort((-scores, owner))
-    return np.asarray(order[np.r_[True, np.diff(owner[order]) > 0]] if len(order) else order)

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.navigation.goal_pilot import GoalPilot
+from indoor_explorers.env.navigation.teammates import ranks, remembered
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.clusters import frontier_clusters, nearest_cells
-from indoor_explorers.planners.coordination.teammates import remembered
-from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,15 +49,3 @@ class MinPosPilot(GoalPilot):
         order = np.lexsort((own, ranks(own, others, [mate.agent < self.briefing.agent for mate in mates])))
         best = next(k for k in order.tolist() if own[k] < UNREACHABLE)
         return divmod(int(cells[best]), self.paths.width)
-
-
-def ranks(own: NDArray[np.int32], others: Sequence[NDArray[np.int32]], first: Sequence[bool]) -> NDArray[np.int64]:
-    """Return, for each of K clusters, how many UAVs rank before this one, (K,).
-
-    ``own`` and each of ``others`` are (K,) distances in steps; ``first`` tells which of the others go
-    first at equal distance. Unreachable clusters rank last.
-    """
-    rank = np.where(own < UNREACHABLE, 0, len(others) + 1)
-    for steps, wins in zip(others, first, strict=True):
-        rank += (steps <= own) if wins else (steps < own)
-    return rank

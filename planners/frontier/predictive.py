@@ -14,8 +14,8 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.env.search.clusters import Clusters
 from indoor_explorers.env.search.pockets.estimates import SHIPPED, PocketEstimates, PocketEstimator
+from indoor_explorers.env.search.pockets.outlook import ClusterJudge, Outlook, OutlookParameters
 from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
-from indoor_explorers.planners.information.outlook import ClusterJudge, Outlook, OutlookParameters
 from indoor_explorers.planners.parameters import at_least
 
 
@@ -25,7 +25,7 @@ class FrontierPredictive(OutlookParameters, FrontierLatency):
 
     A network estimates from the map around each cluster how much unknown free space is behind it
     (:mod:`indoor_explorers.env.search.pockets`). What probably hides little, for its way, waits as far as the goal
-    allows (:mod:`indoor_explorers.planners.information.outlook`).
+    allows (:mod:`indoor_explorers.env.search.pockets.outlook`).
     """
 
     worth: float = 0.8

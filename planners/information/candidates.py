@@ -12,8 +12,8 @@ from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.search.bfs import flood, flood_nearby
 from indoor_explorers.env.search.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.env.search.view_gain import AROUND, known_around
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, unknown_in_view, visible_cells
-from indoor_explorers.planners.information.view_gain import AROUND, known_around
 
 Cells = NDArray[np.int32]
 Table = NDArray[np.float64]

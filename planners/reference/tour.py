@@ -7,10 +7,10 @@ from typing import ClassVar
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.navigation.navigator import DETOUR_CELLS, DETOUR_FACTOR
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.nearest import NearestPilot
-from indoor_explorers.planners.navigation.navigator import DETOUR_CELLS, DETOUR_FACTOR
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.information.view_gain import WeightedGains
+from indoor_explorers.env.search.view_gain import WeightedGains
 from indoor_explorers.planners.sampling.rrt_nbv import TreePolicy
 from indoor_explorers.planners.sampling.samples import box_around, known_cells, tree_samples
 from indoor_explorers.planners.sampling.segments import entries

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.navigation.teammates import message_of
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.coordination.teammates import message_of
 from indoor_explorers.planners.frontier.joint import JointParameters, JointPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.sampling.memory import ViewpointMemory, tree_cells

@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.navigation.goal_pilot import GoalPilot
+from indoor_explorers.env.navigation.teammates import linked, message_of, told_goal
 from indoor_explorers.env.policies.policy import ALL_CELLS, Policy
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.routing.min_latency import costs_of_first
+from indoor_explorers.env.search.view_gain import WeightedGains, visible_sets
 from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
-from indoor_explorers.planners.coordination.teammates import linked, message_of, told_goal
 from indoor_explorers.planners.information.candidates import distances_between
-from indoor_explorers.planners.information.view_gain import WeightedGains, visible_sets
-from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.parameters import at_least
-from indoor_explorers.planners.routing.min_latency import costs_of_first
 from indoor_explorers.planners.sampling.covers import distinct
 from indoor_explorers.planners.sampling.samples import merged
 

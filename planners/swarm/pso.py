@@ -9,6 +9,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import lidar_model
@@ -29,7 +30,6 @@ from indoor_explorers.planners.information.candidates import (
     frontier_candidates,
     local_candidates,
 )
-from indoor_explorers.planners.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,

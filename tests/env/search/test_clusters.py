@@ -6,9 +6,17 @@ from scipy import ndimage
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.search.clusters import SPREAD, frontier_clusters, middles, nearest_cells
+from indoor_explorers.env.navigation.paths import Paths
+from indoor_explorers.env.search.clusters import (
+    SPREAD,
+    Clusters,
+    cluster_viewpoints,
+    first_of_each,
+    frontier_clusters,
+    middles,
+    nearest_cells,
+)
 from indoor_explorers.env.search.frontiers import frontier_mask
-from indoor_explorers.planners.navigation.paths import Paths
 
 
 def test_unsplit_clusters_agree_with_scipy_labels(belief: Belief) -> None:
@@ -61,3 +69,16 @@ def test_the_middle_is_the_cell_nearest_to_the_mean(belief: Belief) -> None:
         points = np.stack(np.divmod(cells, belief.shape[1]), axis=1)
         away = np.hypot(*(points - points.mean(axis=0)).T)
         assert away[cells.tolist().index(cell)] == pytest.approx(away.min())
+
+
+def test_cluster_viewpoints_are_the_nearest_cell_and_some_others() -> None:
+    clusters = Clusters(np.array([4, 5, 6, 7, 8, 9, 20], np.int32), np.array([0, 6, 7]))
+    cells, owner = cluster_viewpoints(clusters, np.array([4, 20], np.int32), 3.0)
+    assert cells.tolist() == [4, 5, 8, 20]
+    assert owner.tolist() == [0, 0, 0, 1]
+
+
+def test_the_first_of_equals_is_taken() -> None:
+    owner, scores = np.array([0, 0, 2, 2, 2]), np.array([1.0, 3.0, 5.0, 5.0, 4.0])
+    assert first_of_each(owner, scores).tolist() == [1, 2]
+    assert first_of_each(owner[:0], scores[:0]).tolist() == []

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import Mate, View, World, scenario
 from indoor_explorers.env.grid.arrays import Cell, Distances
+from indoor_explorers.env.navigation.teammates import MEMORY
 from indoor_explorers.planners.coordination.out_of_contact import LEAST, OutOfContact
-from indoor_explorers.planners.coordination.teammates import MEMORY
 
 #: The corners of an open room.
 POINTS = np.array([[0.0, 0.0], [0.0, 15.0], [15.0, 0.0], [15.0, 15.0]])

@@ -6,8 +6,7 @@ import pytest
 from indoor_explorers.env import InputError, Mate, World, make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.env.search.clusters import Clusters
-from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot, cluster_viewpoints, first_of_each
+from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
 from tests.planners.flights import fly, rooms
 
 
@@ -19,19 +18,6 @@ def test_it_needs_fewer_steps_than_the_nearest_frontier() -> None:
         for name in ("frontier-latency", "frontier-nearest")
     }
     assert sum(steps["frontier-latency"]) < 0.95 * sum(steps["frontier-nearest"])
-
-
-def test_cluster_viewpoints_are_the_nearest_cell_and_some_others() -> None:
-    clusters = Clusters(np.array([4, 5, 6, 7, 8, 9, 20], np.int32), np.array([0, 6, 7]))
-    cells, owner = cluster_viewpoints(clusters, np.array([4, 20], np.int32), 3.0)
-    assert cells.tolist() == [4, 5, 8, 20]
-    assert owner.tolist() == [0, 0, 0, 1]
-
-
-def test_the_first_of_equals_is_taken() -> None:
-    owner, scores = np.array([0, 0, 2, 2, 2]), np.array([1.0, 3.0, 5.0, 5.0, 4.0])
-    assert first_of_each(owner, scores).tolist() == [1, 2]
-    assert first_of_each(owner[:0], scores[:0]).tolist() == []
 
 
 def corridor(mates: tuple[Mate, ...]) -> tuple[LatencyPilot, View]:

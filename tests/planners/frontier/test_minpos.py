@@ -3,17 +3,9 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env import Mate, Policy, World, scenario
-from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.planners.frontier.minpos import FrontierMinPos, ranks
-
-
-def test_ranks_count_the_nearer_ones() -> None:
-    own = np.array([5, 5, 5, UNREACHABLE], np.int32)
-    others = [np.array([4, 5, 6, 1], np.int32), np.array([4, 5, 6, 1], np.int32)]
-    assert ranks(own, others, [True, False])[:3].tolist() == [2, 1, 0]
-    assert ranks(own, others, [True, False])[3] >= 3
+from indoor_explorers.planners.frontier.minpos import FrontierMinPos
 
 
 def first_goal(policy: Policy, mates: tuple[Mate, ...]) -> tuple[int, int]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, make_policy
-from indoor_explorers.planners.coordination.teammates import message_of
+from indoor_explorers.env.navigation.teammates import message_of
 from indoor_explorers.planners.sampling.memory import ViewpointMemory
 from tests.planners.flights import fly, rooms
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import Mate, View, World, scenario
-from indoor_explorers.planners.coordination.teammates import CLAIM_STEPS, MEMORY, claims, remembered
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.navigation.teammates import CLAIM_STEPS, MEMORY, claims, ranks, remembered
 
 
 def view_of(*mates: Mate) -> View:
@@ -51,3 +52,10 @@ def test_claims_expire() -> None:
     assert claims(view_of(fresh), briefing).tolist() == [[3.0, 4.0]]
     assert claims(view_of(stale), briefing).shape == (0, 2)
     assert claims(view_of(Mate(1, (0, 0), 0, None)), briefing).shape == (0, 2)
+
+
+def test_ranks_count_the_nearer_ones() -> None:
+    own = np.array([5, 5, 5, UNREACHABLE], np.int32)
+    others = [np.array([4, 5, 6, 1], np.int32), np.array([4, 5, 6, 1], np.int32)]
+    assert ranks(own, others, [True, False])[:3].tolist() == [2, 1, 0]
+    assert ranks(own, others, [True, False])[3] >= 3

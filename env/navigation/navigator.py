@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.navigation.deadlock import DeadlockResolver
+from indoor_explorers.env.navigation.paths import Paths, count_known, near_any, without
+from indoor_explorers.env.navigation.straight_paths import straight_path
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.navigation.deadlock import DeadlockResolver
-from indoor_explorers.planners.navigation.paths import Paths, count_known, near_any, without
-from indoor_explorers.planners.navigation.straight_paths import straight_path
 
 #: Steps for which a goal that could not be reached is banned.
 BAN_STEPS = 50
@@ -34,7 +34,7 @@ class Navigator:
     Args:
         briefing: Briefing of the UAV.
         straight: Whether to fly the straightest shortest path
-            (:mod:`~indoor_explorers.planners.navigation.straight_paths`).
+            (:mod:`~indoor_explorers.env.navigation.straight_paths`).
 
     """
 

@@ -7,8 +7,8 @@ import pytest
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.search.view_gain import WeightedGains
 from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, view_gain, visible_cells
-from indoor_explorers.planners.information.view_gain import WeightedGains
 
 
 def plain_gain(belief: Belief, cell: int, lidar_range: float, depth: float, isolation: float) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE
-from indoor_explorers.planners.navigation.paths import Paths, without
+from indoor_explorers.env.navigation.paths import Paths, without
 
 #: Number of nearest passing places that one is drawn from; the very nearest may be the mouth of the corridor itself.
 CHOICE = 12

@@ -6,7 +6,7 @@ from indoor_explorers.env import World, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.search.pockets.estimates import PocketEstimates
 from indoor_explorers.env.search.pockets.network import THRESHOLDS
-from indoor_explorers.planners.information.outlook import ClusterJudge, Outlook, OutlookParameters
+from indoor_explorers.env.search.pockets.outlook import ClusterJudge, Outlook, OutlookParameters
 
 
 def outlook(

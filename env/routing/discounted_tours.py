@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.planners.routing.local_search import Objective, SearchSettings, cost_of, improve
+from indoor_explorers.env.routing.local_search import Objective, SearchSettings, cost_of, improve
 
 #: Largest number of rounds of improvement: practically unlimited.
 ROUNDS = 2**31

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import hypot, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import Briefing, Mate, Message, View
 from indoor_explorers.env.scenarios.scenario import Radio
 
@@ -82,3 +84,15 @@ def linked(view: View) -> list[Mate]:
 def whereabouts(mate: Mate) -> Cell:
     """Return the cell around which a teammate probably works: its recent goal, else its last received cell."""
     return told_goal(mate) or mate.cell
+
+
+def ranks(own: NDArray[np.int32], others: Sequence[NDArray[np.int32]], first: Sequence[bool]) -> NDArray[np.int64]:
+    """Return, for each of K places, how many UAVs rank before this one, (K,): the ranks of Bautin et al. 2012.
+
+    ``own`` and each of ``others`` are (K,) distances in steps; ``first`` tells which of the others go
+    first at equal distance. Unreachable places rank last.
+    """
+    rank = np.where(own < UNREACHABLE, 0, len(others) + 1)
+    for steps, wins in zip(others, first, strict=True):
+        rank += (steps <= own) if wins else (steps < own)
+    return rank

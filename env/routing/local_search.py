@@ -1,8 +1,8 @@
 """Local search on visiting orders, for objectives that depend on the times of arrival.
 
-:mod:`~indoor_explorers.planners.routing.min_latency` and
-:mod:`~indoor_explorers.planners.routing.discounted_tours` describe the objectives. Tours whose cost is their length
-have a search of their own (:mod:`~indoor_explorers.planners.routing.open_tours`), which adds up differences instead of
+:mod:`~indoor_explorers.env.routing.min_latency` and
+:mod:`~indoor_explorers.env.routing.discounted_tours` describe the objectives. Tours whose cost is their length
+have a search of their own (:mod:`~indoor_explorers.env.routing.open_tours`), which adds up differences instead of
 whole costs.
 """
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.navigation.goal_pilot import GoalPilot
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 from tests.planners.flights import fly
 
 

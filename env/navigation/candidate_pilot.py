@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.navigation.goal_pilot import GoalPilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import view_gain
-from indoor_explorers.planners.navigation.goal_pilot import GoalPilot
 
 #: Distance within which a candidate counts as the current goal: in cells or in lidar ranges, whichever is more.
 SAME_CELLS, SAME_RANGES = 1.5, 0.2

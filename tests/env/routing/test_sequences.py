@@ -5,7 +5,7 @@ from itertools import permutations
 import numpy as np
 
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.planners.routing.sequences import DecisionProblem, Utility, best_sequences, cost_of_rest
+from indoor_explorers.env.routing.sequences import DecisionProblem, Utility, best_sequences, cost_of_rest
 
 WORTH = Utility(0.5, 0.8, 0.5)
 

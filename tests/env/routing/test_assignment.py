@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from indoor_explorers.planners.routing.assignment import matched
+from indoor_explorers.env.routing.assignment import matched
 
 
 def total(costs: NDArray[np.float64], extra: float, goals: tuple[int, ...]) -> float:

@@ -5,7 +5,7 @@ from itertools import pairwise, permutations
 import numpy as np
 import pytest
 
-from indoor_explorers.planners.routing.min_latency import costs_of_first
+from indoor_explorers.env.routing.min_latency import costs_of_first
 
 
 def plain_cost(order: tuple[int, ...], start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float):

@@ -6,8 +6,8 @@ import numpy as np
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.navigation.straight_paths import straight_path
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.planners.navigation.straight_paths import straight_path
 
 
 def test_straight_paths_are_shortest_paths(belief: Belief, start: Cell) -> None:

@@ -2,7 +2,7 @@
 
 Both use a :class:`DecisionProblem`, the places that a group of UAVs can choose from. The value of a sequence is the sum
 of the gains of its places, discounted by the time of arrival; each view counts once. The search is exhaustive with
-bounds. The rest is ordered as in :mod:`indoor_explorers.planners.routing.min_latency`.
+bounds. The rest is ordered as in :mod:`indoor_explorers.env.routing.min_latency`.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.planners.routing.local_search import by_nearest
-from indoor_explorers.planners.routing.min_latency import improved_cost
+from indoor_explorers.env.routing.local_search import by_nearest
+from indoor_explorers.env.routing.min_latency import improved_cost
 
 #: Largest number of places of a sequence.
 LENGTH = 3

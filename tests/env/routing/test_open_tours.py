@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from indoor_explorers.planners.routing.open_tours import (
+from indoor_explorers.env.routing.open_tours import (
     Costs,
     improved,
     nearest_neighbour,

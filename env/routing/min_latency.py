@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.planners.routing.local_search import Objective, SearchSettings, by_nearest, improve
+from indoor_explorers.env.routing.local_search import Objective, SearchSettings, by_nearest, improve
 
 #: Largest number of rounds of improvement.
 ROUNDS = 8

@@ -17,9 +17,9 @@ import numpy as np
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, Action
+from indoor_explorers.env.navigation.passing_places import passing_places, path_to_passing_place
+from indoor_explorers.env.navigation.paths import Paths
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.planners.navigation.passing_places import passing_places, path_to_passing_place
-from indoor_explorers.planners.navigation.paths import Paths
 
 #: Consecutive failed moves before a UAV may make way.
 PATIENCE = 2

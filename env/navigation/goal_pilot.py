@@ -24,10 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
+from indoor_explorers.env.navigation.navigator import Navigator
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import on_frontier
-from indoor_explorers.planners.navigation.navigator import Navigator
 
 
 class GoalPilot(Pilot):
@@ -40,7 +40,7 @@ class GoalPilot(Pilot):
     """
 
     straight: ClassVar[bool] = False
-    """Whether to fly the straightest shortest path (:mod:`~indoor_explorers.planners.navigation.straight_paths`)."""
+    """Whether to fly the straightest shortest path (:mod:`~indoor_explorers.env.navigation.straight_paths`)."""
 
     def __init__(self, briefing: Briefing) -> None:
         self.briefing = briefing

@@ -10,8 +10,8 @@ from scipy.sparse.csgraph import shortest_path
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.navigation.paths import Paths, count_known
 from indoor_explorers.env.search.frontiers import frontier_cells, frontier_mask, on_frontier
-from indoor_explorers.planners.navigation.paths import Paths, count_known
 
 
 def grid_graph(belief: Belief) -> nx.Graph[Cell]:
