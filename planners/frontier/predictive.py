@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,16 +10,15 @@ from indoor_explorers.env.grid.arrays import Distances
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.provenance import recorded_maps
 from indoor_explorers.env.search.clusters import Clusters
-from indoor_explorers.env.search.pockets.estimates import SHIPPED, PocketEstimates, PocketEstimator
-from indoor_explorers.env.search.pockets.outlook import ClusterJudge, Outlook, OutlookParameters
+from indoor_explorers.env.search.pockets.estimates import PocketEstimates, PocketEstimator
+from indoor_explorers.env.search.pockets.outlook import ClusterJudge, EstimateUser, Outlook, OutlookParameters
 from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
 from indoor_explorers.planners.parameters import at_least
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrontierPredictive(OutlookParameters, FrontierLatency):
+class FrontierPredictive(EstimateUser, OutlookParameters, FrontierLatency):
     """Fly as ``frontier-latency`` does, but weigh clusters by the chance that they lead to something, and defer some.
 
     A network estimates from the map around each cluster how much unknown free space is behind it
@@ -38,14 +36,6 @@ class FrontierPredictive(OutlookParameters, FrontierLatency):
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
         return PredictivePilot(briefing, self)
-
-    def provenance(self) -> dict[str, str]:
-        """Return a hash of the estimates' weights."""
-        return {"pocket_weights": hashlib.sha256(SHIPPED.read_bytes()).hexdigest()[:16]}
-
-    def seen_maps(self) -> dict[str, list[str]]:
-        """Return the maps that the estimates were learned from."""
-        return recorded_maps(SHIPPED.with_suffix(".json"))
 
 
 class PredictivePilot(LatencyPilot):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
@@ -168,6 +169,13 @@ class PsoPilot(CandidatePilot):
         first: Assignment = cells[best[:, 0]]
         return {member.agent: divmod(int(cell), self.paths.width) for member, cell in zip(able, first, strict=True)}
 
+    def chances(self, view: View, cells: Cells, field: Distances) -> NDArray[np.float64]:
+        """Return factors on the gains of (K,) flat cells by what they lead to, (K,); cells with 0 can wait.
+
+        ``field`` (H, W) are the steps from the nearest UAV of the group. Here, all lead to the same.
+        """
+        return np.ones(len(cells))
+
     def decision_problem(
         self, view: View, members: list[LinkedMember]
     ) -> tuple[AssignmentProblem | None, Assignment, list[LinkedMember]]:
@@ -178,6 +186,8 @@ class PsoPilot(CandidatePilot):
         policy, reach = self._policy, self._range
         fields = np.stack([self.steps_from(view, member.cell) for member in members])
         cells = self._candidates(view, fields)
+        chances = self.chances(view, cells, fields.min(axis=0))
+        cells, chances = cells[chances > 0.0], chances[chances > 0.0]
         steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64)
         can = np.asarray((steps < UNREACHABLE).any(axis=1))
         if not can.any():
@@ -189,7 +199,7 @@ class PsoPilot(CandidatePilot):
         problem = AssignmentProblem(
             steps=steps,
             hops=distances_between(view.belief, cells, steps, int(HOP_RANGES * reach) + 1),
-            gains=gains * self._left_by_others(view, members, cells, steps),
+            gains=gains * chances * self._left_by_others(view, members, cells, steps),
             shared=shared,
             hysteresis=np.stack([self.hysteresis_bonus(member.goal, cells, policy.hold) for member in able]),
             power=policy.power,

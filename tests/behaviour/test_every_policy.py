@@ -28,7 +28,16 @@ ROWS = covering_array()
 REAL_MAP = Path(__file__).resolve().parents[3] / "shared" / "maps" / "slam" / "Sarmis2_map_adj.yaml"
 every_explorer = parametrized(EXPLORERS)
 #: Policies whose decisions take longest, and those that decide much as another one does.
-SLOW_CONFORMANCE = ["prm-tour", "rrt-aep", "rrt-frontier", "rrt-nbv", "horizon", "frontier-predictive", "tours"]
+SLOW_CONFORMANCE = [
+    "prm-tour",
+    "rrt-aep",
+    "rrt-frontier",
+    "rrt-nbv",
+    "horizon",
+    "frontier-predictive",
+    "pso-predictive",
+    "tours",
+]
 
 
 def flown(name: str, scenario: Scenario, seeds: Sequence[int]) -> list[Record]:

@@ -29,7 +29,7 @@ from indoor_explorers.env.tensors import read_tensors
 
 #: The weights that ship.
 SHIPPED = Path(__file__).parent / "weights" / "pockets.safetensors"
-#: Cells of the coarse picture that may have changed for an estimate to be kept; the fine one must be the same.
+#: Cells of the coarse picture that may have changed for an estimate to be kept.
 CHANGED = 60
 #: Unknown free cells that are expected behind a cluster beyond the largest threshold, if that is exceeded.
 BEYOND = 400.0
@@ -76,10 +76,18 @@ def load_weights(path: Path = SHIPPED) -> NetworkWeights:
 
 
 class PocketEstimator:
-    """Estimate the pockets behind the clusters of one UAV's map, step by step; what looks the same is kept."""
+    """Estimate the pockets behind the clusters of one UAV's map, step by step; what looks the same is kept.
 
-    def __init__(self, lidar_range: float, path: Path = SHIPPED) -> None:
-        self._range = float(lidar_range)
+    Args:
+        lidar_range: Lidar range in cells.
+        changed: Cells of the coarse picture that may have changed for an estimate to be kept; the fine one must be the
+            same. With 0, UAVs with the same map have the same estimates, whatever they have seen before.
+        path: File of the network's weights.
+
+    """
+
+    def __init__(self, lidar_range: float, *, changed: int = CHANGED, path: Path = SHIPPED) -> None:
+        self._range, self._changed = float(lidar_range), changed
         self._weights = load_weights(path)
         self._kept: dict[bytes, int] = {}
         self._coarse = np.empty((0, COARSE_LAYERS, SIDE, SIDE), np.uint8)
@@ -90,7 +98,7 @@ class PocketEstimator:
         seen = pictures(belief, clusters, self._range)
         names = [picture.tobytes() for picture in seen.fine]
         before = np.array([self._kept.get(name, -1) for name in names], np.int64)
-        is_kept = _are_alike(seen.coarse, self._coarse, before)
+        is_kept = _are_alike(seen.coarse, self._coarse, before, self._changed)
         kept, new = np.flatnonzero(is_kept), np.flatnonzero(~is_kept)
         found, coarse = np.empty((clusters.size, OUTPUTS), np.float32), seen.coarse
         found[kept], coarse[kept] = self._found[before[kept]], self._coarse[before[kept]]
@@ -102,13 +110,13 @@ class PocketEstimator:
 
 
 @kernel()
-def _are_alike(coarse: np.ndarray, before: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    """Return which coarse pictures, (K,), differ little from those before of the given numbers; -1 for none."""
+def _are_alike(coarse: np.ndarray, before: np.ndarray, numbers: np.ndarray, most: int) -> np.ndarray:
+    """Return which coarse pictures, (K,), differ by at most so many cells from those before of the given numbers."""
     alike = np.zeros(numbers.shape[0], np.bool_)
     for k in range(numbers.shape[0]):
         if numbers[k] >= 0:
             new, old, changed = coarse[k].ravel(), before[numbers[k]].ravel(), np.int64(0)
             for place in range(new.shape[0]):
                 changed += abs(np.int64(new[place]) - np.int64(old[place]))
-            alike[k] = changed <= CHANGED
+            alike[k] = changed <= most
     return alike

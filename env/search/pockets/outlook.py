@@ -7,6 +7,7 @@ far. What may stay unknown of the whole map would be used up early, and be missi
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,8 +16,21 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Distances, Mask
 from indoor_explorers.env.policies.view import Briefing
-from indoor_explorers.env.search.pockets.estimates import PocketEstimates
+from indoor_explorers.env.provenance import recorded_maps
+from indoor_explorers.env.search.pockets.estimates import SHIPPED, PocketEstimates
 from indoor_explorers.env.search.pockets.network import THRESHOLDS
+
+
+class EstimateUser:
+    """What a policy that uses the estimates tells of them."""
+
+    def provenance(self) -> dict[str, str]:
+        """Return a hash of the estimates' weights."""
+        return {"pocket_weights": hashlib.sha256(SHIPPED.read_bytes()).hexdigest()[:16]}
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return the maps that the estimates were learned from."""
+        return recorded_maps(SHIPPED.with_suffix(".json"))
 
 
 @dataclass(frozen=True, kw_only=True)
