@@ -18,14 +18,11 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.provenance import source_commit, versions
-from indoor_explorers.env.scenarios.suites.catalogue import suite_of
-from indoor_explorers.env.scenarios.suites.clones import maps_of
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.tensors import write_tensors
 from indoor_explorers.learners.pockets.examples import read_examples, write_examples
-from indoor_explorers.learners.pockets.maps import TrainingMaps
+from indoor_explorers.learners.pockets.maps import TrainingMaps, map_files
 from indoor_explorers.learners.pockets.model import arrays
 from indoor_explorers.learners.pockets.train import train
 from indoor_explorers.learners.pockets.validation import as_table, judge
@@ -108,17 +105,6 @@ def chosen_examples(examples: dict[str, NDArray[Any]], learn_from: str) -> dict[
         return examples
     chosen = examples["real"] == (learn_from == "real")
     return {name: each[chosen] for name, each in examples.items()}
-
-
-def map_files(suite: str, part: Part, data: list[Path]) -> FileMaps:
-    """Return the map files of a part of a suite.
-
-    Raises :class:`InputError` where files are missing, or the suite generates its maps.
-    """
-    maps = maps_of(suite_of(suite), part, data)
-    if not isinstance(maps, FileMaps):
-        raise InputError(f"expected suites of map files, got {suite!r}: generated maps are learned from without it")
-    return maps
 
 
 if __name__ == "__main__":

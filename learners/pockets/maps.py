@@ -21,6 +21,10 @@ from indoor_explorers.env.maps.generators.maze import MazeMaps
 from indoor_explorers.env.maps.generators.offices import OfficesMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
 from indoor_explorers.env.maps.reduction import Source, reduced
+from indoor_explorers.env.maps.sources import FileMaps
+from indoor_explorers.env.scenarios.suites.catalogue import suite_of
+from indoor_explorers.env.scenarios.suites.clones import maps_of
+from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.search.connected_parts import largest_part
 
 #: Name of a map that is from no file.
@@ -140,3 +144,14 @@ def ragged(free: Mask, share: float, rng: np.random.Generator) -> Mask:
     edge = ndimage.binary_dilation(free) & ndimage.binary_dilation(~free)
     edge[[0, -1]] = edge[:, [0, -1]] = False
     return largest_part(free ^ (edge & (rng.random(free.shape) < share)))
+
+
+def map_files(suite: str, part: Part, data: list[Path]) -> FileMaps:
+    """Return the map files of a part of a suite.
+
+    Raises :class:`InputError` where files are missing, or the suite generates its maps.
+    """
+    maps = maps_of(suite_of(suite), part, data)
+    if not isinstance(maps, FileMaps):
+        raise InputError(f"expected suites of map files, got {suite!r}: generated maps are learned from without it")
+    return maps

@@ -159,9 +159,7 @@ class LatencyPilot(GoalPilot):
             return np.zeros(1)
         worth = np.maximum(places.gains, 1e-9) ** self._policy.worth
         between = self.paths.matrix(view.belief, places.cells) / self._range
-        return np.asarray(
-            costs_of_first(places.steps / self._range, between, worth / worth.sum(), self._policy.latency)
-        )
+        return costs_of_first(places.steps / self._range, between, worth / worth.sum(), self._policy.latency)
 
     def _near_goal(self, cells: NDArray[np.int32]) -> NDArray[np.bool_]:
         if self.goal is None:

@@ -177,7 +177,7 @@ class ViewpointPilot(GoalPilot):
         reach, steps = self.briefing.lidar_range, viewpoints.steps.astype(np.float64)
         between = distances_between(view.belief, viewpoints.cells, steps[None], int(HOP_RANGES * reach) + 1)
         worth = np.sqrt(viewpoints.gains)
-        return np.asarray(costs_of_first(steps / reach, between / reach, worth / worth.sum(), latency))
+        return costs_of_first(steps / reach, between / reach, worth / worth.sum(), latency)
 
     def _kept(self, cells: NDArray[np.int32]) -> Mask:
         """Return which of (K,) flat cells are at the current goal, (K,) bool."""

@@ -13,9 +13,9 @@ from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.search.connected_parts import largest_part
 from indoor_explorers.env.search.pockets.estimates import estimates_from, load_weights
 from indoor_explorers.env.search.pockets.network import OUTPUTS, THRESHOLDS
-from indoor_explorers.learners.pockets.__main__ import main, map_files
+from indoor_explorers.learners.pockets.__main__ import main
 from indoor_explorers.learners.pockets.examples import examples_of, read_examples
-from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps, cut, ragged, turned
+from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps, cut, map_files, ragged, turned
 from indoor_explorers.learners.pockets.train import loss, train
 from indoor_explorers.learners.pockets.validation import auc, judged
 from tests.planners.flights import rooms

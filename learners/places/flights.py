@@ -1,0 +1,151 @@
+"""Training flights: the network chooses places at random by their values, and every choice is recorded."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Belief, Mask
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.scenarios.presets import on_files
+from indoor_explorers.env.search.bfs import distance_field
+from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.env.simulation.world import World
+from indoor_explorers.learners.places.choices import Flown
+from indoor_explorers.learners.places.network import Loaded, values
+from indoor_explorers.learners.places.pilot import PlacesPilot
+from indoor_explorers.learners.places.scene import MOST, Scene
+from indoor_explorers.learners.places.truth import Truth, truth_of
+from indoor_explorers.learners.pockets.maps import TrainingMaps
+
+#: Free cells of a training map: flights over larger ones take too long.
+FEWEST, LARGEST = 400, 4500
+#: Lidar ranges and numbers of UAVs, and their shares; radios of teams, in equal shares.
+RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.8, 0.1, 0.1)
+TEAMS, TEAM_SHARES = (1, 2, 4), (0.9, 0.05, 0.05)
+RADIOS: tuple[dict[str, Any], ...] = (
+    {"radio.model": "unlimited"},
+    {"radio.model": "disc", "radio.range": 15.0},
+    {"radio.model": "none"},
+)
+#: Cost of a step before 90 % coverage, beyond that of every step.
+EARLY = 0.5
+#: Coverage up to which a step costs more, and at which a flight ends.
+MOSTLY, ENOUGH = 0.9, 0.99
+
+
+class Choice(NamedTuple):
+    """One choice of a flight."""
+
+    scene: Scene
+    truth: Truth
+    chosen: int
+    step: int
+    probabilities: NDArray[np.float32]
+    """(K,) of each place."""
+
+
+class _Situation(NamedTuple):
+    """What a recording pilot knows besides its view."""
+
+    truth: Belief
+    reachable: Mask
+    rng: np.random.Generator
+    choices: dict[int, list[Choice]]
+    """Those of each UAV."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Recorder(Policy):
+    loaded: Loaded
+    situation: _Situation
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the pilot of one UAV."""
+        return RecordingPilot(briefing, self.loaded, self.situation)
+
+
+class RecordingPilot(PlacesPilot):
+    """Choose at random, with probabilities that grow with the values, and record the choice with the truth."""
+
+    def __init__(self, briefing: Briefing, loaded: Loaded, situation: _Situation) -> None:
+        super().__init__(briefing, loaded)
+        self._situation = situation
+
+    def pick(self, view: View, scene: Scene) -> int:
+        """Return the number of the drawn place."""
+        situation, reach = self._situation, float(self.briefing.lidar_range)
+        logits = values(scene, self._loaded).astype(np.float64)
+        probabilities = np.exp(logits - logits.max())
+        probabilities /= probabilities.sum()
+        chosen = int(situation.rng.choice(len(probabilities), p=probabilities))
+        field = self.steps_from(view, view.cell)
+        told = truth_of(scene, view.belief, situation.truth, situation.reachable, field, reach)
+        choice = Choice(scene, told, chosen, view.step, probabilities.astype(np.float32))
+        situation.choices.setdefault(self.briefing.agent, []).append(choice)
+        return chosen
+
+
+def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> Flown:
+    """Fly over a map drawn by a seed, with a lidar, team and radio drawn likewise."""
+    rng = np.random.default_rng([seed, 11])
+    plan = maps.draw(rng)
+    while not FEWEST <= np.count_nonzero(plan.truth == FREE) <= LARGEST:
+        plan = maps.draw(rng)
+    reach, team = float(rng.choice(RANGES, p=RANGE_SHARES)), int(rng.choice(TEAMS, p=TEAM_SHARES))
+    asked: dict[str, Any] = {"team": team, "lidar.range": reach, "budget": None, "goal": ENOUGH}
+    asked |= {"spawn": "random"} if team == 1 else RADIOS[rng.integers(len(RADIOS))]
+    world = World(on_files(("map",), None).with_settings(asked).for_evaluation())
+    world.begin(0, seed, floorplan=plan)
+    reachable = distance_field(plan.truth, world.view(0, 0).cell) < UNREACHABLE
+    situation = _Situation(plan.truth, reachable, rng, {})
+    policy = _Recorder(loaded=loaded, situation=situation)
+    coverage = [world.team_coverage[0]]
+    for _ in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
+        coverage.append(world.team_coverage[0])
+        if coverage[-1] >= ENOUGH:
+            break
+    end = len(coverage) - 1
+    t90 = int(np.argmax(np.array(coverage) >= MOSTLY)) if coverage[-1] >= MOSTLY else end
+    nominal = np.count_nonzero(reachable) / reach
+    flown = [as_arrays(each, reach, t90, end) for each in situation.choices.values() if len(each) > 1]
+    return Flown(flown, (t90 / nominal, end / nominal) if team == 1 else (math.nan, math.nan))
+
+
+def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int) -> dict[str, NDArray[Any]]:
+    """Return the C choices of one UAV as arrays, padded to ``MOST`` places.
+
+    ``rewards`` (C,) are what was paid until the next choice, and ``durations`` (C,) the time until then, both in lidar
+    ranges. ``t90`` and ``end`` are the steps to 90 % and to the end of the flight.
+    """
+    scenes, told = [choice.scene for choice in choices], [choice.truth for choice in choices]
+    steps = np.array([choice.step for choice in choices] + [end])
+    early = np.minimum(steps, t90)
+    costs = np.diff(steps) + EARLY * np.diff(early)
+    return {
+        "places": _padded([scene.places for scene in scenes]).astype(np.float16),
+        "common": np.stack([scene.common for scene in scenes]),
+        "there": _padded([np.ones(len(scene.cells), np.bool_) for scene in scenes]),
+        "costs": _padded([scene.costs for scene in scenes]),
+        "true_places": _padded([each.places for each in told]).astype(np.float16),
+        "true_common": np.stack([each.common for each in told]),
+        "probabilities": _padded([choice.probabilities for choice in choices]),
+        "chosen": np.array([choice.chosen for choice in choices]),
+        "rewards": (-costs / lidar_range).astype(np.float32),
+        "durations": (np.diff(steps) / lidar_range).astype(np.float32),
+    }
+
+
+def _padded(rows: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Return arrays of up to ``MOST`` places as one, with zeros behind the last place of each."""
+    out = np.zeros((len(rows), MOST, *rows[0].shape[1:]), rows[0].dtype)
+    for k, row in enumerate(rows):
+        out[k, : len(row)] = row
+    return out

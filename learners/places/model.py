@@ -1,0 +1,111 @@
+"""The networks in training: what :mod:`.network` computes, in torch, and values that are shown the true map."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from indoor_explorers.learners.places.choices import Choices
+from indoor_explorers.learners.places.network import HIDDEN, NetworkWeights
+from indoor_explorers.learners.places.scene import COMMON, PLACE
+from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
+
+#: Width of the value networks' layers.
+VALUE_HIDDEN = 96
+#: Unit of values, in lidar ranges.
+UNIT = 10.0
+
+
+class Batch(NamedTuple):
+    """B choices."""
+
+    places: Tensor
+    """(B, K, PLACE)."""
+    common: Tensor
+    """(B, COMMON)."""
+    there: Tensor
+    """(B, K) bool, whether there is such a place."""
+    costs: Tensor
+    """(B, K) the planner's costs."""
+    true_places: Tensor
+    """(B, K, TRUE_PLACE)."""
+    true_common: Tensor
+    """(B, TRUE_COMMON)."""
+
+
+def batch_of(choices: Choices, some: NDArray[np.int64]) -> Batch:
+    """Return some of the choices, by their numbers."""
+    tensors = (torch.from_numpy(choices.arrays[name][some]) for name in Batch._fields)
+    return Batch(*(each if each.dtype is torch.bool else each.float() for each in tensors))
+
+
+class _Set(nn.Module):
+    """Two layers for each place, and the mean and the maximum over the places."""
+
+    def __init__(self, place: int, common: int, hidden: int) -> None:
+        super().__init__()
+        self.first, self.second = nn.Linear(place + common, hidden), nn.Linear(hidden, hidden)
+
+    def forward(self, places: Tensor, common: Tensor, there: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the places' inner values (B, K, H) and the pooled ones (B, 2 H)."""
+        rows = torch.cat([places, common[:, None].expand(-1, places.shape[1], -1)], dim=-1)
+        inside = torch.relu(self.second(torch.relu(self.first(rows))))
+        real = there[..., None]
+        mean = (inside * real).sum(1) / real.sum(1).clamp(min=1)
+        return inside, torch.cat([mean, inside.masked_fill(~real, 0.0).amax(1)], dim=-1)
+
+
+class AdvantageNet(nn.Module):
+    """The values of places relative to each other: the part of the network that flies."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.set = _Set(PLACE, COMMON, HIDDEN)
+        self.joined, self.out = nn.Linear(3 * HIDDEN, HIDDEN), nn.Linear(HIDDEN, 1)
+        nn.init.normal_(self.out.weight, std=1e-3)
+        nn.init.zeros_(self.out.bias)
+
+    def forward(self, batch: Batch) -> Tensor:
+        """Return the values (B, K), 0 where there is no place."""
+        inside, pooled = self.set(batch.places, batch.common, batch.there)
+        joined = torch.cat([inside, pooled[:, None].expand(-1, inside.shape[1], -1)], dim=-1)
+        values = self.out(torch.relu(self.joined(joined))).squeeze(-1)
+        return torch.where(batch.there, values, 0.0)
+
+
+class ValueNet(nn.Module):
+    """What the rest of a flight will cost, by the places and the true map."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.set = _Set(PLACE + TRUE_PLACE + 1, COMMON + TRUE_COMMON, VALUE_HIDDEN)
+        self.hidden, self.out = nn.Linear(2 * VALUE_HIDDEN, VALUE_HIDDEN), nn.Linear(VALUE_HIDDEN, 1)
+
+    def forward(self, batch: Batch) -> Tensor:
+        """Return the values (B,), in lidar ranges."""
+        places = torch.cat([batch.places, batch.true_places, batch.costs[..., None] / 5.0], dim=-1)
+        _, pooled = self.set(places, torch.cat([batch.common, batch.true_common], dim=-1), batch.there)
+        value: Tensor = self.out(torch.relu(self.hidden(pooled))).squeeze(-1) * UNIT
+        return value
+
+
+def weights_of(network: AdvantageNet) -> NetworkWeights:
+    """Return the weights as they fly."""
+    layers = (network.set.first, network.set.second, network.joined, network.out)
+    arrays: list[NDArray[np.float32]] = []
+    for layer in layers:
+        arrays += [np.ascontiguousarray(layer.weight.detach().numpy().T), layer.bias.detach().numpy().copy()]
+    return NetworkWeights(*arrays)
+
+
+def load_into(network: AdvantageNet, weights: NetworkWeights) -> None:
+    """Set the weights of a network to those that fly."""
+    layers = (network.set.first, network.set.second, network.joined, network.out)
+    with torch.no_grad():
+        for layer, weight, bias in zip(layers, weights[::2], weights[1::2], strict=True):
+            layer.weight.copy_(torch.from_numpy(weight.T.copy()))
+            layer.bias.copy_(torch.from_numpy(bias))

@@ -1,0 +1,115 @@
+"""The network that values places, without torch: outputs are the same, bit for bit, on every machine.
+
+Each place goes through the same two layers, together with what is common to all; the mean and the maximum over the
+places are then seen by each (Zaheer et al. 2017, "Deep Sets", arXiv:1703.06114). So the order of the places does not
+matter, nor does their number.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.compiled import kernel
+from indoor_explorers.env.network_layers import linear, relu
+from indoor_explorers.env.tensors import read_tensors, write_tensors
+from indoor_explorers.learners.places.scene import COMMON, PLACE, Scene
+
+#: Width of every hidden layer.
+HIDDEN = 64
+#: Name of the metadata entry with what the weights need to be flown.
+ABOUT = "about"
+
+
+class NetworkWeights(NamedTuple):
+    """Weights (inputs, outputs) and biases (outputs,) of the layers, float32."""
+
+    first: NDArray[np.float32]
+    first_bias: NDArray[np.float32]
+    second: NDArray[np.float32]
+    second_bias: NDArray[np.float32]
+    joined: NDArray[np.float32]
+    joined_bias: NDArray[np.float32]
+    out: NDArray[np.float32]
+    out_bias: NDArray[np.float32]
+
+
+class Loaded(NamedTuple):
+    """The content of a weights file."""
+
+    weights: NetworkWeights
+    prior: float
+    """Weight of the planner's costs in the values of places."""
+    guess: bool
+    """Whether what is estimated behind the clusters is seen."""
+    others: bool
+    """Whether the other places are seen."""
+
+
+def shapes() -> dict[str, tuple[int, ...]]:
+    """Return the shapes of the weights by name."""
+    sizes = {"first": (PLACE + COMMON, HIDDEN), "second": (HIDDEN, HIDDEN), "joined": (3 * HIDDEN, HIDDEN)}
+    sizes["out"] = (HIDDEN, 1)
+    biases = {f"{name}_bias": (shape[1],) for name, shape in sizes.items()}
+    return {name: (sizes | biases)[name] for name in NetworkWeights._fields}
+
+
+@kernel()
+def _values(places: np.ndarray, common: np.ndarray, weights: NetworkWeights) -> np.ndarray:
+    count, hidden = places.shape[0], weights.second.shape[0]
+    inside, seen = np.empty((count, hidden), np.float32), np.empty(hidden, np.float32)
+    row = np.empty(places.shape[1] + common.shape[0], np.float32)
+    for k in range(count):
+        row[: places.shape[1]], row[places.shape[1] :] = places[k], common
+        linear(row, weights.first, weights.first_bias, seen)
+        relu(seen)
+        linear(seen, weights.second, weights.second_bias, inside[k])
+        relu(inside[k])
+    joined, values = np.zeros(3 * hidden, np.float32), np.empty(count, np.float32)
+    for k in range(count):
+        for j in range(hidden):
+            joined[hidden + j] += inside[k, j] / np.float32(count)
+            joined[2 * hidden + j] = max(joined[2 * hidden + j], inside[k, j])
+    for k in range(count):
+        joined[:hidden] = inside[k]
+        linear(joined, weights.joined, weights.joined_bias, seen)
+        relu(seen)
+        linear(seen, weights.out, weights.out_bias, values[k : k + 1])
+    return values
+
+
+def values(scene: Scene, loaded: Loaded) -> NDArray[np.float32]:
+    """Return the values (K,) of the places of a scene: the network's, less the planner's costs."""
+    learned = _values(scene.places, scene.common, loaded.weights)
+    return np.asarray(learned - np.float32(loaded.prior) * scene.costs)
+
+
+def write_weights(path: Path, loaded: Loaded) -> None:
+    """Write weights with what they need to be flown."""
+    about = {"prior": loaded.prior, "guess": loaded.guess, "others": loaded.others}
+    write_tensors(path, loaded.weights._asdict(), {ABOUT: json.dumps(about)})
+
+
+def load_weights(path: Path) -> Loaded:
+    """Return the content of a weights file; a process reads the file once, and again when it changes.
+
+    Raises :class:`InputError` where it is missing or holds another network.
+    """
+    return _read_once(path, path.stat().st_mtime_ns if path.is_file() else 0)
+
+
+@lru_cache(maxsize=8)
+def _read_once(path: Path, changed: int) -> Loaded:
+    expected = shapes()
+    found, metadata = read_tensors(path, sum(4 * int(np.prod(shape)) for shape in expected.values()) + 10_000)
+    if {name: array.shape for name, array in found.items()} != expected or ABOUT not in metadata:
+        raise InputError(f"{path}: expected a network that chooses places, got another; give weights that it trained")
+    about = json.loads(metadata[ABOUT])
+    weights = NetworkWeights(**{name: np.ascontiguousarray(found[name], np.float32) for name in expected})
+    return Loaded(weights, float(about["prior"]), bool(about["guess"]), bool(about["others"]))

@@ -1,0 +1,52 @@
+"""The pilot that flies to the place of highest value."""
+
+from __future__ import annotations
+
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.navigation.goal_pilot import GoalPilot
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.learners.places.network import Loaded, values
+from indoor_explorers.learners.places.scene import OTHERS, Observer, Scene
+
+#: A goal is kept for this many lidar ranges of flight, unless it has no gain left before.
+KEEP = 1.0
+
+
+class PlacesPilot(GoalPilot):
+    """Choose among the places, and fly to the one of highest value.
+
+    Args:
+        briefing: Briefing of the UAV.
+        loaded: The network.
+
+    """
+
+    straight = True
+
+    def __init__(self, briefing: Briefing, loaded: Loaded) -> None:
+        super().__init__(briefing)
+        self._loaded = loaded
+        self._observer = Observer(self, guess=loaded.guess)
+        self._is_due, self._next = True, 0
+
+    def on_map_growth(self, view: View) -> None:
+        """Request a new choice."""
+        self._is_due = True
+
+    def wants_replan(self, view: View) -> bool:
+        """Tell whether the map has grown since the last choice, and that choice is old enough."""
+        return self._is_due and view.step >= self._next
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the place of highest value."""
+        self._is_due, self._next = False, view.step + max(1, round(KEEP * self.briefing.lidar_range))
+        scene = self._observer.observe(view)
+        if scene is None:
+            return None
+        if not self._loaded.others:
+            scene.places[:, OTHERS] = 0.0
+        return divmod(int(scene.cells[self.pick(view, scene)]), self.paths.width)
+
+    def pick(self, view: View, scene: Scene) -> int:
+        """Return the number of the chosen place."""
+        return int(values(scene, self._loaded).argmax())

@@ -1,0 +1,283 @@
+"""What a UAV sees of its choice among places: one place for each frontier cluster, each a row of numbers.
+
+Distances are in lidar ranges, so that one network fits every lidar. Nothing comes from the true map.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.navigation.goal_pilot import GoalPilot
+from indoor_explorers.env.navigation.teammates import ranks, remembered
+from indoor_explorers.env.policies.view import Mate, View
+from indoor_explorers.env.routing.min_latency import best_orders
+from indoor_explorers.env.search.clusters import (
+    Clusters,
+    cluster_viewpoints,
+    first_of_each,
+    frontier_clusters,
+    nearest_cells,
+)
+from indoor_explorers.env.search.pockets.estimates import PocketEstimates, PocketEstimator
+from indoor_explorers.env.search.pockets.network import THRESHOLDS
+from indoor_explorers.env.search.pockets.outlook import ClusterJudge, Outlook, OutlookParameters
+from indoor_explorers.env.search.view_gain import WeightedGains
+
+#: Most places of a scene.
+MOST = 12
+#: Numbers about each place, and about the whole scene.
+PLACE, COMMON = 34, 10
+#: The columns of a place that tell of what is behind it, and of the other places.
+GUESS, OTHERS = slice(7, 18), slice(18, 31)
+#: Largest cost of a place beyond that of the best one, in lidar ranges.
+COSTLIEST = 20.0
+#: Weights of unknown cells, and the spacing of a cluster's cells: those of ``frontier-predictive``.
+DEPTH, ISOLATION, DISCOUNT, STRIDE, WORTH = 0.5, 8.0, 2.4, 0.3, 0.8
+#: Cost of another goal than the last one, and the distance within which a cell is that goal, in lidar ranges.
+HOLD, SAME = 0.2, 0.2
+#: Weights of the mean waiting time in the orders that are compared: of views, of expected cells, and none.
+LATENCY_OF_VIEWS, LATENCY_OF_SIZES = 16.0, 3.0
+#: Thresholds whose probabilities a place shows, by their numbers.
+TAILS = np.searchsorted(THRESHOLDS, [0, 3, 12, 48, 192])
+_DEFERRED_LATER, _TAKEN_LATER = 100.0, 1000.0
+
+Numbers = NDArray[np.float64]
+
+
+class Scene(NamedTuple):
+    """K places to choose from."""
+
+    cells: NDArray[np.int32]
+    """(K,) flat cells."""
+    places: NDArray[np.float32]
+    """(K, PLACE) numbers about each place."""
+    common: NDArray[np.float32]
+    """(COMMON,) numbers about all of them."""
+    costs: NDArray[np.float32]
+    """(K,) by how much the best order that begins there is dearer than the best one, to ``frontier-predictive``."""
+    owner: NDArray[np.int64]
+    """(K,) numbers of their clusters."""
+    steps: Numbers
+    """(K,) distances from the UAV in lidar ranges."""
+    between: Numbers
+    """(K, K) distances between the places in lidar ranges."""
+
+
+class _Candidates(NamedTuple):
+    """The K places, as far as one place is concerned."""
+
+    cells: NDArray[np.int32]
+    owner: NDArray[np.int64]
+    steps: Numbers
+    """(K,) in lidar ranges."""
+    views: Numbers
+    """(K,) weighted view gains."""
+    factors: Numbers
+    """(K,) for teammates that are closer."""
+    kept: Mask
+    """(K,) whether it is at the last goal."""
+
+    def at(self, chosen: NDArray[np.int64] | Mask) -> _Candidates:
+        return _Candidates(
+            self.cells[chosen],
+            self.owner[chosen],
+            self.steps[chosen],
+            self.views[chosen],
+            self.factors[chosen],
+            self.kept[chosen],
+        )
+
+
+class _Clusters(NamedTuple):
+    """All clusters, and what is expected of them."""
+
+    clusters: Clusters
+    estimates: PocketEstimates
+    outlook: Outlook
+    known: int
+    """Known free cells."""
+    expected: float
+    """Unknown free cells behind all clusters in reach."""
+
+
+class Observer:
+    """Observe the choice of one UAV.
+
+    Args:
+        pilot: The pilot that flies to the places.
+        guess: Whether to use what is estimated behind the clusters.
+
+    """
+
+    def __init__(self, pilot: GoalPilot, *, guess: bool = True) -> None:
+        self._pilot, self._briefing = pilot, pilot.briefing
+        self._range = float(pilot.briefing.lidar_range)
+        self._gains = WeightedGains(pilot.briefing.shape, self._range, DEPTH, ISOLATION)
+        self._estimator = PocketEstimator(self._range) if guess else None
+        self._judge = ClusterJudge(pilot.briefing, OutlookParameters())
+
+    def observe(self, view: View) -> Scene | None:
+        """Return the places that a UAV can choose from; None if it can reach none."""
+        clusters = frontier_clusters(view.belief, self._range)
+        field = self._pilot.steps_from(view, view.cell)
+        nearest, away = nearest_cells(field, clusters)
+        cells, owner = cluster_viewpoints(clusters, nearest, STRIDE * self._range)
+        steps = field.ravel()[cells]
+        fine = (steps < UNREACHABLE) & ~self._pilot.near_banned(view, cells)
+        if not fine.any():
+            return None
+        about = self._expected(view, clusters, away)
+        mates = remembered(view, self._briefing)
+        fields = [self._pilot.steps_from(view, mate.cell).ravel() for mate in mates]
+        cells, owner, steps = cells[fine], owner[fine], steps[fine]
+        others = [each[cells] for each in fields]
+        rank = ranks(steps, others, [mate.agent < self._briefing.agent for mate in mates])
+        views = np.asarray(self._gains.at(view.belief, cells), np.float64)
+        factors, kept = 0.5 ** rank.astype(np.float64), self._near_goal(cells)
+        found = _Candidates(cells, owner, steps / self._range, views, factors, kept)
+        return self._scene(view, self._best(found, about.outlook), about, mates, fields)
+
+    def _expected(self, view: View, clusters: Clusters, away: NDArray[np.int32]) -> _Clusters:
+        known = int(np.count_nonzero(view.belief == FREE))
+        if self._estimator is None:
+            nothing = PocketEstimates(np.zeros((clusters.size, len(THRESHOLDS))), *np.zeros((2, clusters.size)))
+            outlook = Outlook(np.zeros(clusters.size, np.bool_), np.ones(clusters.size))
+            return _Clusters(clusters, nothing, outlook, known, 0.0)
+        estimates = self._estimator.estimate(view.belief, clusters)
+        outlook = self._judge.outlook(estimates, known, away)
+        return _Clusters(clusters, estimates, outlook, known, float(estimates.sizes[away < UNREACHABLE].sum()))
+
+    def _best(self, found: _Candidates, outlook: Outlook) -> _Candidates:
+        """Return one place for each cluster, the most promising ones first."""
+        gains = found.factors * outlook.chances[found.owner] * found.views
+        scores = np.log(np.maximum(gains, 1e-9)) - DISCOUNT * found.steps
+        best = first_of_each(found.owner, scores + HOLD * found.kept)
+        taken = found.factors[best] <= 0.5 * found.factors.max()
+        rank = scores[best] - _DEFERRED_LATER * outlook.deferred[found.owner[best]] - _TAKEN_LATER * taken
+        return found.at(best[np.argsort(-rank, kind="stable")[:MOST]])
+
+    def _near_goal(self, cells: NDArray[np.int32]) -> Mask:
+        goal = self._pilot.goal
+        if goal is None:
+            return np.zeros(len(cells), np.bool_)
+        rows, cols = np.divmod(cells, self._pilot.paths.width)
+        away = np.maximum(np.abs(rows - goal[0]), np.abs(cols - goal[1]))
+        return np.asarray(away <= max(1.0, SAME * self._range))
+
+    def _scene(
+        self, view: View, found: _Candidates, about: _Clusters, mates: list[Mate], fields: list[NDArray[np.int32]]
+    ) -> Scene:
+        count = len(found.cells)
+        between = np.zeros((1, 1))
+        if count > 1:
+            between = self._pilot.paths.matrix(view.belief, found.cells) / self._range
+        gains = found.factors * about.outlook.chances[found.owner] * found.views
+        orders, costs, least = _orders(found, between, gains, about)
+        columns = [
+            *self._own(found, about.clusters),
+            *self._behind(found, gains, about),
+            *orders,
+            *_neighbours(found.steps, between),
+            *self._of_teammates(found, fields),
+        ]
+        common = self._common(about, count, len(mates), least)
+        costs = np.minimum(costs - costs.min(), COSTLIEST).astype(np.float32)
+        places = np.column_stack(columns).astype(np.float32)
+        return Scene(found.cells, places, common, costs, found.owner, found.steps, between)
+
+    def _own(self, found: _Candidates, clusters: Clusters) -> list[Numbers | Mask]:
+        widths = (clusters.ends[1:] - clusters.ends[:-1])[found.owner] / self._range
+        views = np.log1p(found.views)
+        near = found.steps <= found.steps.min()
+        distance = [np.minimum(found.steps, 10.0) / 5.0, np.log1p(found.steps)]
+        return [*distance, views / 5.0, (views - views.max()) / 5.0, np.minimum(widths, 3.0), found.kept, near]
+
+    def _behind(self, found: _Candidates, gains: Numbers, about: _Clusters) -> list[Numbers | Mask]:
+        estimates, owner = about.estimates, found.owner
+        sizes, visit = estimates.sizes[owner], (found.steps + 3.0) * self._range
+        allowance = max(0.01 * about.known, 1.0)
+        return [
+            np.log1p(gains) / 5.0,
+            *estimates.tails[owner][:, TAILS].T,
+            np.log1p(sizes) / 5.0,
+            np.minimum(np.log1p(sizes / allowance), 5.0) / 2.0,
+            np.minimum(sizes / visit, 10.0) / 5.0,
+            np.log1p(estimates.depths[owner]) / 4.0,
+            about.outlook.deferred[owner],
+        ]
+
+    def _of_teammates(self, found: _Candidates, fields: list[NDArray[np.int32]]) -> list[Numbers]:
+        own = np.minimum(found.steps, 10.0) / 5.0
+        theirs = np.full(len(own), 2.0)
+        if fields:
+            theirs = np.minimum(np.min([each[found.cells] for each in fields], axis=0) / self._range, 10.0) / 5.0
+        return [found.factors, theirs, theirs - own]
+
+    def _common(self, about: _Clusters, count: int, mates: int, least: float) -> NDArray[np.float32]:
+        waiting = float(about.estimates.sizes[about.outlook.deferred].sum())
+        numbers = [
+            np.log1p(about.known) / 8.0,
+            np.log1p(about.expected) / 8.0,
+            about.known / (about.known + about.expected),
+            count / MOST,
+            min(about.clusters.size / 30.0, 3.0),
+            np.log1p(waiting / max(0.01 * about.known, 1.0)),
+            self._briefing.team / 4.0,
+            mates / 4.0,
+            self._range / 10.0,
+            min(least / 40.0, 3.0),
+        ]
+        return np.array(numbers, np.float32)
+
+
+def _orders(
+    found: _Candidates, between: Numbers, gains: Numbers, about: _Clusters
+) -> tuple[list[Numbers], Numbers, float]:
+    """Return costs and positions of the K places in several orders, the planner's costs (K,), and their least."""
+    every = np.ones(len(found.cells), np.bool_)
+    wanted = ~about.outlook.deferred[found.owner]
+    wanted = wanted if wanted.any() else every
+    worth, sizes = np.maximum(gains, 1e-9) ** WORTH, np.maximum(about.estimates.sizes[found.owner], 1e-3)
+    asked = (
+        (worth, LATENCY_OF_VIEWS, wanted),
+        (sizes, LATENCY_OF_SIZES, wanted),
+        (np.ones(len(every)), 0.0, wanted),
+        (np.ones(len(every)), 0.0, every),
+    )
+    columns: list[Numbers] = []
+    costs, least = np.zeros(len(every)), 0.0
+    for weights, latency, among in asked:
+        some = np.flatnonzero(among)
+        found_costs, positions = np.zeros(1), np.zeros(1)
+        if len(some) > 1:
+            share = weights[some] / weights[some].sum()
+            nearer = np.ascontiguousarray(between[np.ix_(some, some)])
+            found_costs, positions = best_orders(found.steps[some], nearer, share, latency)
+        beyond = np.full(len(every), 1.0 + np.ptp(found_costs))
+        beyond[some] = found_costs - found_costs.min()
+        place = np.ones(len(every))
+        place[some] = positions / max(1, len(some) - 1)
+        columns += [np.minimum(beyond / (1.0 + 0.25 * latency), 5.0), place]
+        if weights is worth:
+            costs, least = beyond - HOLD * found.kept, float(found_costs.min())
+            costs[~among] = np.inf
+    return columns, costs, least
+
+
+def _neighbours(steps: Numbers, between: Numbers) -> list[Numbers]:
+    """Return how the other places lie around each of K places."""
+    count = len(steps)
+    apart = between + np.diag(np.full(count, np.inf))
+    nearest = np.minimum(apart.min(axis=1), 10.0) / 3.0 if count > 1 else np.full(1, 3.0)
+    return [
+        np.minimum(between, 6.0).sum(axis=1) / max(1, count - 1) / 3.0,
+        nearest,
+        (apart < 1.0).sum(axis=1) / 8.0,
+        (apart < 3.0).sum(axis=1) / 8.0,
+        (steps[None] > between).sum(axis=1) / 16.0,
+    ]

@@ -1,0 +1,82 @@
+"""What the true map tells of a choice: it is shown to the value networks in training, and to nothing that flies.
+
+How long a flight takes depends on the map much more than on any choice. A value that knows the map takes this luck
+out of the returns, and what is left tells the places apart (Pinto et al. 2018, "Asymmetric Actor Critic",
+arXiv:1710.06542).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Belief, Distances, Mask
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.routing.min_latency import best_orders
+from indoor_explorers.env.search.clusters import frontier_clusters
+from indoor_explorers.env.search.pockets.labels import true_pockets
+from indoor_explorers.learners.places.scene import LATENCY_OF_VIEWS, Scene
+
+#: Numbers of the truth about each place, and about all.
+TRUE_PLACE, TRUE_COMMON = 3, 10
+
+
+class Truth(NamedTuple):
+    """What is truly left to explore."""
+
+    places: NDArray[np.float32]
+    """(K, TRUE_PLACE) about each place."""
+    common: NDArray[np.float32]
+    """(TRUE_COMMON,) about all."""
+
+
+def truth_of(
+    scene: Scene, belief: Belief, truth: Belief, reachable: Mask, field: Distances, lidar_range: float
+) -> Truth:
+    """Return what the true map tells of a scene.
+
+    ``belief`` and ``truth`` are (H, W), ``reachable`` (H, W) are the free cells that count, and ``field`` (H, W) the
+    UAV's steps through known free cells.
+    """
+    pockets = true_pockets(belief, truth, field, frontier_clusters(belief, lidar_range))
+    sizes, depths = pockets.sizes[scene.owner], pockets.depths[scene.owner]
+    left = (belief == UNKNOWN) & reachable
+    total, unknown = int(reachable.sum()), int(left.sum())
+    to_goal, to_most = (max(0.0, np.ceil(share * total) - (total - unknown)) for share in (0.99, 0.9))
+    small, large = _blocks(left, max(2, int(lidar_range // 2))), _blocks(left, max(3, int(2 * lidar_range)))
+    length, waiting = _tours(scene, sizes)
+    common = [
+        to_goal / lidar_range**2,
+        to_most / lidar_range**2,
+        np.log1p(unknown) / 6.0,
+        (small > 0.0).sum() / 20.0,
+        (small > 0.125).sum() / 20.0,
+        (large > 0.0).sum() / 10.0,
+        length / 10.0,
+        waiting / 40.0,
+        pockets.depths[pockets.sizes > 0].sum() / lidar_range / 10.0,
+        (sizes > 0).sum() / 12.0,
+    ]
+    places = [np.log1p(sizes) / 5.0, np.minimum(sizes / max(1.0, to_goal), 2.0), depths / lidar_range / 2.0]
+    return Truth(np.stack(places, axis=1).astype(np.float32), np.array(common, np.float32))
+
+
+def _blocks(cells: Mask, side: int) -> NDArray[np.float64]:
+    """Return the share of the cells in each block of the map."""
+    rows, cols = (-(-length // side) for length in cells.shape)
+    padded = np.zeros((rows * side, cols * side), np.bool_)
+    padded[: cells.shape[0], : cells.shape[1]] = cells
+    return np.asarray(padded.reshape(rows, side, cols, side).mean(axis=(1, 3)))
+
+
+def _tours(scene: Scene, sizes: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the length of a short tour of the places that lead to something, and the least cost of waiting."""
+    some = np.flatnonzero(sizes > 0)
+    if len(some) < 2:
+        return 0.0, 0.0
+    start, between = scene.steps[some], np.ascontiguousarray(scene.between[np.ix_(some, some)])
+    length = best_orders(start, between, np.full(len(some), 1.0 / len(some)), 0.0)[0].min()
+    waiting = best_orders(start, between, sizes[some] / sizes[some].sum(), LATENCY_OF_VIEWS)[0].min()
+    return float(length), float(waiting)

@@ -1,0 +1,52 @@
+"""Small scenes and choices for the tests."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env import World, make_policy, scenario
+from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.learners.places.choices import Choices
+from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Scene
+from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
+
+
+def world_on_a_floor(seed: int = 3, steps: int = 60, team: int = 1) -> World:
+    """A world in which UAVs have flown for some steps over a small floor."""
+    world = World(scenario("small-floors").with_settings({"team": team, "goal": 0.99}))
+    world.reset([seed])
+    policy = make_policy("frontier-nearest")
+    for _, _ in zip(range(steps), rollout(world, ask_pilots(policy, make_pilots(policy, world), world)), strict=False):
+        pass
+    return world
+
+
+def random_scene(count: int, seed: int = 0) -> Scene:
+    rng = np.random.default_rng(seed)
+    places, common = rng.normal(size=(count, PLACE)).astype(np.float32), rng.normal(size=COMMON).astype(np.float32)
+    costs = rng.uniform(0.0, 5.0, count).astype(np.float32)
+    steps, between = rng.uniform(0.0, 3.0, count), np.zeros((count, count))
+    return Scene(np.arange(count, dtype=np.int32), places, common, costs, np.arange(count), steps, between)
+
+
+def random_choices(count: int, there: int = 3, uav: int = 4) -> Choices:
+    """Choices among ``there`` places with even odds, ``uav`` of each UAV, one UAV to a flight."""
+    rng = np.random.default_rng(1)
+    is_there = np.broadcast_to(np.arange(MOST) < there, (count, MOST)).copy()
+    arrays: dict[str, NDArray[Any]] = {
+        "places": np.where(is_there[..., None], rng.normal(size=(count, MOST, PLACE)), 0.0).astype(np.float16),
+        "common": rng.normal(size=(count, COMMON)).astype(np.float32),
+        "there": is_there,
+        "costs": np.zeros((count, MOST), np.float32),
+        "true_places": np.zeros((count, MOST, TRUE_PLACE), np.float16),
+        "true_common": rng.normal(size=(count, TRUE_COMMON)).astype(np.float32),
+        "probabilities": (is_there / there).astype(np.float32),
+        "chosen": rng.integers(there, size=count),
+        "rewards": -rng.uniform(0.5, 1.5, count).astype(np.float32),
+        "durations": rng.uniform(0.5, 2.0, count).astype(np.float32),
+    }
+    flights = count // uav
+    return Choices(arrays, np.full(flights, uav), np.arange(flights), rng.uniform(1.0, 3.0, (flights, 2)))

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from indoor_explorers.env import InputError
+from indoor_explorers.env.tensors import write_tensors
+from indoor_explorers.learners.places.model import AdvantageNet, Batch, load_into, weights_of
+from indoor_explorers.learners.places.network import Loaded, load_weights, shapes, values, write_weights
+from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
+from tests.learners.places.small import random_scene
+
+
+def some_network(seed: int = 0) -> AdvantageNet:
+    torch.manual_seed(seed)
+    network = AdvantageNet()
+    torch.nn.init.normal_(network.out.weight)
+    return network
+
+
+def test_it_computes_what_torch_computes() -> None:
+    network, scene = some_network(), random_scene(5)
+    padded = [np.zeros((1, 12, *each.shape[1:]), np.float32) for each in (scene.places, scene.costs)]
+    padded[0][0, :5], padded[1][0, :5] = scene.places, scene.costs
+    there = torch.arange(12)[None] < 5
+    places, costs = map(torch.from_numpy, padded)
+    nothing = torch.zeros(1, 12, TRUE_PLACE), torch.zeros(1, TRUE_COMMON)
+    batch = Batch(places, torch.from_numpy(scene.common)[None], there, costs, *nothing)
+    with torch.no_grad():
+        expected = network(batch)[0, :5].numpy() - 0.5 * scene.costs
+    found = values(scene, Loaded(weights_of(network), 0.5, guess=True, others=True))
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-5)
+
+
+def test_the_order_of_the_places_does_not_matter() -> None:
+    loaded, scene = Loaded(weights_of(some_network()), 0.5, guess=True, others=True), random_scene(6)
+    order = np.array([3, 0, 5, 1, 4, 2])
+    mixed = scene._replace(places=scene.places[order], costs=scene.costs[order])
+    np.testing.assert_allclose(values(mixed, loaded), values(scene, loaded)[order], rtol=1e-5)
+
+
+def test_weights_are_kept_in_files(tmp_path: Path) -> None:
+    loaded = Loaded(weights_of(some_network()), 0.25, guess=False, others=True)
+    write_weights(tmp_path / "a.safetensors", loaded)
+    found = load_weights(tmp_path / "a.safetensors")
+    assert found[1:] == loaded[1:]
+    assert all(np.array_equal(a, b) for a, b in zip(found.weights, loaded.weights, strict=True))
+    again = some_network(1)
+    load_into(again, found.weights)
+    assert all(np.array_equal(a, b) for a, b in zip(weights_of(again), loaded.weights, strict=True))
+
+
+def test_other_networks_are_refused(tmp_path: Path) -> None:
+    arrays = {name: np.zeros(shape, np.float32) for name, shape in shapes().items()}
+    write_tensors(tmp_path / "no-about.safetensors", arrays)
+    write_tensors(tmp_path / "other.safetensors", {"out": arrays["out"]}, {"about": "{}"})
+    for name in ("no-about", "other", "missing"):
+        with pytest.raises(InputError, match=rf"{name}.safetensors: expected"):
+            load_weights(tmp_path / f"{name}.safetensors")

@@ -1,0 +1,73 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import World
+from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.search.clusters import frontier_clusters
+from indoor_explorers.learners.places.network import Loaded, NetworkWeights, shapes
+from indoor_explorers.learners.places.pilot import PlacesPilot
+from indoor_explorers.learners.places.scene import COMMON, COSTLIEST, GUESS, MOST, OTHERS, PLACE, Observer, Scene
+from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
+from tests.learners.places.small import world_on_a_floor
+
+
+def pilot_of(world: World, agent: int = 0) -> PlacesPilot:
+    zeros = NetworkWeights(**{name: np.zeros(shape, np.float32) for name, shape in shapes().items()})
+    pilot = PlacesPilot(world.briefing(0, agent), Loaded(zeros, 1.0, guess=True, others=True))
+    pilot.navigator.observe(world.view(0, agent))
+    return pilot
+
+
+def observed(world: World, agent: int = 0, *, guess: bool = True) -> Scene:
+    scene = Observer(pilot_of(world, agent), guess=guess).observe(world.view(0, agent))
+    assert scene is not None
+    return scene
+
+
+def test_there_is_one_place_for_each_cluster_in_reach() -> None:
+    world = world_on_a_floor()
+    scene, view = observed(world), world.view(0, 0)
+    count = len(scene.cells)
+    assert 1 < count <= min(MOST, frontier_clusters(view.belief, 10.0).size)
+    assert len(set(scene.owner.tolist())) == count
+    assert (view.belief.ravel()[scene.cells] == FREE).all()
+    assert scene.places.shape == (count, PLACE)
+    assert scene.common.shape == (COMMON,)
+    assert np.isfinite(scene.places).all()
+    assert scene.places.dtype == scene.common.dtype == scene.costs.dtype == np.float32
+
+
+def test_costs_are_those_of_the_planner() -> None:
+    world = world_on_a_floor()
+    view, scene = world.view(0, 0), observed(world)
+    planner = PredictivePilot(world.briefing(0, 0), FrontierPredictive())
+    planner.navigator.observe(view)
+    goal = planner.choose(view)
+    assert goal is not None
+    best = int(scene.costs.argmin())
+    assert scene.cells[best] == goal[0] * view.belief.shape[1] + goal[1]
+    assert scene.costs.min() == 0.0
+    assert scene.costs.max() <= COSTLIEST
+
+
+def test_without_the_guess_nothing_is_seen_of_it() -> None:
+    world = world_on_a_floor()
+    scene = observed(world, guess=False)
+    assert not scene.places[:, GUESS][:, 1:].any()
+    assert observed(world).places[:, GUESS][:, 1:].any(axis=0).sum() > 5
+
+
+def test_teammates_are_seen() -> None:
+    world = world_on_a_floor(team=2)
+    own, other = observed(world, 0), observed(world, 1)
+    factors = OTHERS.stop
+    assert set(np.unique(np.r_[own.places[:, factors], other.places[:, factors]])) <= {0.5, 1.0}
+    assert own.common[6] == pytest.approx(0.5)
+
+
+def test_a_known_map_has_no_places() -> None:
+    world = world_on_a_floor()
+    view = world.view(0, 0)
+    assert Observer(pilot_of(world)).observe(view._replace(belief=np.full_like(view.belief, FREE))) is None

@@ -1,0 +1,161 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
+from indoor_explorers.env.search.bfs import distance_field
+from indoor_explorers.learners.places.__main__ import main
+from indoor_explorers.learners.places.choices import Flown, choices_of, read_choices, write_choices
+from indoor_explorers.learners.places.flights import fly
+from indoor_explorers.learners.places.model import AdvantageNet, batch_of, weights_of
+from indoor_explorers.learners.places.network import Loaded, load_weights
+from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Observer
+from indoor_explorers.learners.places.train import (
+    DISCOUNT,
+    advantages,
+    explained,
+    learn_choices,
+    learn_values,
+    minimise,
+    outputs,
+)
+from indoor_explorers.learners.places.truth import truth_of
+from indoor_explorers.learners.pockets.maps import TrainingMaps
+from tests.learners.places.small import random_choices, world_on_a_floor
+from tests.learners.places.test_scene import pilot_of
+
+
+def test_the_truth_is_what_is_left_to_explore() -> None:
+    world = world_on_a_floor()
+    view, truth = world.view(0, 0), np.array(world.state.truth[0])
+    scene = Observer(pilot_of(world)).observe(view)
+    assert scene is not None
+    reachable = distance_field(truth, view.cell) < UNREACHABLE
+    told = truth_of(scene, view.belief, truth, reachable, distance_field(view.belief, view.cell), 10.0)
+    unknown = int(((view.belief != FREE) & reachable).sum())
+    assert told.common[2] == pytest.approx(np.log1p(unknown) / 6.0)
+    assert told.common[0] == pytest.approx((np.ceil(0.99 * reachable.sum()) - (reachable.sum() - unknown)) / 100.0)
+    assert 0.0 < np.expm1(5.0 * told.places[:, 0].astype(np.float64)).sum() <= unknown + 1.0
+    assert told.common[1] <= told.common[0]
+    assert told.common[4] <= told.common[3]
+
+
+def test_advantages_are_returns_less_values_or_single_surprises() -> None:
+    choices = random_choices(8)
+    rewards, durations = choices.arrays["rewards"], choices.arrays["durations"]
+    values = np.random.default_rng(0).normal(size=8).astype(np.float32)
+    whole, next_only = advantages(choices, values, 1.0), advantages(choices, values, 0.0)
+    for first in (0, 4):
+        following = 0.0
+        for k in reversed(range(first, first + 4)):
+            following = rewards[k] + DISCOUNT ** durations[k] * following
+            assert whole[k] == pytest.approx(following - values[k], rel=1e-4)
+            after = values[k + 1] if k < first + 3 else 0.0
+            assert next_only[k] == pytest.approx(rewards[k] + DISCOUNT ** durations[k] * after - values[k], rel=1e-4)
+    assert explained(choices, advantages(choices, np.zeros(8, np.float32), 1.0)) == pytest.approx(1.0)
+
+
+def test_a_better_place_becomes_likelier() -> None:
+    torch.manual_seed(0)
+    choices, network = random_choices(20_000), AdvantageNet()
+    chosen = np.arange(20_000), choices.arrays["chosen"]
+    seen = choices.arrays["places"][..., 0].astype(np.float32)
+    noise = np.random.default_rng(0).normal(size=20_000)
+    learn_choices(network, choices, (seen[chosen] + 0.5 * noise).astype(np.float32))
+    learned = outputs(network, choices)[:, :3]
+    assert np.corrcoef(learned.ravel(), seen[:, :3].ravel())[0, 1] > 0.7
+    assert (learned.argmax(1) == seen[:, :3].argmax(1)).mean() > 0.6
+
+
+def test_nothing_is_learned_from_what_is_common_to_all_places() -> None:
+    torch.manual_seed(0)
+    choices, network = random_choices(8192), AdvantageNet()
+    before = outputs(network, choices)[:, :3]
+    learn_choices(network, choices, (5.0 * choices.arrays["common"][:, 0]).astype(np.float32))
+    after = outputs(network, choices)[:, :3]
+    change = (after - before) - (after - before).mean(axis=1, keepdims=True)
+    assert np.abs(change).mean() < 0.5
+
+
+def test_values_are_judged_by_the_other_half(monkeypatch: pytest.MonkeyPatch) -> None:
+    taught = []
+
+    def noted(network: torch.nn.Module, some: np.ndarray, *_: object) -> float:
+        taught.append(set((some // 4 % 2).tolist()))
+        with torch.no_grad():
+            for parameter in network.parameters():
+                parameter.zero_()
+            network.out.bias.fill_(float(len(taught)))  # type: ignore[union-attr, operator]
+        return 0.0
+
+    monkeypatch.setattr("indoor_explorers.learners.places.train.minimise", noted)
+    judged = learn_values(random_choices(16))
+    assert taught == [{0}, {1}]
+    assert judged.tolist() == ([20.0] * 4 + [10.0] * 4) * 2
+
+
+def test_a_loss_is_minimised() -> None:
+    torch.manual_seed(0)
+    choices, network = random_choices(4096), AdvantageNet()
+
+    def loss(some: np.ndarray) -> torch.Tensor:
+        first: torch.Tensor = network(batch_of(choices, some))[:, 0]
+        return (first - 1.0).square().mean()
+
+    assert minimise(network, np.arange(4096), 10, 1e-2, loss) < 0.1
+
+
+#: Of a flight of a single UAV.
+SEED = 3
+
+
+def flown(seed: int) -> Flown:
+    torch.manual_seed(0)
+    return fly(TrainingMaps(), seed, Loaded(weights_of(AdvantageNet()), 0.45, guess=True, others=True))
+
+
+def test_flights_are_the_same_again_and_kept_in_files(tmp_path: Path) -> None:
+    first = flown(SEED)
+    (arrays,) = first.choices
+    again = flown(SEED).choices[0]
+    assert all(np.array_equal(arrays[name], again[name]) for name in arrays)
+    count = len(arrays["chosen"])
+    assert arrays["places"].shape == (count, MOST, PLACE)
+    assert arrays["common"].shape == (count, COMMON)
+    np.testing.assert_allclose(arrays["probabilities"].sum(axis=1), 1.0, rtol=1e-5)
+    assert (arrays["probabilities"][~arrays["there"]] == 0.0).all()
+    assert arrays["there"][np.arange(count), arrays["chosen"]].all()
+    assert (arrays["durations"] > 0.0).all()
+    np.testing.assert_array_less(-1.5 * arrays["durations"] - 1e-4, arrays["rewards"])
+    both = choices_of([first, first])
+    for name in ("a", "b"):
+        write_choices(tmp_path / name, both)
+    read = read_choices([tmp_path / "a", tmp_path / "b"])
+    assert read.flight.tolist() == [0, 1, 2, 3]
+    assert read.half.tolist() == [0] * count + [1] * count + [0] * count + [1] * count
+    np.testing.assert_allclose(read.times, [first.times] * 4)
+
+
+@pytest.mark.slow
+def test_a_training_goes_on_where_it_was(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def run(folder: str, rounds: int) -> dict[str, object]:
+        words = f"--flights 4 --rounds {rounds} --workers 1 --seed 2 --out".split()
+        assert main([*words, str(tmp_path / folder)]) == 0
+        return dict(json.loads((tmp_path / folder / "places.json").read_text()))
+
+    once = run("once", 2)
+    run("twice", 1)
+    twice = run("twice", 2)
+    assert once["rounds"] == twice["rounds"]
+    assert [each["round"] for each in once["rounds"]] == [1, 2]  # type: ignore[attr-defined]
+    paths = [tmp_path / folder / "places.safetensors" for folder in ("once", "twice")]
+    weights = [load_weights(path).weights for path in paths]
+    assert all(np.array_equal(a, b) for a, b in zip(*weights, strict=True))
+    assert not list((tmp_path / "once").glob("round-*/*"))
+    assert main(["--suites", "rooms", "--out", str(tmp_path / "no")]) == 2
+    assert "expected suites of map files, got 'rooms'" in capsys.readouterr().err
