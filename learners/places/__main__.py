@@ -3,14 +3,13 @@
     python -m indoor_explorers.learners.places --suites floors,dungeons --data ~/maps --out results/places
 
 ``OUT`` has the network after each round and the flights of the present one, so that an interrupted run goes on where it
-was; in the end the weights and, beside them, how they were made.
+was; in the end the mean of the later networks and, beside it, how it was made.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenarios.suites.suite import Part
+from indoor_explorers.learners.places.network import write_weights
 from indoor_explorers.learners.places.rounds import Training
 from indoor_explorers.learners.pockets.maps import TrainingMaps, map_files
 from indoor_explorers.learners.sessions.process import one_thread
@@ -45,7 +45,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m indoor_explorers.learners.places", description=__doc__)
     parser.add_argument("--suites", default="", help="suites whose train parts to learn from, besides generated maps")
     parser.add_argument("--data", type=Path, nargs="+", default=[], help="clones of the repositories of the suites")
-    parser.add_argument("--rounds", type=int, default=6, help="rounds of flying and learning (default 6)")
+    parser.add_argument("--rounds", type=int, default=4, help="rounds of flying and learning (default 4)")
     parser.add_argument("--flights", type=int, default=1200, help="flights of a round (default 1200)")
     parser.add_argument("--prior", type=float, default=0.45, help="weight of the planner's costs (default .45)")
     parser.add_argument("--no-guess", action="store_true", help="without estimates of what is behind the clusters")
@@ -77,7 +77,7 @@ def _train(asked: argparse.Namespace) -> None:
         _tell(", ".join(f"{name} {value:g}" for name, value in figures.items()))
         rounds.append(figures)
         _write(record, rounds)
-    shutil.copyfile(training.weights(asked.rounds), asked.out / f"{NAME}.safetensors")
+    write_weights(asked.out / f"{NAME}.safetensors", training.mean())
     about: dict[str, Any] = {
         "command": _command(asked),
         "seed": asked.seed,

@@ -15,7 +15,7 @@ import torch
 from indoor_explorers.learners.places.choices import choices_of, read_choices, write_choices
 from indoor_explorers.learners.places.flights import fly
 from indoor_explorers.learners.places.model import AdvantageNet, load_into, weights_of
-from indoor_explorers.learners.places.network import Loaded, load_weights, write_weights
+from indoor_explorers.learners.places.network import Loaded, NetworkWeights, load_weights, write_weights
 from indoor_explorers.learners.places.train import LATER, advantages, explained, learn_choices, learn_values
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 
@@ -23,6 +23,8 @@ from indoor_explorers.learners.pockets.maps import TrainingMaps
 TOGETHER = 20
 #: Seeds between the flights of two rounds, and of two trainings.
 ROUND_SEEDS, TRAINING_SEEDS = 100_000, 10_000_000
+#: First round whose network counts in the mean that is flown.
+AVERAGED_FROM = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +61,17 @@ class Training:
                     if k % 10 == 0 or k == len(parts):
                         tell(f"round {number + 1} of {self.rounds}: {min(k * TOGETHER, self.flights)} flights")
                 yield {"round": number + 1} | self._learn(number, [part.path for part in parts])
+
+    def mean(self) -> Loaded:
+        """Return the network whose weights are the means of those of the later rounds.
+
+        A mean of weights along one training is steadier than the last ones (Izmailov et al. 2018, "Averaging Weights
+        Leads to Wider Optima and Better Generalization", arXiv:1803.05407).
+        """
+        counted = range(min(AVERAGED_FROM, self.rounds), self.rounds + 1)
+        networks = [load_weights(self.weights(number)) for number in counted]
+        layers = zip(*(each.weights for each in networks), strict=True)
+        return networks[0]._replace(weights=NetworkWeights(*(np.mean(layer, axis=0) for layer in layers)))
 
     def _parts(self, number: int) -> list[Part]:
         first = TRAINING_SEEDS * (1 + self.seed) + ROUND_SEEDS * number

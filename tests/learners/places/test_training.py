@@ -13,7 +13,8 @@ from indoor_explorers.learners.places.__main__ import main
 from indoor_explorers.learners.places.choices import Flown, choices_of, read_choices, write_choices
 from indoor_explorers.learners.places.flights import fly
 from indoor_explorers.learners.places.model import AdvantageNet, batch_of, weights_of
-from indoor_explorers.learners.places.network import Loaded, load_weights
+from indoor_explorers.learners.places.network import Loaded, load_weights, write_weights
+from indoor_explorers.learners.places.rounds import Training
 from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Observer
 from indoor_explorers.learners.places.train import (
     DISCOUNT,
@@ -139,6 +140,26 @@ def test_flights_are_the_same_again_and_kept_in_files(tmp_path: Path) -> None:
     assert read.flight.tolist() == [0, 1, 2, 3]
     assert read.half.tolist() == [0] * count + [1] * count + [0] * count + [1] * count
     np.testing.assert_allclose(read.times, [first.times] * 4)
+
+
+def test_the_weights_of_the_later_rounds_are_averaged(tmp_path: Path) -> None:
+    training = Training(
+        folder=tmp_path,
+        maps=TrainingMaps(),
+        flights=1,
+        rounds=3,
+        seed=1,
+        prior=0.5,
+        guess=True,
+        others=False,
+        workers=1,
+    )
+    rounds = [weights_of(AdvantageNet()) for _ in range(4)]
+    for number, weights in enumerate(rounds):
+        write_weights(training.weights(number), Loaded(weights, 0.5, guess=True, others=False))
+    mean = training.mean()
+    assert (mean.prior, mean.guess, mean.others) == (0.5, True, False)
+    np.testing.assert_allclose(mean.weights.first, (rounds[2].first + rounds[3].first) / 2, rtol=1e-6)
 
 
 @pytest.mark.slow
