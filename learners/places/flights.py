@@ -29,7 +29,7 @@ from indoor_explorers.learners.pockets.maps import TrainingMaps
 FEWEST, LARGEST = 400, 4500
 #: Lidar ranges and numbers of UAVs, and their shares; radios of teams, in equal shares.
 RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.8, 0.1, 0.1)
-TEAMS, TEAM_SHARES = (1, 2, 4), (0.9, 0.05, 0.05)
+TEAMS, TEAM_SHARES = (1, 2, 4), (0.6, 0.2, 0.2)
 RADIOS: tuple[dict[str, Any], ...] = (
     {"radio.model": "unlimited"},
     {"radio.model": "disc", "radio.range": 15.0},
