@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import TypeVar
 
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
+
+Seen = TypeVar("Seen")
 
 
 def versions(packages: Iterable[str]) -> dict[str, str]:
@@ -38,6 +41,12 @@ def recorded_maps(path: Path) -> dict[str, list[str]]:
         return {SeedUse(use): [str(each) for each in listed] for use, listed in seen.items()}
     except (OSError, ValueError, AttributeError, TypeError):
         return {}
+
+
+def joined(records: Sequence[Mapping[str, Sequence[Seen]]]) -> dict[str, list[Seen]]:
+    """Return what several trainings saw by use, each entry once."""
+    uses = dict.fromkeys(use for record in records for use in record)
+    return {use: list(dict.fromkeys(each for record in records for each in record.get(use, ()))) for use in uses}
 
 
 def _git(folder: Path, *words: str) -> str | None:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
-from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing
-from indoor_explorers.env.provenance import recorded_maps
+from indoor_explorers.env.provenance import joined, recorded_maps
 from indoor_explorers.env.search.bitsets import ROOM
 from indoor_explorers.env.tensors import WEIGHTS
 from indoor_explorers.learners.dddqn.network.inference import without_network
@@ -20,10 +19,9 @@ from indoor_explorers.learners.dddqn.observation.config import WIDEST
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE
 from indoor_explorers.learners.dddqn.pilot import DddqnPilot
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
+from indoor_explorers.learners.places.policy import DddqnPlaces
 from indoor_explorers.learners.sessions.record import record_of
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
-
-Seen = TypeVar("Seen")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,8 +29,9 @@ class Dddqn(Policy):
     """Explore with a dueling double deep Q-network.
 
     Mnih et al. 2015, doi:10.1038/nature14236; van Hasselt, Guez and Silver 2016, arXiv:1509.06461; Wang et
-    al. 2016, arXiv:1511.06581. The UAV makes the legal move of highest value; it stays only when it can reach no
-    place with a view of unknown cells. Everything but the guard's back-off is deterministic.
+    al. 2016, arXiv:1511.06581. In rooms the UAV makes the legal move of highest value; it stays only when it can reach
+    no place with a view of unknown cells. On larger maps it flies to the place of highest value, as ``dddqn-places``
+    does. Everything but the guard's back-off and deadlocks is deterministic.
 
     Raises:
         InputError: ``weights`` is missing or not a file of this network, ``map_alone`` is given with it or without
@@ -44,7 +43,8 @@ class Dddqn(Policy):
     plans_for: ClassVar[str] = "90 % and 99 %"
 
     weights: str | None = None
-    """Name of shipped weights, or path of a training's folder or weights; None: the shipped ones for the scenario."""
+    """Name of shipped weights for rooms, or path of a training's folder or weights, which values moves; None: the
+    shipped ones for the scenario."""
     map_alone: bool = False
     """Use shipped weights of a network that sees the map only, without planner features; for small rooms only."""
     tour_width: int | None = None
@@ -52,9 +52,9 @@ class Dddqn(Policy):
     with the weights. Without effect on networks without tour features."""
     network: bool = True
     """Whether the network counts; without it the UAV follows its planner features alone, the shortest tour that was
-    found or the best candidate: what learning starts from."""
+    found or the cheapest order of places: what learning starts from."""
     guard: bool = True
-    """Fly to the nearest frontier while the network makes no progress."""
+    """Fly to the nearest frontier while a network that values moves makes no progress."""
 
     def __post_init__(self) -> None:
         if self.map_alone and self.weights is not None:
@@ -67,10 +67,10 @@ class Dddqn(Policy):
             load_weights(path)
 
     def _paths(self) -> dict[str, Path]:
-        """Return the paths of the weights that this policy may fly, by name."""
+        """Return the paths of the weights of moves that this policy may fly, by name."""
         known = shipped()
         if self.weights is None:
-            return known
+            return {name: known[name] for name in (ROOMS_ALONE if self.map_alone else ROOMS)}
         if self.weights in known:
             return {self.weights: known[self.weights]}
         path = Path(self.weights)
@@ -102,20 +102,28 @@ class Dddqn(Policy):
         hashes = {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in self._paths().items()}
         if self.weights is not None:
             return {"weights_sha256": hashes[self.weights]}
-        used = SUITED_ALONE if self.map_alone else SUITED
-        return {f"weights_{name}_sha256": digest for name, digest in hashes.items()} | {"weights_for": used}
+        told = {f"weights_{name}_sha256": digest for name, digest in hashes.items()}
+        if self.map_alone:
+            return told | {"weights_for": SUITED_ALONE}
+        on_places = _PLACES.provenance()
+        told |= {f"weights_{LARGE}_sha256": on_places.pop("weights_sha256")} | on_places
+        return told | {"weights_for": SUITED}
 
     def seen_seeds(self) -> dict[str, list[range]]:
         """Return the seeds of the trainings of these weights, and of the rooms that they were chosen on."""
-        return _joined([recorded_seeds(record_of(path)) for path in self._paths().values()])
+        return joined([recorded_seeds(record_of(path)) for path in self._paths().values()])
 
     def seen_maps(self) -> dict[str, list[str]]:
         """Return the map files that the trainings of these weights flew."""
-        return _joined([recorded_maps(record_of(path)) for path in self._paths().values()])
+        seen = [recorded_maps(record_of(path)) for path in self._paths().values()]
+        return joined(seen if self.weights is not None or self.map_alone else [*seen, _PLACES.seen_maps()])
 
-    def pilot(self, briefing: Briefing) -> DddqnPilot:
+    def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV for one episode."""
-        loaded = load_weights(self._paths()[self.suited(briefing)])
+        name = self.suited(briefing)
+        if name == LARGE and self.weights is None:
+            return replace(_PLACES, network=self.network).pilot(briefing)
+        loaded = load_weights(self._paths()[name])
         if self.tour_width is not None:
             wide = loaded.observation.model_copy(update={"tour_width": self.tour_width})
             loaded = loaded._replace(observation=wide)
@@ -124,20 +132,21 @@ class Dddqn(Policy):
         return DddqnPilot(briefing, loaded, guard=self.guard, other_range=self.is_outside_training(briefing))
 
 
-def _joined(records: Sequence[Mapping[str, Sequence[Seen]]]) -> dict[str, list[Seen]]:
-    """Return what several trainings saw by use, each entry once."""
-    uses = dict.fromkeys(use for record in records for use in record)
-    return {use: list(dict.fromkeys(each for record in records for each in record.get(use, ()))) for use in uses}
-
+#: The shipped weights of moves that are flown in rooms; with ``map_alone``; and the name of those of places.
+ROOMS = ("thesis-open", "thesis-obstacles")
+ROOMS_ALONE = ("thesis-open-map", "thesis-obstacles-map")
+LARGE = "places"
 
 #: The rule of :func:`suited` in words, for the provenance.
 SUITED = (
-    "up to 16x16 cells with a lidar of range 3 thesis-team for teams that always hear each other, thesis-open for one "
-    "UAV in rooms without obstacles, else thesis-obstacles, also for other ranges; elsewhere general"
+    "up to 16x16 cells thesis-open for one UAV in rooms without obstacles with a lidar of range 3, else "
+    "thesis-obstacles, also for teams and other ranges; elsewhere places"
 )
 
 #: The rule of :func:`suited_alone` in words, for the provenance.
 SUITED_ALONE = "thesis-open-map for one UAV in rooms without obstacles, else thesis-obstacles-map"
+
+_PLACES = DddqnPlaces()
 
 
 def suited(briefing: Briefing) -> str:
@@ -147,12 +156,9 @@ def suited(briefing: Briefing) -> str:
     the best of the shipped sets, or level with it (DDDQN.md).
     """
     if not _is_room(briefing):
-        return "general"
-    if briefing.lidar_range != REFERENCE_RANGE:
-        return "thesis-obstacles"
-    if briefing.team > 1:
-        return "thesis-team" if briefing.scenario.radio.model == "unlimited" else "thesis-obstacles"
-    return "thesis-open" if _is_empty(briefing) else "thesis-obstacles"
+        return LARGE
+    alone = briefing.lidar_range == REFERENCE_RANGE and briefing.team == 1 and _is_empty(briefing)
+    return "thesis-open" if alone else "thesis-obstacles"
 
 
 def suited_alone(briefing: Briefing) -> str:

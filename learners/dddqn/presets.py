@@ -1,4 +1,4 @@
-"""Presets: the trainings of the weights that ship, and a quick one. Each has a scenario, settings and a seed."""
+"""Presets: the trainings of the weights for rooms that ship, and others. Each has a scenario, settings and a seed."""
 
 from __future__ import annotations
 
@@ -65,6 +65,7 @@ PRESETS: dict[str, Preset] = {
         1,
     ),
     "thesis-obstacles": Preset("thesis-obstacles", _KEEN | {"observation.tour_width": 24, "total_steps": 3_000_000}, 1),
+    #: Moves of teams; sooner at 90 % and later at 99 % than ``thesis-obstacles``, which ``dddqn`` flies instead.
     "thesis-team": Preset(
         "thesis-team-4",
         _KEEN
@@ -90,9 +91,8 @@ PRESETS: dict[str, Preset] = {
         },
         1,
     ),
+    #: Moves on maps of any size; ``dddqn`` flies to places there instead.
     "general": Preset("small-offices", _GENERAL, 1),
-    #: The recipe of the shipped ``general``; it flies with the first kind of candidates alone.
-    "general-both": Preset("small-offices", _GENERAL | {"network.candidates": "both"}, 1),
     "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 3_000_000}, 1),
     "thesis-obstacles-map": Preset("thesis-obstacles", _MAP_ALONE | {"total_steps": 5_000_000}, 1),
 }

@@ -90,6 +90,12 @@ def values(scene: Scene, loaded: Loaded) -> NDArray[np.float32]:
     return np.asarray(learned - np.float32(loaded.prior) * scene.costs)
 
 
+def without_network(loaded: Loaded) -> Loaded:
+    """Return weights by which the values of places are the planner's costs alone."""
+    silent = {"out": np.zeros_like(loaded.weights.out), "out_bias": np.zeros_like(loaded.weights.out_bias)}
+    return loaded._replace(weights=loaded.weights._replace(**silent), prior=1.0)
+
+
 def write_weights(path: Path, loaded: Loaded) -> None:
     """Write weights with what they need to be flown."""
     about = {"prior": loaded.prior, "guess": loaded.guess, "others": loaded.others}

@@ -10,7 +10,6 @@ import pytest
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.training import nested, preset_of
-from indoor_explorers.learners import dddqn as learners
 
 
 def test_dotted_settings_become_tables() -> None:
@@ -33,25 +32,16 @@ def test_unknown_presets_and_learners_are_told() -> None:
         preset_of("dddq", "thesis-open")
 
 
-SHIPPED = Path(learners.__file__).parent / "weights"
 SMALL = "prior_notes=2000 total_steps=200 environments=4 warmup_steps=40 batch=8 replay_steps=400 evaluation_every=150"
 TINY = [*SMALL.split(), "evaluation_episodes=2", "device=cpu", "network.width=16"]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("preset", "kinds"), [("general", "first"), ("general-both", "both")])
-def test_the_recipes_of_general_go_through(preset: str, kinds: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("preset", ["general", "thesis-team"])
+def test_recipes_of_weights_that_do_not_ship_go_through(preset: str, tmp_path: Path) -> None:
     small = [*TINY, "replay_steps=4000", "environments=16"]
     assert main(["train", "--preset", preset, "--set", *small, "--out", str(tmp_path)]) == 0
-    record = json.loads((tmp_path / "training.json").read_text())
-    shipped = json.loads((SHIPPED / "general.json").read_text())
-    ours, theirs = record["config"], shipped["config"]
-    assert ours["network"].pop("candidates") == kinds
-    set_here = {entry.partition("=")[0] for entry in small}
-    named = {key for key in theirs if key not in {*set_here, "network", "observation"}}
-    assert {key: ours[key] for key in named} == {key: theirs[key] for key in named}
-    assert theirs["observation"].items() <= ours["observation"].items()
-    assert record["done"]
+    assert json.loads((tmp_path / "training.json").read_text())["done"]
     assert (tmp_path / "weights.safetensors").exists()
 
 

@@ -10,9 +10,16 @@ from indoor_explorers.evaluation.experiment.planning import SHIPPED, read_experi
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 
 ROOT = Path(__file__).parents[3]
-DOCUMENTS = ("README.md", "learners/DDDQN.md", "learners/BASELINES.md", "learners/THESIS.md", "planners/PLANNERS.md")
+DOCUMENTS = (
+    "README.md",
+    "learners/DDDQN.md",
+    "learners/places/PLACES.md",
+    "learners/BASELINES.md",
+    "learners/THESIS.md",
+    "planners/PLANNERS.md",
+)
 #: The experiments by which something was, or might have been, chosen: words of their commands.
-CHOICES = {"lidar-ranges", "tours-delay", "dddqn:results/general", "results/kept-"}
+CHOICES = {"lidar-ranges", "tours-delay"}
 #: Lists of policies to fly on a suite, which has seeds of its own.
 ON_SUITES = {"pocket-errors"}
 EXPERIMENTS = {path.stem: path for path in SHIPPED.glob("*.toml")}

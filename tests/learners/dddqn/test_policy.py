@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
+from indoor_explorers.env import PRESETS, InputError, Policy, World, check_policy, make_policy
 from indoor_explorers.env.scenarios.seed_sets import use_of
 from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.observation.config import LAYERS, ObservationConfig
@@ -17,6 +17,7 @@ from indoor_explorers.learners.dddqn.observation.layout import BLOCKED_AT, PROSP
 from indoor_explorers.learners.dddqn.pilot import DddqnPilot
 from indoor_explorers.learners.dddqn.policy import Dddqn
 from indoor_explorers.learners.dddqn.weights import load_weights, shipped
+from indoor_explorers.learners.places.policy import DddqnPlaces
 from tests.learners.dddqn.rooms import fly, small_room, some_prior, write_network
 
 
@@ -105,9 +106,13 @@ def test_the_shipped_weights_explore_unseen_rooms_well() -> None:
 def test_results_can_tell_which_weights_were_flown(untrained: str) -> None:
     own, all_of_them = Dddqn(weights=untrained).provenance(), Dddqn().provenance()
     assert len(own["weights_sha256"]) == 64
-    assert {f"weights_{name}_sha256" for name in shipped()} < all_of_them.keys()
-    one = next(iter(shipped()))
-    assert Dddqn(weights=one).provenance()["weights_sha256"] == all_of_them[f"weights_{one}_sha256"]
+    names = ("thesis-open", "thesis-obstacles", "places")
+    assert all_of_them.keys() == {*(f"weights_{name}_sha256" for name in names), "pocket_weights", "weights_for"}
+    for name in names[:2]:
+        assert Dddqn(weights=name).provenance()["weights_sha256"] == all_of_them[f"weights_{name}_sha256"]
+    assert DddqnPlaces().provenance()["weights_sha256"] == all_of_them["weights_places_sha256"]
+    assert Dddqn().seen_maps() == DddqnPlaces().seen_maps()
+    assert Dddqn(map_alone=True).seen_maps() == {}
 
 
 def test_without_a_network_the_shortest_tour_is_followed() -> None:
@@ -115,6 +120,7 @@ def test_without_a_network_the_shortest_tour_is_followed() -> None:
     world.reset([1])
     policy = Dddqn(network=False, guard=False)
     pilot = policy.pilot(world.briefing(0, 0))
+    assert isinstance(pilot, DddqnPilot)
     beyond = load_weights(shipped()["thesis-obstacles"]).layout.tours_at + TOURS.index("its steps beyond the shortest")
     for _ in range(30):
         action = pilot.act(world.view(0, 0))
@@ -125,14 +131,32 @@ def test_without_a_network_the_shortest_tour_is_followed() -> None:
     assert policy.provenance() == Dddqn().provenance()
 
 
-def test_without_a_network_the_best_candidate_is_followed_on_large_maps() -> None:
+def test_without_a_network_the_best_candidate_is_followed_on_large_maps(tmp_path: Path) -> None:
     world = World(PRESETS["small-cave"].for_evaluation())
     world.reset([1])
-    pilot = Dddqn(network=False, guard=False).pilot(world.briefing(0, 0))
-    behind = load_weights(shipped()["general"]).layout.prospects_at + PROSPECT.index("steps behind the best")
+    weights = write_network(tmp_path / "weights.safetensors", 1, ObservationConfig(tours=False, prospects=True))
+    pilot = Dddqn(weights=weights, network=False, guard=False).pilot(world.briefing(0, 0))
+    assert isinstance(pilot, DddqnPilot)
+    behind = load_weights(Path(weights)).layout.prospects_at + PROSPECT.index("steps behind the best")
     action = pilot.act(world.view(0, 0))
     legal_A = pilot.moves[0, :, BLOCKED_AT] == 0.0
     assert pilot.moves[0, action, behind] == pilot.moves[0, legal_A, behind].min()
+
+
+def test_large_maps_are_flown_from_place_to_place() -> None:
+    cave = PRESETS["small-cave"].for_evaluation().with_settings({"budget": 60})
+
+    def flown(policy: Policy) -> list[tuple[int, int]]:
+        world = World(cave)
+        world.reset([1])
+        pilots, cells = [policy.pilot(world.briefing(0, n)) for n in range(2)], []
+        for _ in range(60):
+            world.step(np.array([[pilot.act(world.view(0, n)) for n, pilot in enumerate(pilots)]]))
+            cells += [tuple(cell) for cell in world.state.cell[0]]
+        return cells
+
+    assert flown(Dddqn()) == flown(DddqnPlaces())
+    assert flown(Dddqn(network=False)) == flown(DddqnPlaces(network=False)) != flown(Dddqn())
 
 
 def test_a_network_cannot_be_left_out_where_there_are_no_planner_features() -> None:
@@ -156,9 +180,9 @@ def test_results_tell_that_weights_fly_a_lidar_range_they_were_not_trained_with(
 
 def test_unknown_weights_are_told_in_one_line() -> None:
     with pytest.raises(
-        InputError, match=r"unknown weights 'generel' \(expected a name or a path\); did you mean 'general'"
+        InputError, match=r"unknown weights 'thesis-opne' \(expected a name or a path\); did you mean 'thesis-open'"
     ):
-        Dddqn(weights="generel")
+        Dddqn(weights="thesis-opne")
 
 
 def test_the_weights_suit_the_scenario() -> None:
@@ -167,13 +191,13 @@ def test_the_weights_suit_the_scenario() -> None:
         world.reset([1])
         return Dddqn().suited(world.briefing(0, 0))
 
-    assert flown("office") == "general"
+    assert flown("office") == "places"
     for name in ("thesis-open", "thesis-obstacles", "thesis-team-2-radio-unlimited"):
         assert flown(name, **{"lidar.range": 4}) == "thesis-obstacles"
     alone = {name: flown(name) for name in ("thesis-open", "thesis-obstacles")}
     assert alone == {name: name for name in alone}
     teams = [flown(f"thesis-team-{team}-radio-{radio}") for team in (2, 4) for radio in (0, 3, "unlimited")]
-    assert teams == 2 * ["thesis-obstacles", "thesis-obstacles", "thesis-team"]
+    assert teams == 6 * ["thesis-obstacles"]
     assert {*alone, *teams} <= shipped().keys()
 
 
@@ -192,8 +216,10 @@ def test_weights_that_see_the_map_alone_are_for_small_rooms() -> None:
     for settings in ({"lidar.range": 9}, {"map.width": 17}):
         with pytest.raises(InputError, match=r"expected a map of up to 16x16 cells and a lidar range of 3 for we"):
             flown("thesis-obstacles", **settings)
-    with pytest.raises(InputError, match=r"expected weights or map_alone, got both: 'general'; leave one of them out"):
-        Dddqn(weights="general", map_alone=True)
+    with pytest.raises(
+        InputError, match=r"expected weights or map_alone, got both: 'thesis-open'; leave one of them out"
+    ):
+        Dddqn(weights="thesis-open", map_alone=True)
 
 
 def test_tours_are_searched_as_wide_as_asked(tmp_path: Path) -> None:
@@ -204,6 +230,7 @@ def test_tours_are_searched_as_wide_as_asked(tmp_path: Path) -> None:
         world = World(room)
         world.reset([3])
         pilot = policy.pilot(world.briefing(0, 0))
+        assert isinstance(pilot, DddqnPilot)
         looks = []
         for _ in range(8):
             world.step(np.array([[pilot.act(world.view(0, 0))]]))
@@ -224,7 +251,7 @@ def test_a_trainings_folder_is_opened(tmp_path: Path) -> None:
     policy = make_policy(f"dddqn:{tmp_path}", guard=False)
     assert policy == Dddqn(weights=str(tmp_path), guard=False)
     assert len(policy.provenance()["weights_sha256"]) == 64
-    assert make_policy("dddqn:general") == Dddqn(weights="general")
+    assert make_policy("dddqn:thesis-open") == Dddqn(weights="thesis-open")
     with pytest.raises(InputError, match=r"weights\.safetensors: expected a safetensors file, found none"):
         make_policy(f"dddqn:{tmp_path.parent}")
 

@@ -1,11 +1,15 @@
 """The tours as a policy: what the DDDQN flies without its network."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, InputError, Policy, Scenario, World, make_policy
+from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.policy import Dddqn
 from indoor_explorers.learners.dddqn.tours import Tours
+from tests.learners.dddqn.rooms import write_network
 
 
 def moves(policy: Policy, scenario: Scenario, seed: int, steps: int) -> list[int]:
@@ -21,8 +25,11 @@ def moves(policy: Policy, scenario: Scenario, seed: int, steps: int) -> list[int
 
 
 @pytest.mark.parametrize(("name", "steps"), [("thesis-obstacles", 40), ("small-cave", 25)])
-def test_tours_fly_as_the_dddqn_does_without_its_network(name: str, steps: int) -> None:
-    weights = {"thesis-obstacles": "thesis-obstacles", "small-cave": "general"}[name]
+def test_tours_fly_as_the_dddqn_does_without_its_network(name: str, steps: int, tmp_path: Path) -> None:
+    weights = "thesis-obstacles"
+    if name == "small-cave":
+        candidates = ObservationConfig(tours=False, prospects=True)
+        weights = write_network(tmp_path / "weights.safetensors", 1, candidates)
     plain = Dddqn(weights=weights, network=False, guard=False)
     for seed in (1, 2):
         assert moves(Tours(guard=False), PRESETS[name], seed, steps) == moves(plain, PRESETS[name], seed, steps)

@@ -13,9 +13,12 @@ from indoor_explorers.planners.frontier.predictive import FrontierPredictive, Pr
 from tests.learners.places.small import world_on_a_floor
 
 
+def no_weights() -> NetworkWeights:
+    return NetworkWeights(**{name: np.zeros(shape, np.float32) for name, shape in shapes().items()})
+
+
 def pilot_of(world: World, agent: int = 0) -> PlacesPilot:
-    zeros = NetworkWeights(**{name: np.zeros(shape, np.float32) for name, shape in shapes().items()})
-    pilot = PlacesPilot(world.briefing(0, agent), Loaded(zeros, 1.0, guess=True, others=True))
+    pilot = PlacesPilot(world.briefing(0, agent), Loaded(no_weights(), 1.0, guess=True, others=True))
     pilot.navigator.observe(world.view(0, agent))
     return pilot
 

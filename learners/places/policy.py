@@ -1,0 +1,71 @@
+"""The network that chooses places as a policy."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.view import Briefing
+from indoor_explorers.env.provenance import joined, recorded_maps
+from indoor_explorers.env.search.pockets.outlook import EstimateUser
+from indoor_explorers.learners.places.network import load_weights, without_network
+from indoor_explorers.learners.places.pilot import PlacesPilot
+
+#: The weights that ship.
+SHIPPED = Path(__file__).parent / "weights" / "places.safetensors"
+#: The file of the weights in the folder of a training.
+NAME = "places.safetensors"
+
+
+@dataclass(frozen=True, kw_only=True)
+class DddqnPlaces(EstimateUser, Policy):
+    """Fly to the frontier cluster that a dueling network values most, on maps of any size.
+
+    Each cluster is a place; the network sees all of them, what is expected behind them, and the costs of the orders
+    in which ``frontier-predictive`` would visit them (:mod:`indoor_explorers.learners.places.scene`). It is trained by
+    policy iteration with double and dueling estimates (:mod:`indoor_explorers.learners.places.train`). Only the draws
+    of deadlocks between UAVs are random.
+
+    Raises:
+        InputError: ``weights`` is missing or not a file of this network.
+
+    """
+
+    plans_for: ClassVar[str] = "90 % and 99 %"
+
+    weights: str | None = None
+    """Path of a training's folder or weights; None: the shipped ones."""
+    network: bool = True
+    """Whether the network counts; without it the UAV follows the costs of ``frontier-predictive``."""
+
+    def __post_init__(self) -> None:
+        load_weights(self.path)
+
+    @property
+    def path(self) -> Path:
+        """The path of the weights."""
+        if self.weights is None:
+            return SHIPPED
+        given = Path(self.weights)
+        return given / NAME if given.is_dir() else given
+
+    def pilot(self, briefing: Briefing) -> PlacesPilot:
+        """Make the pilot of one UAV for one episode."""
+        loaded = load_weights(self.path)
+        return PlacesPilot(briefing, loaded if self.network else without_network(loaded))
+
+    def provenance(self) -> dict[str, str]:
+        """Return the hashes of the network's weights and of those of the estimates."""
+        return super().provenance() | {"weights_sha256": hashlib.sha256(self.path.read_bytes()).hexdigest()}
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return the maps that the network and the estimates were learned from."""
+        return joined([super().seen_maps(), recorded_maps(self.path.with_suffix(".json"))])
+
+
+def opened(path: str, **parameters: Any) -> DddqnPlaces:
+    """Return the policy of a trained network, ``dddqn-places:DIR``."""
+    return DddqnPlaces(weights=path, **parameters)
