@@ -142,10 +142,11 @@ def _load(name: str) -> tuple[Any, dict[str, str]]:
 
 def _target(name: str) -> tuple[str, dict[str, str]]:
     """Return ``module:attribute`` of what makes the policy, and the parameters that its name gives."""
-    known, openers = policy_entry_points(), opener_entry_points()
+    known = policy_entry_points()
     before, colon, path = name.partition(":")
     if not colon and name in known:
         return known[name].value, {}
+    openers = opener_entry_points()
     if before not in openers:
         if not colon:
             raise InputError(f"unknown policy {name!r}{did_you_mean(name, {*known, *openers})}")

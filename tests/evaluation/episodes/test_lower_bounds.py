@@ -146,3 +146,18 @@ def test_regions_and_their_tree_are_those_of_plain_searches(seed):
     entered = [field[scan(truth, cell, 3.0) == 1].min() for cell in cells]
     assert between[0, 1] == max(entered)
     assert spanning_tree_bound(table, 17, 1, len(cells)) == 0
+
+
+def test_a_task_is_bounded_once_for_all_policies(monkeypatch):
+    worked = []
+
+    def noted(world, episode, share):
+        worked.append(share)
+        return {"noted": 7 + len(worked)}
+
+    monkeypatch.setattr(lower_bounds, "lower_bounds", noted)
+    truth = np.ones((3, 17), np.uint8)
+    assert [least_steps(begun(truth, [(0, 0)], 2.0), 0, share) for share in (0.77, 0.77, 0.78)] == [8, 8, 9]
+    assert least_steps(begun(truth, [(0, 1)], 2.0), 0, 0.77) == 10
+    assert least_steps(begun(truth, [(0, 0)], 3.0), 0, 0.77) == 11
+    assert worked == [0.77, 0.78, 0.77, 0.77]
