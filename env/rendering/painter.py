@@ -60,6 +60,12 @@ def paint(scene: Scene) -> NDArray[np.uint8]:
     return canvas
 
 
+def paint_team_map(canvas: Canvas, box: Box, scene: Scene) -> None:
+    """Paint the true map, dimmed where the team does not know it, with all that happens in it, into a box."""
+    colours = np.where(gone(scene)[:, None], paler(uav_colours(scene.team)), uav_colours(scene.team))
+    _team_map(canvas, box, scene, colours)
+
+
 def gone(scene: Scene) -> Mask:
     """Return (N,) the UAVs to mark as ended: none when the team has flown together to its goal or budget."""
     together = np.isin(scene.ends, (End.GOAL, End.BUDGET)).all()

@@ -34,15 +34,17 @@ class VideoWriter:
 
     Frames are held compressed, and no more than the file may have, so an episode may be of any length.
 
+    ``most`` limits the number of frames further.
+
     Raises:
         InputError: the ending is none of ``FRAMES``, the folder cannot be written, or the encoder is missing.
 
     """
 
-    def __init__(self, path: str | Path, fps: float | None = None) -> None:
+    def __init__(self, path: str | Path, fps: float | None = None, most: int | None = None) -> None:
         self.path = Path(path)
         self._kind = _checked_kind(self.path)
-        self._limit = FRAMES[self._kind]
+        self._limit = min(FRAMES[self._kind], most or FRAMES[self._kind])
         self._fps = fps
         self._frames: list[bytes] = []
         self._shape: tuple[int, ...] = ()

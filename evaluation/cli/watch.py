@@ -1,10 +1,12 @@
-"""Show one episode of a policy in a window or save it to a file: the same episode that a comparison flies."""
+"""Show an episode of one policy, or of several side by side, in a window or save it to a file.
+
+Each is the episode that a comparison flies for that seed.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +14,9 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from indoor_explorers.env import Policy, World
-from indoor_explorers.env.errors import RunError
+from indoor_explorers.env.errors import InputError, RunError
 from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
+from indoor_explorers.env.rendering.side_by_side import MOST, SideBySide, paint_side_by_side
 from indoor_explorers.env.rendering.video_writer import FPS, VideoWriter
 from indoor_explorers.env.rendering.window import Window
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
@@ -21,33 +24,76 @@ from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.experiment.experiment import Experiment
 
 
-def watch(experiment: Experiment, console: Console, *, save: Path | None, steps: int | None, fps: float | None) -> None:
-    """Fly the first episode of an experiment's first policy and show it, or save it to a file.
+def watch(
+    experiment: Experiment, console: Console, *, film: VideoWriter | None, steps: int | None, fps: float | None
+) -> None:
+    """Fly the first episode of an experiment with each policy, and write it to a film, or show it in a window.
 
-    ``steps`` limits its length. Prints the path of the file and how the episode ended.
+    ``steps`` limits its length. Prints the path of the file and how the episodes ended.
 
     Raises:
-        InputError: the file cannot be written, or no window can be opened.
-        RunError: the policy failed; no file is written.
+        InputError: too many policies, or no window can be opened.
+        RunError: a policy failed; no file is written.
 
     """
-    policy, scenario = experiment.policies[0].make(), experiment.scenarios[0]
-    title = f"{scenario.name}  \u00b7  {experiment.policies[0].name}  \u00b7  seed {experiment.seed}"
-    world = World(scenario)
-    world.begin(0, experiment.seed, floorplan=draw_floorplan(scenario, experiment.seed))
-    last = min(int(world.state.budget[0]), steps if steps is not None else int(world.state.budget[0]))
-    show = Show(world, title, last)
-    moments = flight(policy, world, last)
-    if save is None:
-        show.in_window(moments, fps)
+    count = len(experiment.policies)
+    if count > MOST:
+        raise InputError(f"expected up to {MOST} policies to watch side by side, got {count}; leave some out")
+    flights = [Flight(experiment, number, steps) for number in range(count)]
+    title = f"{experiment.scenarios[0].name}  \u00b7  {flights[0].name}  \u00b7  seed {experiment.seed}"
+    if count == 1:
+        show = Show(flights, title)
     else:
-        show.in_file(moments, VideoWriter(save, fps), console)
-    console.print(
-        f"{experiment.policies[0].name} on {scenario.name}, seed {experiment.seed}: "
-        f"step {world.state.step[0]} of {world.state.budget[0]}, coverage {percent(world.team_coverage[0])}",
-        highlight=False,
-        soft_wrap=True,
-    )
+        title = f"{experiment.scenarios[0].name}  \u00b7  {count} policies  \u00b7  seed {experiment.seed}"
+        show = Show(flights, title, _longest(experiment, steps) if film is not None else 0)
+    if film is None:
+        show.in_window(fps)
+    else:
+        show.in_file(film, console)
+    for each in flights:
+        console.print(f"{each.name} on {each.ending(experiment.seed)}", highlight=False, soft_wrap=True)
+
+
+def _longest(experiment: Experiment, steps: int | None) -> int:
+    """Return the steps of the longest flight, so that all charts end there."""
+    flights = [Flight(experiment, number, steps) for number in range(len(experiment.policies))]
+    for each in flights:
+        for _ in each.moments():
+            pass
+    return max(each.step for each in flights)
+
+
+class Flight:
+    """The episode of one policy."""
+
+    def __init__(self, experiment: Experiment, number: int, steps: int | None) -> None:
+        scenario = experiment.scenarios[0]
+        self.name = experiment.policies[number].name
+        self._policy = experiment.policies[number].make()
+        self.world = World(scenario)
+        self.world.begin(0, experiment.seed, floorplan=draw_floorplan(scenario, experiment.seed))
+        budget = int(self.world.state.budget[0])
+        self.last = min(budget, steps if steps is not None else budget)
+        self.trails = Trails(self.world.state.truth.shape[1:])
+        self.coverage: list[float] = []
+
+    @property
+    def step(self) -> int:
+        """Steps flown."""
+        return int(self.world.state.step[0])
+
+    def moments(self) -> Iterator[bool]:
+        """Fly; yield at the start and after every step whether the episode goes on."""
+        for going in flight(self._policy, self.world, self.last):
+            self.trails.add(self.world.state.cell[0])
+            self.coverage.append(float(self.world.team_coverage[0]))
+            yield going
+
+    def ending(self, seed: int) -> str:
+        """Say in words how far the episode came."""
+        state = self.world.state
+        facts = f"step {state.step[0]} of {state.budget[0]}, coverage {percent(self.world.team_coverage[0])}"
+        return f"{self.world.scenario.name}, seed {seed}: {facts}"
 
 
 def flight(policy: Policy, world: World, last: int) -> Iterator[bool]:
@@ -66,24 +112,43 @@ def flight(policy: Policy, world: World, last: int) -> Iterator[bool]:
 
 
 class Show:
-    """Draws an episode while it is flown."""
+    """Draws episodes while they are flown.
 
-    def __init__(self, world: World, title: str, last: int) -> None:
-        self._world = world
-        self._title = title
-        self._last = last
-        self._trails = Trails(world.state.truth.shape[1:])
+    Args:
+        flights: Flights over maps of one size.
+        title: Of the whole picture.
+        longest: Steps that the charts of several flights reach to; 0: as far as has been flown.
+
+    """
+
+    def __init__(self, flights: Sequence[Flight], title: str, longest: int = 0) -> None:
+        self._flights, self._title, self._longest = flights, title, longest
 
     def picture(self) -> NDArray[np.uint8]:
         """Return a picture of the current step, (h, w, 3) uint8."""
-        return paint(scene_of(self._world, 0, self._trails, self._title))
+        scenes = [scene_of(each.world, 0, each.trails, self._title) for each in self._flights]
+        if len(scenes) == 1:
+            return paint(scenes[0])
+        seen = [SideBySide(each.name, scene, each.coverage) for each, scene in zip(self._flights, scenes, strict=True)]
+        return paint_side_by_side(seen, self._longest or self._step)
 
-    def in_window(self, moments: Iterator[bool], fps: float | None) -> None:
-        """Show every step in a window, and the last one until the window is closed; closing it ends the flight."""
+    @property
+    def _step(self) -> int:
+        return max(each.step for each in self._flights)
+
+    def _moments(self) -> Iterator[bool]:
+        """Fly all flights a step at a time; yield whether any goes on."""
+        flying = {each.moments(): True for each in self._flights}
+        while any(flying.values()):
+            for moments, going in flying.items():
+                flying[moments] = going and next(moments)
+            yield any(flying.values())
+
+    def in_window(self, fps: float | None) -> None:
+        """Show every step in a window, and the last one until the window is closed; closing it ends the flights."""
         window = Window(self._title, fps if fps is not None else FPS[0])
         try:
-            for going in moments:
-                self._trails.add(self._world.state.cell[0])
+            for going in self._moments():
                 if going:
                     window.show(self.picture())
                 else:
@@ -93,18 +158,17 @@ class Show:
         finally:
             window.close()
 
-    def in_file(self, moments: Iterator[bool], video: VideoWriter, console: Console) -> None:
-        """Record the flight, write the file and print its path."""
+    def in_file(self, video: VideoWriter, console: Console) -> None:
+        """Record the flights, write the file and print its path."""
         if not console.is_terminal:
             console.print(f"flying {self._title}", highlight=False, soft_wrap=True)
         columns = [TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()]
         with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-            flying = bar.add_task("flying", total=self._last)
-            for going in moments:
-                self._trails.add(self._world.state.cell[0])
+            flying = bar.add_task("flying", total=max(each.last for each in self._flights))
+            for going in self._moments():
                 video.add(self.picture, last=not going)
-                bar.update(flying, completed=int(self._world.state.step[0]))
-            bar.update(flying, total=int(self._world.state.step[0]))
+                bar.update(flying, completed=self._step)
+            bar.update(flying, total=self._step)
             writing = bar.add_task("writing", total=len(video))
             video.save(lambda written: bar.update(writing, completed=written))
         width, height = video.size

@@ -1,4 +1,4 @@
-"""``watch``: show a policy fly one episode, or save it as a video."""
+"""``watch``: show policies fly one episode, or save it as a video."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from indoor_explorers.evaluation.experiment.request import (
     Request,
     Settings,
 )
-from indoor_explorers.evaluation.options import Option, read_count, read_rate
+from indoor_explorers.evaluation.options import Option, read_count, read_names, read_rate
 
 
 class WatchOptions(Request):
     """The options of ``watch``."""
 
-    policy: Annotated[str, Option(metavar="NAME")]
-    """The policy: a name, NAME:PATH such as sb3:DIR, or module:Class."""
+    policy: Annotated[tuple[str, ...], Option(metavar="NAME,...", read=read_names)]
+    """The policy: a name, NAME:PATH such as sb3:DIR, or module:Class; several, with commas, fly side by side."""
     scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
     """The scenario (default thesis-obstacles)."""
     maps: Annotated[str | None, Option(metavar="PATH")] = None
@@ -39,12 +39,15 @@ class WatchOptions(Request):
     """Write a .gif, an .mp4, or the last step as a .png."""
     steps: Annotated[int | None, Option(metavar="N", read=read_count)] = None
     """Stop after N steps."""
+    frames: Annotated[int | None, Option(metavar="N", read=read_count)] = None
+    """Keep at most N frames of a .gif or .mp4 (default 240 or 1800): every second, fourth, ... step of longer ones."""
     fps: Annotated[float | None, Option(metavar="N", read=read_rate)] = None
     """Frames per second (default 8; long videos up to 25)."""
 
 
 def run_watch(options: WatchOptions, typed: str) -> int:
     """Fly one episode in a window, or into a file."""
+    from indoor_explorers.env.rendering.video_writer import VideoWriter
     from indoor_explorers.evaluation.cli.watch import watch
     from indoor_explorers.evaluation.experiment.planning import plan
 
@@ -58,7 +61,8 @@ def run_watch(options: WatchOptions, typed: str) -> int:
         seed=options.seed,
         settings=options.settings,
     )
-    watch(plan(request), make_console(), save=options.save, steps=options.steps, fps=options.fps)
+    film = None if options.save is None else VideoWriter(options.save, options.fps, options.frames)
+    watch(plan(request), make_console(), film=film, steps=options.steps, fps=options.fps)
     return 0
 
 

@@ -172,3 +172,28 @@ def test_an_interrupted_film_leaves_nothing(tmp_path):
     printed, errors = running.communicate(timeout=60)
     assert (running.returncode, printed, errors) == (130, "", "indoor-explorers: interrupted; nothing was written\n")
     assert not list(tmp_path.iterdir())
+
+
+def test_policies_fly_side_by_side(capsys, tmp_path):
+    path = tmp_path / "both.gif"
+    words = ["watch", "--policy", "frontier-minpos,random", "--scenario", "thesis-team-2", "--steps", "12"]
+    status, printed, errors = run(capsys, *words, "--frames", "8", "--save", path)
+    assert (status, errors) == (0, "")
+    with Image.open(path) as image:
+        assert image.n_frames == 7  # the start, every second step
+        assert image.width > 1.2 * image.height
+    assert "flying thesis-team-2  \u00b7  2 policies  \u00b7  seed 0" in printed
+    for policy in ("frontier-minpos", "random"):
+        assert f"{policy} on thesis-team-2, seed 0: step 12 of 400, coverage" in printed
+    status, _, errors = run(capsys, "watch", "--policy", ",".join(7 * ["random"]), "--save", path)
+    assert (status, errors.count("\n")) == (2, 1)
+
+
+def test_side_by_side_in_a_window(capsys, monkeypatch):
+    shown = []
+    show = Window.show
+    monkeypatch.setattr(Window, "show", lambda self, picture: (shown.append(picture.shape), show(self, picture)))
+    words = ["watch", "--policy", "frontier-minpos,frontier-nearest", "--scenario", "thesis-open"]
+    assert run(capsys, *words, "--steps", "3", "--fps", "1000")[0] == 0
+    assert len(shown) == 4
+    assert len(set(shown)) == 1
