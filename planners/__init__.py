@@ -27,13 +27,13 @@ __all__ = [
     "unclaimed_gains",
 ]
 
-#: The public names of each module, of this package or by its whole name.
+#: The modules of the public names.
 _MODULES = {
     "indoor_explorers.env.search.clusters": ("Clusters", "frontier_clusters", "nearest_cells"),
-    "information.view_gain": ("WeightedGains", "unclaimed_gains"),
-    "navigation.goal_pilot": ("GoalPilot",),
-    "navigation.navigator": ("Navigator",),
-    "navigation.paths": ("Paths",),
+    "indoor_explorers.env.search.view_gain": ("WeightedGains", "unclaimed_gains"),
+    "indoor_explorers.env.navigation.goal_pilot": ("GoalPilot",),
+    "indoor_explorers.env.navigation.navigator": ("Navigator",),
+    "indoor_explorers.env.navigation.paths": ("Paths",),
 }
 __getattr__ = lazy_names(__name__, _MODULES)
 
