@@ -4,6 +4,7 @@
 # make test-all  the tests that make test leaves out: trainings with other libraries, clusters, wheel, browser
 # make stress    kill a comparison fifty times and see that nothing is lost: some ten minutes
 # make soak      fly every policy over many maps, teams and radios and list who freezes, dithers or fails: an hour
+# make docs      write the documentation to results/site, from files and code alone; a dead link fails
 # make browser   have a Chromium for the tests of the report page, where Debian's can be installed
 
 PYTHON ?= python3
@@ -17,7 +18,7 @@ APT = DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=0 -o Acquir
 # every process of a test would compile the package's modules to bytecode anew
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: compare compare-full test test-all lint warm-up stress soak browser clean
+.PHONY: compare compare-full test test-all lint warm-up stress soak docs browser clean
 
 compare: $(VENV)/.installed-compare
 	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/quick.toml --out $(OUT)
@@ -45,6 +46,10 @@ stress: $(VENV)/.installed-test
 
 soak: $(VENV)/.installed-test
 	$(RUN)/python -m tests.behaviour.soak
+
+docs: $(VENV)/.installed-test
+	NO_MKDOCS_2_WARNING=1 $(RUN)/mkdocs build --quiet --config-file evaluation/site/mkdocs.yml
+	@echo "Documentation: results/site/index.html"
 
 browser:
 	@for name in $(BROWSERS); do command -v $$name >/dev/null && exit 0; done; \

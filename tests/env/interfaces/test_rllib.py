@@ -12,7 +12,7 @@ from indoor_explorers.env import PRESETS, parallel_env
 from indoor_explorers.env.observations import Egocentric, Flat
 
 pytestmark = pytest.mark.xdist_group("ray")
-README = (Path(__file__).resolve().parents[3] / "README.md").read_text(encoding="utf-8")
+GUIDE = (Path(__file__).resolve().parents[3] / "evaluation/site/pages/guides/learner.md").read_text(encoding="utf-8")
 #: A room of 8 x 8 for two; whoever hits a wall stays where it is.
 PLAYROOM = PRESETS["thesis-team-2"].with_settings(
     {
@@ -45,9 +45,9 @@ def _one_thread():
 @pytest.mark.usefixtures("connected", "_one_thread")
 @pytest.mark.filterwarnings("ignore:.*Overriding environment rllib")  # it registers its own with every algorithm
 def test_a_team_trains_with_shared_parameters_as_the_readme_shows():
-    (snippet,) = (text for text in re.findall(r"```python\n(.*?)```", README, re.DOTALL) if "from ray" in text)
+    (snippet,) = (text for text in re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL) if "from ray" in text)
     shown = {}
-    exec(compile(snippet, "README.md", "exec"), shown)
+    exec(compile(snippet, "learner.md", "exec"), shown)
     algorithm = shown["algorithm"]
     try:
         before = algorithm.get_module("shared").get_state()

@@ -11,7 +11,7 @@ from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 
 ROOT = Path(__file__).parents[3]
 DOCUMENTS = (
-    "README.md",
+    "evaluation/site/pages/results.md",
     "learners/DDDQN.md",
     "learners/places/PLACES.md",
     "learners/BASELINES.md",

@@ -1,0 +1,104 @@
+"""What mkdocs does besides: documents of the other folders become pages, and links between files lead to pages.
+
+Pages and documents link to files of the repository, so that they read as well there. The references of the command
+line, the settings and Python are made by :mod:`~indoor_explorers.evaluation.site.reference`.
+"""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from pathlib import Path
+from typing import Any
+
+from mkdocs.exceptions import PluginError
+from mkdocs.structure.files import File
+
+from indoor_explorers.evaluation.site.reference import command_line_page, python_page, settings_page
+
+ROOT = Path(__file__).resolve().parents[2]
+#: The folder of the pages in the repository.
+PAGES = "evaluation/site/pages"
+#: The pages that are documents of the repository.
+DOCUMENTS = {
+    "README.md": "index.md",
+    "CONTRIBUTING.md": "guides/planner.md",
+    "CHANGELOG.md": "changes.md",
+    "evaluation/CLUSTER.md": "guides/cluster.md",
+    "evaluation/SUITES.md": "reference/suites.md",
+    "evaluation/STATISTICS.md": "methods/statistics.md",
+    "planners/PLANNERS.md": "methods/planners.md",
+    "learners/DDDQN.md": "methods/dddqn.md",
+    "learners/BASELINES.md": "methods/baselines.md",
+    "learners/THESIS.md": "methods/thesis.md",
+    "learners/places/PLACES.md": "methods/places.md",
+    "learners/pockets/POCKETS.md": "methods/pockets.md",
+    "env/maps/FLOORS.md": "methods/floors.md",
+}
+#: The pages that are made of the code.
+MADE = {
+    "reference/command-line.md": command_line_page,
+    "reference/settings.md": settings_page,
+    "reference/python.md": python_page,
+}
+#: Files that are no pages, which the site has a copy of: pictures and short texts.
+COPIED = (".svg", ".png", ".gif", ".cff", ".toml", ".py", "LICENSE")
+_LINK = re.compile(r"\[([^\[\]]*)\]\((?!https?:|mailto:)([^)#\s]+)(#[^)\s]*)?\)")
+_FETCHED = re.compile(r'<script src="https?://[^"]*"></script>')
+_CODE = re.compile(r"(^```.*?^```$|^ {4}[^\n]*$)", re.MULTILINE | re.DOTALL)
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Add the documents, what they link to, and the pages that are made of the code."""
+    for source, page in DOCUMENTS.items():
+        files.append(File.generated(config, page, content=(ROOT / source).read_text("utf-8")))
+    for page, make in MADE.items():
+        files.append(File.generated(config, page, content=make()))
+    for page in list(files.documentation_pages()):
+        for target in _linked(page.src_uri, page.content_string):
+            uri = _uri(target)
+            if target.endswith(COPIED) and files.get_file_from_path(uri) is None:
+                files.append(File.generated(config, uri, abs_src_path=str(ROOT / target)))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
+    """Let links between files of the repository lead to pages."""
+    uri = page.file.src_uri
+
+    def led(match: re.Match[str]) -> str:
+        label, target, anchor = match[1], _in_repository(uri, match[2]), match[3] or ""
+        if (ROOT / target).is_dir():
+            return label
+        if not (ROOT / target).is_file():
+            raise PluginError(f"{_source(uri)}: no file {target} to link to")
+        return f"[{label}]({posixpath.relpath(_uri(target), posixpath.dirname(uri) or '.')}{anchor})"
+
+    parts = _CODE.split(markdown)
+    return "".join(part if k % 2 else _LINK.sub(led, part) for k, part in enumerate(parts))
+
+
+def _linked(uri: str, text: str) -> list[str]:
+    """Return the files of the repository that a page links to."""
+    return [_in_repository(uri, match[2]) for part in _CODE.split(text)[::2] for match in _LINK.finditer(part)]
+
+
+def _in_repository(uri: str, target: str) -> str:
+    return posixpath.normpath(posixpath.join(posixpath.dirname(_source(uri)), target))
+
+
+def _source(uri: str) -> str:
+    """Return the file of the repository that a page is made of."""
+    return next((source for source, page in DOCUMENTS.items() if page == uri), f"{PAGES}/{uri}")
+
+
+def _uri(target: str) -> str:
+    """Return where the site has a file of the repository."""
+    if target.startswith(f"{PAGES}/"):
+        return target.removeprefix(f"{PAGES}/")
+    return DOCUMENTS.get(target, f"files/{target}")
+
+
+def on_post_page(output: str, page: Any, config: Any) -> str:
+    """Take out what would be fetched from elsewhere: a script that lets the search work in pages opened from disk."""
+    return _FETCHED.sub("", output)

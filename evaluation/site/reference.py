@@ -1,0 +1,114 @@
+"""Reference pages that are made of the code: the command line, the settings of scenarios, and the public names."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import inspect
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from indoor_explorers.env import Scenario
+from indoor_explorers.evaluation.cli.parser import build_parser
+
+#: The page that lists the public modules.
+NAMES = Path(__file__).parent / "pages" / "reference" / "names.md"
+#: How the bounds of a setting are written.
+SIGNS = {"ge": "\u2265", "gt": ">", "le": "\u2264", "lt": "<"}
+
+
+def command_line_page() -> str:
+    """Return the help of every command."""
+    parser = build_parser()
+    (commands,) = (action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+    told = [f"## {name}\n\n```text\n{each.format_help().strip()}\n```\n" for name, each in commands.choices.items()]
+    return "\n".join(["# Command line\n", f"```text\n{parser.format_help().strip()}\n```\n", *told])
+
+
+def settings_page() -> str:
+    """Return the settings of a scenario: keys of its TOML file, and of ``--set``."""
+    lines = [
+        "# Settings of a scenario",
+        "",
+        "Each is a key of a scenario's TOML table, of `--set key=value`, and of `Scenario.with_settings`; a dot leads",
+        "into a table, as in `lidar.range`.",
+        "",
+    ]
+    for title, model, prefix in _tables(Scenario, "Scenario", ""):
+        lines += [f"## {title}", "", inspect.cleandoc(model.__doc__ or ""), ""]
+        lines += ["| key | values | default | |", "|---|---|---|---|"]
+        lines += [_row(prefix + name, field) for name, field in model.model_fields.items()]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _tables(model: type[BaseModel], title: str, prefix: str) -> Iterator[tuple[str, type[BaseModel], str]]:
+    """Yield a model and those of its fields, with titles and the prefixes of their keys."""
+    yield title, model, prefix
+    for name, field in model.model_fields.items():
+        models = [each for each in _parts(field.annotation) if isinstance(each, type) and issubclass(each, BaseModel)]
+        for each in models:
+            source = each.model_fields.get("source")
+            titled = f"{prefix}{name}" if source is None else f'{prefix}{name} with source = "{source.default}"'
+            yield from _tables(each, titled, f"{prefix}{name}.")
+
+
+def _parts(annotation: object) -> tuple[object, ...]:
+    """Return the members of a union, or the one type."""
+    arguments = getattr(annotation, "__args__", ())
+    return arguments if "Union" in type(annotation).__name__ or "|" in str(annotation) else (annotation,)
+
+
+def _row(key: str, field: FieldInfo) -> str:
+    default = "" if field.is_required() else f"`{_short(field.get_default(call_default_factory=True))}`"
+    bounds = [
+        f"{sign} {getattr(each, name)}"
+        for each in field.metadata
+        for name, sign in SIGNS.items()
+        if hasattr(each, name)
+    ]
+    values = _escaped(", ".join([_named(field.annotation), *bounds]))
+    return f"| `{key}` | {values} | {_escaped(default)} | {_escaped(' '.join((field.description or '').split()))} |"
+
+
+def _bounds(metadata: object) -> Iterator[tuple[str, object]]:
+    yield from ((name, getattr(metadata, name)) for name in SIGNS if hasattr(metadata, name))
+
+
+def _short(value: object) -> str:
+    return "its defaults" if isinstance(value, BaseModel) else repr(value)
+
+
+def _named(annotation: object) -> str:
+    text = annotation.__name__ if isinstance(annotation, type) else str(annotation)
+    return re.sub(r"(?:typing\.|indoor_explorers\.[\w.]+\.)", "", text)
+
+
+def _escaped(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+def python_page() -> str:
+    """Return the public modules with their names; an undocumented name is refused."""
+    modules = re.findall(r"`(indoor_explorers\.[\w.]+)`", NAMES.read_text("utf-8").partition("- The entry-point")[0])
+    lines = ["# Python", ""]
+    for name in modules:
+        module = importlib.import_module(name)
+        lines += [f"## {name}", "", (inspect.getdoc(module) or "").partition("\n\n")[0], ""]
+        for public in sorted(module.__all__):
+            lines += _described(f"{name}.{public}", getattr(module, public))
+    return "\n".join(lines)
+
+
+def _described(path: str, value: object) -> list[str]:
+    """Return the lines of one public name."""
+    title = path.rpartition(".")[2]
+    if not (inspect.isclass(value) or inspect.isroutine(value)):
+        return [f"### {title}", "", f"`{type(value).__name__}`", ""]
+    if not inspect.getdoc(value):
+        raise ValueError(f"{path}: a public name has no docstring")
+    return [f"### {title}", "", f"::: {value.__module__}.{value.__qualname__}", ""]

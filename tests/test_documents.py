@@ -1,0 +1,131 @@
+"""What the documents show works as it stands there, and the site can be built of them."""
+
+import ast
+import importlib
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from indoor_explorers.env import PRESETS, policy_names
+from indoor_explorers.evaluation.cli.parser import build_parser
+
+ROOT = Path(__file__).resolve().parent.parent
+SITE = ROOT / "evaluation" / "site"
+PAGES = SITE / "pages"
+DOCUMENTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "evaluation/CLUSTER.md")] + sorted(
+    PAGES.rglob("*.md")
+)
+#: All Python of the pages and the README; what needs Ray is run in tests/env/interfaces/test_rllib.py, where Ray is
+#: started once and with little.
+SNIPPETS = {
+    f"{path.stem}-{number}": text
+    for path in (ROOT / "README.md", *sorted(PAGES.rglob("*.md")))
+    for number, text in enumerate(re.findall(r"```python\n(.*?)```", path.read_text(), re.DOTALL))
+    if "from ray" not in text
+}
+COMPARISONS = [name for name, text in SNIPPETS.items() if "compare(" in text]
+
+
+@pytest.fixture
+def one_thread():
+    """Train on one thread: small matrices are slower on many, above all beside other processes."""
+    import torch
+
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(threads)
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.usefixtures("one_thread")
+@pytest.mark.parametrize("name", [name for name in SNIPPETS if name not in COMPARISONS])
+def test_a_snippet_runs(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    exec(compile(SNIPPETS[name], name, "exec"), {"__name__": "__main__"})
+
+
+@pytest.mark.parametrize("name", COMPARISONS)
+def test_a_comparison_runs_as_a_script_without_a_main_guard(name, tmp_path):
+    (tmp_path / "snippet.py").write_text(SNIPPETS[name])
+    done = subprocess.run([sys.executable, "snippet.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_policy_and_scenario_is_in_its_table():
+    families = {
+        r"rewards-[123]-stuck-[012]": "rewards-R-stuck-S",
+        r"team-[24]-radio-([013]|unlimited)": "team-N-radio-X",
+    }
+    policies, scenarios = ((PAGES / name).read_text() for name in ("policies.md", "scenarios.md"))
+    for name in policy_names():
+        assert f"| `{name}` |" in policies
+    for name in (name for name in PRESETS if name != "thesis-team-4"):
+        for numbers, letters in families.items():
+            name = re.sub(numbers, letters, name)
+        assert f"`{name}`" in scenarios
+
+
+@pytest.mark.parametrize("path", [ROOT / "README.md", *sorted(PAGES.rglob("*.md"))], ids=lambda path: path.stem)
+def test_every_command_line_is_understood(path):
+    for line in re.findall(r"^    indoor-explorers (.*)$", path.read_text(), re.MULTILINE):
+        build_parser().parse_args(line.replace("'", "").split())
+
+
+def test_the_readme_is_short():
+    assert len((ROOT / "README.md").read_bytes()) <= 8000
+
+
+def test_documents_import_public_names_alone():
+    public = re.findall(
+        r"`(indoor_explorers\.[\w.]+)`", (PAGES / "reference" / "names.md").read_text().partition("- The entry")[0]
+    )
+    for path in DOCUMENTS:
+        for block in re.findall(r"```python\n(.*?)```", path.read_text(), re.DOTALL):
+            for node in ast.walk(ast.parse(block)):
+                if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("indoor_explorers"):
+                    assert node.module in public, (path, node.module)
+                    names = importlib.import_module(node.module).__all__
+                    assert {alias.name for alias in node.names} <= set(names), (path, node.module)
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.stem)
+def test_links_lead_somewhere(path):
+    for target, anchor in re.findall(r"\]\((?!http)([^)#]+)#?([^)]*)\)", path.read_text()):
+        found = path.parent / target
+        assert found.exists(), target
+        headings = re.findall(r"^#+ (.+)$", found.read_text(), re.MULTILINE) if anchor else [""]
+        assert anchor in [heading.lower().replace(" ", "-") for heading in headings], (target, anchor)
+
+
+@pytest.mark.slow
+def test_the_site_is_built_and_fetches_nothing(tmp_path):
+    words = ["-m", "mkdocs", "build", "--quiet", "--config-file", SITE / "mkdocs.yml", "--site-dir", tmp_path / "site"]
+    done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    pages = {str(path.relative_to(tmp_path / "site")): path.read_text() for path in (tmp_path / "site").rglob("*.html")}
+    assert {"index.html", "methods/planners.html", "reference/python.html", "reference/settings.html"} <= pages.keys()
+    for name, text in pages.items():
+        assert not re.search(r"<(script|img|link)[^>]* (src|href)=\"https?://", text), name
+    assert "lidar.range" in pages["reference/settings.html"]
+    assert "--ratio-to" in pages["reference/command-line.html"]
+
+
+@pytest.mark.slow  # guarded by the imports above
+def test_the_scripts_behind_the_costs_of_a_cluster_run(tmp_path):
+    costs, driver = re.findall(r"```python\n(.*?)```", (ROOT / "evaluation" / "CLUSTER.md").read_text(), re.DOTALL)
+    costs = changed(costs, '("thesis-obstacles", 40), ("office", 10)', '("thesis-open", 2),')
+    driver = changed(driver, '("thesis-obstacles", 2000), ("office", 60)', '("thesis-open", 2),')
+    scripts = {"costs": changed(costs, "in POLICIES", "in POLICIES[:2]"), "driver": changed(driver, '"ray"', '"local"')}
+    for (name, script), lines in zip(scripts.items(), (2, 1), strict=True):
+        (tmp_path / f"{name}.py").write_text(script)
+        done = subprocess.run([sys.executable, f"{name}.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+        assert (done.returncode, len(done.stdout.splitlines())) == (0, lines), done.stderr
+
+
+def changed(script, old, new):
+    assert old in script
+    return script.replace(old, new)
