@@ -48,7 +48,7 @@ soak: $(VENV)/.installed-test
 	$(RUN)/python -m tests.behaviour.soak
 
 docs: $(VENV)/.installed-test
-	NO_MKDOCS_2_WARNING=1 $(RUN)/mkdocs build --quiet --config-file evaluation/site/mkdocs.yml
+	NO_MKDOCS_2_WARNING=1 $(RUN)/python -P -m mkdocs build --quiet --config-file evaluation/site/mkdocs.yml
 	@echo "Documentation: results/site/index.html"
 
 browser:
