@@ -71,6 +71,7 @@ def test_every_policy_and_scenario_is_in_its_table():
 
 @pytest.mark.parametrize("path", [ROOT / "README.md", *sorted(PAGES.rglob("*.md"))], ids=lambda path: path.stem)
 def test_every_command_line_is_understood(path):
+    assert not re.search(r"^ {0,3}indoor-explorers ", path.read_text(), re.MULTILINE)  # would be no code
     for line in re.findall(r"^    indoor-explorers (.*)$", path.read_text(), re.MULTILINE):
         build_parser().parse_args(line.replace("'", "").split())
 
@@ -110,6 +111,8 @@ def test_the_site_is_built_and_fetches_nothing(tmp_path):
     assert {"index.html", "methods/planners.html", "reference/python.html", "reference/settings.html"} <= pages.keys()
     for name, text in pages.items():
         assert not re.search(r"<(script|img|link)[^>]* (src|href)=\"https?://", text), name
+    for name in policy_names():
+        assert (tmp_path / "site" / "gallery" / f"policy-{name}.png").stat().st_size > 1000
     assert "lidar.range" in pages["reference/settings.html"]
     assert "--ratio-to" in pages["reference/command-line.html"]
 

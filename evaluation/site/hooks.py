@@ -1,7 +1,7 @@
 """What mkdocs does besides: documents of the other folders become pages, and links between files lead to pages.
 
-Pages and documents link to files of the repository, so that they read as well there. The references of the command
-line, the settings and Python are made by :mod:`~indoor_explorers.evaluation.site.reference`.
+Pages and documents link to files of the repository, so that they read as well there. ``gallery.py`` and
+``reference.py`` make pages of the code.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
+from indoor_explorers.evaluation.site.gallery import gallery_page, pictures
 from indoor_explorers.evaluation.site.reference import command_line_page, python_page, settings_page
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -37,6 +38,7 @@ DOCUMENTS = {
 }
 #: The pages that are made of the code.
 MADE = {
+    "gallery.md": gallery_page,
     "reference/command-line.md": command_line_page,
     "reference/settings.md": settings_page,
     "reference/python.md": python_page,
@@ -54,6 +56,8 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, page, content=(ROOT / source).read_text("utf-8")))
     for page, make in MADE.items():
         files.append(File.generated(config, page, content=make()))
+    for name, picture in pictures().items():
+        files.append(File.generated(config, f"gallery/{name}", content=picture))
     for page in list(files.documentation_pages()):
         for target in _linked(page.src_uri, page.content_string):
             uri = _uri(target)
@@ -70,6 +74,8 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
         label, target, anchor = match[1], _in_repository(uri, match[2]), match[3] or ""
         if (ROOT / target).is_dir():
             return label
+        if target.startswith(f"{PAGES}/gallery/"):
+            return match[0]
         if not (ROOT / target).is_file():
             raise PluginError(f"{_source(uri)}: no file {target} to link to")
         return f"[{label}]({posixpath.relpath(_uri(target), posixpath.dirname(uri) or '.')}{anchor})"

@@ -1,0 +1,111 @@
+"""The gallery: a picture of every scenario, policy and observation, flown and painted when the site is built."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from indoor_explorers.env import PRESETS, World, make_policy, policy_names
+from indoor_explorers.env.observations import OBSERVATIONS, PLANES, make_encoder
+from indoor_explorers.env.rendering import Trails, paint, scene_of
+from indoor_explorers.env.rendering.side_by_side import SideBySide, paint_side_by_side
+from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+
+#: Seed of every episode, and the coverage at which pictures are taken.
+SEED, TYPICAL = 1, 0.6
+#: The scenario of the policies' pictures, and the steps that their charts reach to.
+OFFICES, STEPS = "small-offices", 300
+#: The policy of the scenarios' pictures.
+PILOT = "frontier"
+#: Names of scenarios that differ from others in rules or radio only.
+ALIKE = r"-rewards-|-radio-"
+#: Pixels of a plane's side at least, of its frame, and the greys of both.
+SIDE, FRAME, WHITE, GREY = 120, 4, 255, 200
+
+
+@cache
+def pictures() -> dict[str, bytes]:
+    """Return the PNG files of the gallery by name."""
+    found = {}
+    for name in scenarios():
+        world, trails, _ = flown(PILOT, name)
+        found[f"scenario-{name}"] = paint(scene_of(world, 0, trails))
+    for name in policy_names():
+        world, trails, coverage = flown(name, OFFICES, STEPS)
+        found[f"policy-{name}"] = paint_side_by_side([SideBySide(name, scene_of(world, 0, trails), coverage)], STEPS)
+    found |= {f"observation-{name}": picture for name, picture in observations()}
+    return {f"{name}.png": _png(picture) for name, picture in found.items()}
+
+
+def scenarios() -> list[str]:
+    """Return the scenarios that look different."""
+    return [name for name in PRESETS if not re.search(ALIKE, name)]
+
+
+def flown(policy: str, scenario: str, most: int | None = None) -> tuple[World, Trails, list[float]]:
+    """Fly one episode until most is known, or ``most`` steps; return its world, trails, and coverage by step."""
+    world = World(PRESETS[scenario].for_evaluation())
+    world.reset([SEED])
+    pilots = make_policy(policy)
+    trails, coverage = Trails(world.state.truth.shape[1:]), [float(world.team_coverage[0])]
+    trails.add(world.state.cell[0])
+    for _ in rollout(world, ask_pilots(pilots, make_pilots(pilots, world), world)):
+        trails.add(world.state.cell[0])
+        coverage.append(float(world.team_coverage[0]))
+        if coverage[-1] >= TYPICAL or len(coverage) - 1 == most:
+            break
+    return world, trails, coverage
+
+
+def observations() -> Iterator[tuple[str, NDArray[np.uint8]]]:
+    """Yield observations of one moment, plane beside plane."""
+    world = flown(PILOT, OFFICES)[0]
+    for name in OBSERVATIONS:
+        encoder = make_encoder(name, world.briefing(0, 0))
+        seen = encoder.observation(world.view(0, 0))
+        parts = seen.values() if isinstance(seen, dict) else [seen]
+        planes = [plane for part in parts if part.ndim > 1 for plane in part.reshape(-1, *part.shape[-2:])]
+        if planes:
+            yield name, _beside(planes)
+
+
+def _beside(planes: list[NDArray[np.float64]]) -> NDArray[np.uint8]:
+    """Return planes side by side, each as large as whole pixels allow; the darker, the more."""
+    large = []
+    for plane in planes:
+        grey = np.uint8(WHITE * (1.0 - plane / max(float(plane.max()), 1e-9)))
+        large.append(np.kron(grey, np.ones((max(1, -(-SIDE // len(plane))),) * 2, np.uint8)))
+    height = max(map(len, large))
+    framed = [
+        np.pad(each, ((FRAME, FRAME + height - len(each)), (FRAME, FRAME)), constant_values=GREY) for each in large
+    ]
+    return np.repeat(np.concatenate(framed, axis=1)[..., None], 3, axis=2)
+
+
+def gallery_page() -> str:
+    """Return the page that shows the pictures."""
+    lines = ["# Gallery", "", f"All episodes have the seed {SEED}, and are shown when {TYPICAL:.0%} are known.", ""]
+    lines += [f"## Scenarios, flown by `{PILOT}`", ""]
+    lines += _shown("scenario", scenarios())
+    lines += [f"## Policies, in `{OFFICES}`", "", '<div class="pictures" markdown>', ""]
+    lines += [f"![{name}](gallery/policy-{name}.png)" for name in policy_names()]
+    lines += ["", "</div>", "", "## Observations", ""]
+    lines += [f"Of UAV 0 in the same moment; dark is more. The planes of `channels` are {', '.join(PLANES)}.", ""]
+    seen = [name.removeprefix("observation-").removesuffix(".png") for name in pictures() if name.startswith("obs")]
+    return "\n".join([*lines, *_shown("observation", seen)])
+
+
+def _shown(kind: str, names: list[str]) -> list[str]:
+    return [line for name in names for line in (f"### {name}", "", f"![{name}](gallery/{kind}-{name}.png)", "")]
+
+
+def _png(picture: NDArray[np.uint8]) -> bytes:
+    file = io.BytesIO()
+    Image.fromarray(picture).quantize(256).save(file, format="PNG", optimize=True)
+    return file.getvalue()
