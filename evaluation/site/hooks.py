@@ -46,7 +46,6 @@ MADE = {
 #: Files that are no pages, which the site has a copy of: pictures and short texts.
 COPIED = (".svg", ".png", ".gif", ".cff", ".toml", ".py", "LICENSE")
 _LINK = re.compile(r"\[([^\[\]]*)\]\((?!https?:|mailto:)([^)#\s]+)(#[^)\s]*)?\)")
-_FETCHED = re.compile(r'<script src="https?://[^"]*"></script>')
 _CODE = re.compile(r"(^```.*?^```$|^ {4}[^\n]*$)", re.MULTILINE | re.DOTALL)
 
 
@@ -103,8 +102,3 @@ def _uri(target: str) -> str:
     if target.startswith(f"{PAGES}/"):
         return target.removeprefix(f"{PAGES}/")
     return DOCUMENTS.get(target, f"files/{target}")
-
-
-def on_post_page(output: str, page: Any, config: Any) -> str:
-    """Take out what would be fetched from elsewhere: a script that lets the search work in pages opened from disk."""
-    return _FETCHED.sub("", output)
