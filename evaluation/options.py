@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 import tomllib
 from argparse import ArgumentTypeError
 from collections.abc import Callable
@@ -41,9 +42,10 @@ def read_setting(text: str) -> tuple[str, Any]:
 
 
 def read_names(text: str) -> list[str]:
-    """Read names separated by commas; one in double quotes may hold commas, as in CSV."""
-    rows = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
-    names = [name.strip() for row in rows for name in row if name.strip()]
+    """Read names separated by commas; one in double quotes may hold commas, as in CSV, and so may its parentheses."""
+    kept = re.sub(r"\([^()]*\)", lambda inside: inside[0].replace(",", "\0"), text)
+    rows = csv.reader(io.StringIO(kept, newline=""), skipinitialspace=True)
+    names = [name.replace("\0", ",").strip() for row in rows for name in row if name.strip()]
     if not names:
         raise ArgumentTypeError("expected names separated by commas, got none")
     return names

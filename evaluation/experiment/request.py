@@ -76,8 +76,9 @@ class ComparisonRequest(Request):
     """A file with policies, scenarios, episodes, seed and settings, or the name of an experiment that ships, such as
     families. Options given beside it take precedence."""
     policies: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), POLICY_NAMES] = None
-    """The policies: names of policies or of entries of the experiment, NAME:PATH such as sb3:DIR, or module:Class.
-    Put a name that has a comma in double quotes, and protect these from the shell: '"dddqn, no guard",pso'."""
+    """The policies: names of policies or of entries of the experiment, NAME:PATH such as sb3:DIR, or module:Class,
+    with parameters in parentheses: 'pso(length=1),dddqn(guard=false)'. Put a name that has a comma in double quotes;
+    protect all of these from the shell: '"dddqn, no guard",pso'."""
     scenario: Annotated[tuple[Any, ...] | None, BeforeValidator(_several), SCENARIO] = None
     """One or more, separated by commas: presets, files, or names of entries of the experiment."""
     maps: Annotated[tuple[str, ...], BeforeValidator(_paths), Option(metavar="PATH", several=True)] = ()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,14 +23,32 @@ def chosen_policies(asked: Sequence[Any] | None, listed: Sequence[Any] | None) -
     """Return the policies asked for; the name of an entry of the file means that entry, with its parameters.
 
     Args:
-        asked: names or entries; None for all that the file lists.
+        asked: names, such as ``pso`` or ``pso(length=1)``, or entries; None for all that the file lists.
         listed: the entries of the experiment file; None where there are none.
+
+    Raises:
+        InputError: what stands in the parentheses of a name are no parameters.
 
     """
     if asked is None:
         return list(DEFAULT_POLICIES if listed is None else listed)
     entries = {_policy_name(entry): entry for entry in listed or ()}
-    return [entries.get(each, each) if isinstance(each, str) else each for each in asked]
+    return [entries.get(each) or _with_parameters(each) if isinstance(each, str) else each for each in asked]
+
+
+def _with_parameters(name: str) -> Any:
+    """Return ``pso(length=1)`` as an entry with these parameters, which are TOML; any other name as it is."""
+    found = re.fullmatch(r"([^()]+)\(([^()]*)\)", name.strip())
+    if found is None:
+        return name
+    try:
+        parameters = tomllib.loads(f"given = {{{found[2]}}}")["given"]
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(
+            f"policy {name!r}: expected parameters as in pso(length=1) or dddqn(map_alone=true,guard=false), with "
+            f"values as in TOML, got {found[2]!r}"
+        ) from error
+    return {"use": found[1].strip(), "name": name.strip(), "parameters": parameters}
 
 
 def _policy_name(entry: Any) -> str:

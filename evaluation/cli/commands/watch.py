@@ -22,7 +22,8 @@ class WatchOptions(Request):
     """The options of ``watch``."""
 
     policy: Annotated[tuple[str, ...], Option(metavar="NAME,...", read=read_names)]
-    """The policy: a name, NAME:PATH such as sb3:DIR, or module:Class; several, with commas, fly side by side."""
+    """The policy: a name, NAME:PATH such as sb3:DIR, or module:Class, with parameters as in
+    'dddqn(map_alone=true)'; several, with commas, fly side by side."""
     scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
     """The scenario (default thesis-obstacles)."""
     maps: Annotated[str | None, Option(metavar="PATH")] = None

@@ -18,6 +18,7 @@ from PIL import Image
 from indoor_explorers.env.grid.compiled import NOTICE
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.cli.parser import main
+from indoor_explorers.evaluation.options import read_names
 from indoor_explorers.evaluation.results.results import SUMMARY_COLUMNS
 from tests.evaluation import plugins
 
@@ -387,3 +388,12 @@ def test_outputs_that_cannot_be_written_are_one_line(capsys, tmp_path):
     assert (status, errors.count("\n")) == (1, 1)
     assert "report.html" in errors
     assert not list(tmp_path.glob(".*"))
+
+
+def test_commas_in_parentheses_separate_no_names():
+    assert read_names('pso(length=1,hold=0.1), dddqn,"a, b(c, d)",x') == [
+        "pso(length=1,hold=0.1)",
+        "dddqn",
+        "a, b(c, d)",
+        "x",
+    ]

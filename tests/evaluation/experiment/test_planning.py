@@ -139,3 +139,28 @@ def test_the_buildings_differ_in_team_and_radio_alone():
         assert [(each.team, each.radio.model) for each in mine] == [
             *((1, "unlimited"), (2, "unlimited"), (2, "disc"), (4, "unlimited"), (4, "disc"))
         ]
+
+
+def test_parameters_stand_in_parentheses():
+    asked = ["pso", "pso(length=1)", "dddqn( map_alone = true, guard = false )", "dddqn-places:a/b(network=false)"]
+    plain, short, alone, folder = plan(ComparisonRequest(policies=asked, scenario="thesis-open")).policies
+    assert (plain.name, plain.parameters) == ("pso", {})
+    assert (short.name, short.use, short.parameters) == ("pso(length=1)", "pso", {"length": 1})
+    assert (alone.use, alone.parameters) == ("dddqn", {"map_alone": True, "guard": False})
+    assert (folder.use, folder.parameters) == ("dddqn-places:a/b", {"network": False})
+    assert short.make().length == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("pso(length)", r"policy 'pso\(length\)': expected parameters as in pso\(length=1\) .*, got 'length'"),
+        ("pso(length=one)", "with values as in TOML, got 'length=one'"),
+        ("pso(lenght=1)", "unknown parameter 'lenght'; did you mean 'length'"),
+        ("psso(length=1)", "unknown policy 'psso'; did you mean 'pso'"),
+    ],
+)
+def test_other_parentheses_are_refused_in_one_line(name, told):
+    with pytest.raises(InputError, match=told) as error:
+        plan(ComparisonRequest(policies=[name], scenario="thesis-open")).policies[0].make()
+    assert "\n" not in str(error.value)
