@@ -47,7 +47,7 @@ def paint(scene: Scene) -> NDArray[np.uint8]:
     """Return the picture, (h, w, 3) uint8; its size depends on the size of the map and of the team alone."""
     layout = layout_of(scene.shape, scene.team)
     canvas = np.full((layout.height, layout.width, 3), 255, np.uint8)
-    colours = np.where(gone(scene)[:, None], paler(uav_colours(scene.team)), uav_colours(scene.team))
+    colours = _colours(scene)
     _caption(canvas, layout, scene)
     _team_map(canvas, layout.main, scene, colours)
     for agent, box in enumerate(layout.panels):
@@ -62,8 +62,7 @@ def paint(scene: Scene) -> NDArray[np.uint8]:
 
 def paint_team_map(canvas: Canvas, box: Box, scene: Scene) -> None:
     """Paint the true map, dimmed where the team does not know it, with all that happens in it, into a box."""
-    colours = np.where(gone(scene)[:, None], paler(uav_colours(scene.team)), uav_colours(scene.team))
-    _team_map(canvas, box, scene, colours)
+    _team_map(canvas, box, scene, _colours(scene))
 
 
 def gone(scene: Scene) -> Mask:
@@ -88,6 +87,12 @@ def nearest_links(scene: Scene) -> Mask:
 def percent(share: float) -> str:
     """Return a share in percent, rounded down, so that 100.0% is all of it."""
     return f"{np.floor(1000 * share + 1e-9) / 10:.1f}%"
+
+
+def _colours(scene: Scene) -> NDArray[np.uint8]:
+    """Return (N, 3) the colours of the UAVs, paler where they have ended."""
+    full = uav_colours(scene.team)
+    return np.where(gone(scene)[:, None], paler(full), full)
 
 
 def _caption(canvas: Canvas, layout: FrameLayout, scene: Scene) -> None:

@@ -38,7 +38,7 @@ def paint_side_by_side(flights: Sequence[SideBySide], longest: int) -> NDArray[n
     """Return a picture (h, w, 3) uint8 of flights over maps of one size; the charts reach to step ``longest``."""
     flights = [flight._replace(scene=_cropped(flight.scene)) for flight in flights]
     tall, wide = flights[0].scene.shape
-    cell = max(cell_size(SIDE / max(tall, wide)), 1.0 / max(tall, wide))
+    cell = cell_size(SIDE / max(tall, wide))
     height, width = max(1, round(tall * cell)), max(1, round(wide * cell))
     columns = _columns(len(flights), height, width)
     rows = -(-len(flights) // columns)

@@ -9,13 +9,15 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
-from indoor_explorers.env import PRESETS, World, make_policy, policy_names
+from indoor_explorers.env import PRESETS, policy_names
 from indoor_explorers.env.observations import OBSERVATIONS, PLANES, make_encoder
-from indoor_explorers.env.rendering import Trails, paint, scene_of
+from indoor_explorers.env.rendering import paint, scene_of
+from indoor_explorers.env.rendering.indexed import Palette
 from indoor_explorers.env.rendering.side_by_side import SideBySide, paint_side_by_side
-from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.evaluation.cli.watch import Flight
+from indoor_explorers.evaluation.experiment.planning import plan
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 
 #: Seed of every episode, and the coverage at which pictures are taken.
 SEED, TYPICAL = 1, 0.6
@@ -34,11 +36,12 @@ def pictures() -> dict[str, bytes]:
     """Return the PNG files of the gallery by name."""
     found = {}
     for name in scenarios():
-        world, trails, _ = flown(PILOT, name)
-        found[f"scenario-{name}"] = paint(scene_of(world, 0, trails))
+        flight = flown(PILOT, name)
+        found[f"scenario-{name}"] = paint(scene_of(flight.world, 0, flight.trails))
     for name in policy_names():
-        world, trails, coverage = flown(name, OFFICES, STEPS)
-        found[f"policy-{name}"] = paint_side_by_side([SideBySide(name, scene_of(world, 0, trails), coverage)], STEPS)
+        flight = flown(name, OFFICES, STEPS)
+        scene = scene_of(flight.world, 0, flight.trails)
+        found[f"policy-{name}"] = paint_side_by_side([SideBySide(name, scene, flight.coverage)], STEPS)
     found |= {f"observation-{name}": picture for name, picture in observations()}
     return {f"{name}.png": _png(picture) for name, picture in found.items()}
 
@@ -48,24 +51,19 @@ def scenarios() -> list[str]:
     return [name for name in PRESETS if not re.search(ALIKE, name)]
 
 
-def flown(policy: str, scenario: str, most: int | None = None) -> tuple[World, Trails, list[float]]:
-    """Fly one episode until most is known, or ``most`` steps; return its world, trails, and coverage by step."""
-    world = World(PRESETS[scenario].for_evaluation())
-    world.reset([SEED])
-    pilots = make_policy(policy)
-    trails, coverage = Trails(world.state.truth.shape[1:]), [float(world.team_coverage[0])]
-    trails.add(world.state.cell[0])
-    for _ in rollout(world, ask_pilots(pilots, make_pilots(pilots, world), world)):
-        trails.add(world.state.cell[0])
-        coverage.append(float(world.team_coverage[0]))
-        if coverage[-1] >= TYPICAL or len(coverage) - 1 == most:
+def flown(policy: str, scenario: str, most: int | None = None) -> Flight:
+    """Fly one episode until most is known, or ``most`` steps."""
+    request = ComparisonRequest(policies=[policy], scenario=[scenario], episodes=1, seed=SEED)
+    flight = Flight(plan(request), 0, most)
+    for _ in flight.moments():
+        if flight.coverage[-1] >= TYPICAL:
             break
-    return world, trails, coverage
+    return flight
 
 
 def observations() -> Iterator[tuple[str, NDArray[np.uint8]]]:
     """Yield observations of one moment, plane beside plane."""
-    world = flown(PILOT, OFFICES)[0]
+    world = flown(PILOT, OFFICES).world
     for name in OBSERVATIONS:
         encoder = make_encoder(name, world.briefing(0, 0))
         seen = encoder.observation(world.view(0, 0))
@@ -107,5 +105,5 @@ def _shown(kind: str, names: list[str]) -> list[str]:
 
 def _png(picture: NDArray[np.uint8]) -> bytes:
     file = io.BytesIO()
-    Image.fromarray(picture).quantize(256).save(file, format="PNG", optimize=True)
+    Palette([picture]).image(picture).save(file, format="PNG", optimize=True)
     return file.getvalue()

@@ -73,10 +73,8 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
         label, target, anchor = match[1], _in_repository(uri, match[2]), match[3] or ""
         if (ROOT / target).is_dir():
             return label
-        if target.startswith(f"{PAGES}/gallery/"):
-            return match[0]
-        if not (ROOT / target).is_file():
-            raise PluginError(f"{_source(uri)}: no file {target} to link to")
+        if files.get_file_from_path(_uri(target)) is None:
+            raise PluginError(f"{_source(uri)}: no page or file {target} to link to")
         return f"[{label}]({posixpath.relpath(_uri(target), posixpath.dirname(uri) or '.')}{anchor})"
 
     parts = _CODE.split(markdown)

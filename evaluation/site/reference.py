@@ -92,11 +92,15 @@ def _escaped(text: str) -> str:
     return text.replace("|", "\\|")
 
 
+def public_modules() -> list[str]:
+    """Return the modules whose names are public."""
+    return re.findall(r"`(indoor_explorers\.[\w.]+)`", NAMES.read_text("utf-8").partition("- The entry-point")[0])
+
+
 def python_page() -> str:
     """Return the public modules with their names; an undocumented name is refused."""
-    modules = re.findall(r"`(indoor_explorers\.[\w.]+)`", NAMES.read_text("utf-8").partition("- The entry-point")[0])
     lines = ["# Python", ""]
-    for name in modules:
+    for name in public_modules():
         module = importlib.import_module(name)
         lines += [f"## {name}", "", (inspect.getdoc(module) or "").partition("\n\n")[0], ""]
         for public in sorted(module.__all__):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -82,6 +82,11 @@ class Dddqn(Policy):
             )
         return {self.weights: path}
 
+    @property
+    def _places(self) -> DddqnPlaces | None:
+        """The policy that flies large maps; None where the weights that were asked for fly all of them."""
+        return None if self.weights is not None or self.map_alone else DddqnPlaces(network=self.network)
+
     def suited(self, briefing: Briefing) -> str:
         """Return the name of the weights that a UAV with this briefing flies.
 
@@ -103,9 +108,10 @@ class Dddqn(Policy):
         if self.weights is not None:
             return {"weights_sha256": hashes[self.weights]}
         told = {f"weights_{name}_sha256": digest for name, digest in hashes.items()}
-        if self.map_alone:
+        places = self._places
+        if places is None:
             return told | {"weights_for": SUITED_ALONE}
-        on_places = _PLACES.provenance()
+        on_places = places.provenance()
         told |= {f"weights_{LARGE}_sha256": on_places.pop("weights_sha256")} | on_places
         return told | {"weights_for": SUITED}
 
@@ -115,14 +121,14 @@ class Dddqn(Policy):
 
     def seen_maps(self) -> dict[str, list[str]]:
         """Return the map files that the trainings of these weights flew."""
-        seen = [recorded_maps(record_of(path)) for path in self._paths().values()]
-        return joined(seen if self.weights is not None or self.map_alone else [*seen, _PLACES.seen_maps()])
+        seen, places = [recorded_maps(record_of(path)) for path in self._paths().values()], self._places
+        return joined(seen if places is None else [*seen, places.seen_maps()])
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV for one episode."""
-        name = self.suited(briefing)
-        if name == LARGE and self.weights is None:
-            return replace(_PLACES, network=self.network).pilot(briefing)
+        name, places = self.suited(briefing), self._places
+        if places is not None and name == LARGE:
+            return places.pilot(briefing)
         loaded = load_weights(self._paths()[name])
         if self.tour_width is not None:
             wide = loaded.observation.model_copy(update={"tour_width": self.tour_width})
@@ -145,8 +151,6 @@ SUITED = (
 
 #: The rule of :func:`suited_alone` in words, for the provenance.
 SUITED_ALONE = "thesis-open-map for one UAV in rooms without obstacles, else thesis-obstacles-map"
-
-_PLACES = DddqnPlaces()
 
 
 def suited(briefing: Briefing) -> str:
