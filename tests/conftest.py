@@ -12,6 +12,7 @@ import pytest
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.learners.sessions.process import one_thread as on_one_thread
 
 HERE = Path(__file__).parent
 
@@ -51,6 +52,13 @@ def start(belief: Belief) -> Cell:
     """A free cell of that map."""
     row, col = np.argwhere(belief == FREE)[0].tolist()
     return row, col
+
+
+@pytest.fixture
+def one_thread() -> Iterator[None]:
+    """Run torch on one thread: small matrices are slower on many, above all beside other processes."""
+    with on_one_thread():
+        yield
 
 
 @pytest.fixture(scope="session")

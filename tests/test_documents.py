@@ -5,39 +5,23 @@ import importlib
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
 from indoor_explorers.env import PRESETS, policy_names
 from indoor_explorers.evaluation.cli.parser import build_parser
+from indoor_explorers.evaluation.site.reference import public_modules
+from tests.documents import PAGES, ROOT, SITE, python_of
 
-ROOT = Path(__file__).resolve().parent.parent
-SITE = ROOT / "evaluation" / "site"
-PAGES = SITE / "pages"
-DOCUMENTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "evaluation/CLUSTER.md")] + sorted(
-    PAGES.rglob("*.md")
-)
-#: All Python of the pages and the README; what needs Ray is run in tests/env/interfaces/test_rllib.py, where Ray is
-#: started once and with little.
+DOCUMENTS = (*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "evaluation" / "CLUSTER.md")
+#: What needs Ray is run in tests/env/interfaces/test_rllib.py, where Ray is started once and with little.
 SNIPPETS = {
     f"{path.stem}-{number}": text
-    for path in (ROOT / "README.md", *sorted(PAGES.rglob("*.md")))
-    for number, text in enumerate(re.findall(r"```python\n(.*?)```", path.read_text(), re.DOTALL))
+    for path in PAGES
+    for number, text in enumerate(python_of(path))
     if "from ray" not in text
 }
 COMPARISONS = [name for name, text in SNIPPETS.items() if "compare(" in text]
-
-
-@pytest.fixture
-def one_thread():
-    """Train on one thread: small matrices are slower on many, above all beside other processes."""
-    import torch
-
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(threads)
 
 
 @pytest.mark.filterwarnings("default")
@@ -60,7 +44,7 @@ def test_every_policy_and_scenario_is_in_its_table():
         r"rewards-[123]-stuck-[012]": "rewards-R-stuck-S",
         r"team-[24]-radio-([013]|unlimited)": "team-N-radio-X",
     }
-    policies, scenarios = ((PAGES / name).read_text() for name in ("policies.md", "scenarios.md"))
+    policies, scenarios = ((SITE / "pages" / name).read_text() for name in ("policies.md", "scenarios.md"))
     for name in policy_names():
         assert f"| `{name}` |" in policies
     for name in (name for name in PRESETS if name != "thesis-team-4"):
@@ -69,7 +53,7 @@ def test_every_policy_and_scenario_is_in_its_table():
         assert f"`{name}`" in scenarios
 
 
-@pytest.mark.parametrize("path", [ROOT / "README.md", *sorted(PAGES.rglob("*.md"))], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
 def test_every_command_line_is_understood(path):
     assert not re.search(r"^ {0,3}indoor-explorers ", path.read_text(), re.MULTILINE)  # would be no code
     for line in re.findall(r"^    indoor-explorers (.*)$", path.read_text(), re.MULTILINE):
@@ -81,11 +65,9 @@ def test_the_readme_is_short():
 
 
 def test_documents_import_public_names_alone():
-    public = re.findall(
-        r"`(indoor_explorers\.[\w.]+)`", (PAGES / "reference" / "names.md").read_text().partition("- The entry")[0]
-    )
+    public = public_modules()
     for path in DOCUMENTS:
-        for block in re.findall(r"```python\n(.*?)```", path.read_text(), re.DOTALL):
+        for block in python_of(path):
             for node in ast.walk(ast.parse(block)):
                 if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("indoor_explorers"):
                     assert node.module in public, (path, node.module)
@@ -119,7 +101,7 @@ def test_the_site_is_built_and_fetches_nothing(tmp_path):
 
 @pytest.mark.slow  # guarded by the imports above
 def test_the_scripts_behind_the_costs_of_a_cluster_run(tmp_path):
-    costs, driver = re.findall(r"```python\n(.*?)```", (ROOT / "evaluation" / "CLUSTER.md").read_text(), re.DOTALL)
+    costs, driver = python_of(ROOT / "evaluation" / "CLUSTER.md")
     costs = changed(costs, '("thesis-obstacles", 40), ("office", 10)', '("thesis-open", 2),')
     driver = changed(driver, '("thesis-obstacles", 2000), ("office", 60)', '("thesis-open", 2),')
     scripts = {"costs": changed(costs, "in POLICIES", "in POLICIES[:2]"), "driver": changed(driver, '"ray"', '"local"')}

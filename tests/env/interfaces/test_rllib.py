@@ -1,18 +1,14 @@
 """RLlib: a team trains on the PettingZoo interface with shared parameters, in this process."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
-import torch
 from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 
 from indoor_explorers.env import PRESETS, parallel_env
 from indoor_explorers.env.observations import Egocentric, Flat
+from tests.documents import SITE, python_of
 
 pytestmark = pytest.mark.xdist_group("ray")
-GUIDE = (Path(__file__).resolve().parents[3] / "evaluation/site/pages/guides/learner.md").read_text(encoding="utf-8")
 #: A room of 8 x 8 for two; whoever hits a wall stays where it is.
 PLAYROOM = PRESETS["thesis-team-2"].with_settings(
     {
@@ -33,19 +29,11 @@ def team(scenario=PLAYROOM):
     return ParallelPettingZooEnv(parallel_env(scenario, observation=Flat(Egocentric(side=7, zones=4))))
 
 
-@pytest.fixture
-def _one_thread():
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(threads)
-
-
 @pytest.mark.slow
-@pytest.mark.usefixtures("connected", "_one_thread")
+@pytest.mark.usefixtures("connected", "one_thread")
 @pytest.mark.filterwarnings("ignore:.*Overriding environment rllib")  # it registers its own with every algorithm
-def test_a_team_trains_with_shared_parameters_as_the_readme_shows():
-    (snippet,) = (text for text in re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL) if "from ray" in text)
+def test_a_team_trains_with_shared_parameters_as_the_guide_shows():
+    (snippet,) = (text for text in python_of(SITE / "pages" / "guides" / "learner.md") if "from ray" in text)
     shown = {}
     exec(compile(snippet, "learner.md", "exec"), shown)
     algorithm = shown["algorithm"]

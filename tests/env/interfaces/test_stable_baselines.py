@@ -16,6 +16,7 @@ from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.interfaces.gymnasium_env import IndoorExplorersEnv
 from indoor_explorers.env.interfaces.stable_baselines import StableBaselinesVecEnv
 from indoor_explorers.env.observations import Egocentric, Flat, Masked, Stacked
+from indoor_explorers.learners.sessions.process import one_thread
 from tests.env.arrays import assert_same
 
 #: A room of 8 x 8 to be known completely within 60 steps, paid by the cell; whoever hits a wall stays where it is.
@@ -43,10 +44,8 @@ SMALL = Flat(Egocentric(side=9, zones=6))
 @pytest.fixture(autouse=True, scope="module")
 def _one_thread():
     """The same sums in the same order, whatever else the machine does."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
+    with one_thread():
+        yield
 
 
 @pytest.mark.parametrize(

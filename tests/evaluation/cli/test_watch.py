@@ -22,6 +22,14 @@ def _no_windows(monkeypatch):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
 
 
+@pytest.fixture
+def shown(monkeypatch):
+    """The shapes of the pictures that a window shows."""
+    shapes, show = [], Window.show
+    monkeypatch.setattr(Window, "show", lambda self, picture: (shapes.append(picture.shape), show(self, picture)))
+    return shapes
+
+
 WATCH = ["watch", "--policy", "frontier-minpos", "--scenario", "thesis-team-2"]
 
 
@@ -75,10 +83,7 @@ def test_a_still_is_the_end_of_the_episode(capsys, tmp_path):
         assert image.format == "PNG"
 
 
-def test_the_window_shows_every_step(capsys, monkeypatch):
-    shown = []
-    show = Window.show
-    monkeypatch.setattr(Window, "show", lambda self, picture: (shown.append(picture.shape), show(self, picture)))
+def test_the_window_shows_every_step(capsys, shown):
     status, printed, errors = run(capsys, *WATCH, "--steps", "5", "--fps", "1000")
     assert (status, errors) == (0, "")
     assert len(shown) == 6
@@ -189,10 +194,7 @@ def test_policies_fly_side_by_side(capsys, tmp_path):
     assert (status, errors.count("\n")) == (2, 1)
 
 
-def test_side_by_side_in_a_window(capsys, monkeypatch):
-    shown = []
-    show = Window.show
-    monkeypatch.setattr(Window, "show", lambda self, picture: (shown.append(picture.shape), show(self, picture)))
+def test_side_by_side_in_a_window(capsys, shown):
     words = ["watch", "--policy", "frontier-minpos,frontier-nearest", "--scenario", "thesis-open"]
     assert run(capsys, *words, "--steps", "3", "--fps", "1000")[0] == 0
     assert len(shown) == 4

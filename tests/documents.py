@@ -1,0 +1,14 @@
+"""The documents that users read, and the Python in them."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SITE = ROOT / "evaluation" / "site"
+#: The README and the pages of the site.
+PAGES = (ROOT / "README.md", *sorted((SITE / "pages").rglob("*.md")))
+
+
+def python_of(path: Path) -> list[str]:
+    """The blocks of Python in a document."""
+    return re.findall(r"```python\n(.*?)```", path.read_text("utf-8"), re.DOTALL)
