@@ -30,18 +30,20 @@ def fly(
     tasks: Sequence[Task],
     buffer: SharedStepBuffer | None = None,
     bounds: Mapping[Task, int] | None = None,
+    floorplans: Mapping[Task, Floorplan] | None = None,
 ) -> Iterator[Record]:
     """Fly the tasks of one scenario and yield their records.
 
     Tasks on maps of one shape fly in lock-step, so that a batched policy gets one forward pass for all of
     them. A policy that raises fails only the episode it raised in. Where the policy is in another process, give the
     pilots that stand for it there. A ``buffer`` receives the time at which a decision here began and, for a single
-    task, every step. ``bounds`` are the lower bounds that are known already; others are computed. Times leave out what
-    numba compiles or loads meanwhile.
+    task, every step. ``bounds`` are the lower bounds that are known already, ``floorplans`` the maps; others are
+    computed, and drawn. Times leave out what numba compiles or loads meanwhile.
     """
     clock = Clock() if buffer is None else buffer.clock
     pilots = LocalPilots(policy, clock) if isinstance(policy, Policy) else policy
-    drawn = {task: draw_floorplan(scenario, task.seed, task.map_index) for task in tasks}
+    known = floorplans or {}
+    drawn = {task: known.get(task) or draw_floorplan(scenario, task.seed, task.map_index) for task in tasks}
 
     def shape(task: Task) -> tuple[int, int]:
         return drawn[task].shape

@@ -17,6 +17,7 @@ from indoor_explorers.evaluation.statistics.means import (
     paired_difference,
 )
 from indoor_explorers.evaluation.statistics.profiles import performance_profile, performance_ratios
+from indoor_explorers.evaluation.statistics.ranks import tied_ranks
 from indoor_explorers.evaluation.statistics.ratios import Block, PairedRatio, paired_ratios, ratio_of_means
 from indoor_explorers.evaluation.statistics.resampling import maps_are_sampled, resampled_weights
 from indoor_explorers.evaluation.statistics.seeds import difference_of_seeds, mean_of_seeds
@@ -56,5 +57,6 @@ __all__ = [
     "smallest_detectable_difference",
     "success_share",
     "success_test",
+    "tied_ranks",
     "win_tie_loss",
 ]

@@ -1,0 +1,107 @@
+"""``leaderboard``: rank the policies of result folders by suite, after simulating their episodes again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
+from indoor_explorers.evaluation.experiment.request import Request
+from indoor_explorers.evaluation.options import Option, read_natural
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from indoor_explorers.evaluation.leaderboard.board import Board
+    from indoor_explorers.evaluation.leaderboard.drawing import BoardTable
+    from indoor_explorers.evaluation.results.results import Results
+
+#: Mismatching episodes that an error names.
+NAMED = 3
+
+
+class LeaderboardOptions(Request):
+    """The options of ``leaderboard``."""
+
+    folders: Annotated[tuple[Path, ...], Option(metavar="DIR", several=True, positional=True)]
+    """Folders written by compare --suite."""
+    fly: Annotated[int, Option(metavar="N", read=read_natural)] = 0
+    """Also let each policy fly N of its episodes of each scenario again, which must give the same actions."""
+    out: Annotated[Path | None, Option(metavar="FILE.md")] = None
+    """Also write the tables as a Markdown page."""
+
+
+def run_leaderboard(options: LeaderboardOptions, typed: str) -> int:
+    """Verify the results and print a table for each scenario."""
+    from indoor_explorers.env.errors import InputError
+    from indoor_explorers.env.files import written_whole
+    from indoor_explorers.evaluation.leaderboard.board import boards
+    from indoor_explorers.evaluation.leaderboard.drawing import LEGEND, markdown_page
+    from indoor_explorers.evaluation.results.results import Results
+
+    console = make_console()
+    parts = [(str(folder), Results.load(folder)) for folder in options.folders]
+    found = boards(parts)
+    with console.status("simulating the episodes again"):
+        for folder, results in parts:
+            _refuse_mismatches(folder, results, options.fly)
+    for board in found:
+        _print(board, console)
+    print_line(console, LEGEND)
+    if options.out is not None:
+        try:
+            with written_whole(options.out) as partial:
+                partial.write_text(markdown_page(found), "utf-8")
+        except OSError as error:
+            raise InputError(f"{options.out}: cannot be written: {error.strerror}; choose another --out") from error
+        print_line(console, f"Page: {options.out}")
+    return 0
+
+
+def _refuse_mismatches(folder: str, results: Results, count: int) -> None:
+    """Refuse results that the world, or the policy, does not give again."""
+    from indoor_explorers.env.errors import RunError
+    from indoor_explorers.evaluation.leaderboard.verifying import flown_differently, mismatches
+
+    suite_run = results.suite_run
+    assert suite_run is not None
+    faults = list(mismatches(results, suite_run.suite))
+    faults += flown_differently(results, count) if count and not faults else []
+    if faults:
+        more = f", and {len(faults) - NAMED} more" if len(faults) > NAMED else ""
+        raise RunError(
+            f"{folder}: {len(faults)} of {len(results.records)} episodes are not as stored: "
+            f"{'; '.join(faults[:NAMED])}{more}; fly them again with this version of the software"
+        )
+
+
+def _print(board: Board, console: Console) -> None:
+    from indoor_explorers.evaluation.leaderboard.drawing import board_tables
+    from indoor_explorers.evaluation.report.tables.policy_names import footnotes
+
+    print_line(console, board.title, "bold")
+    for table in board_tables(board):
+        _print_table(table, console)
+    notes: Iterable[str] = footnotes(board.results, list(board.results.policies), times=False)
+    for note in (*notes, *board.left_out, *board.results.map_notes):
+        print_line(console, note)
+
+
+def _print_table(table: BoardTable, console: Console) -> None:
+    from rich import box
+    from rich.table import Table
+
+    drawn = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=table.title, title_justify="left", title_style="")
+    shown = [place for place, heading in enumerate(table.headings) if heading not in ("commit", "date")]
+    for place in shown:
+        policy = table.headings[place] == "policy"
+        drawn.add_column(table.headings[place], justify="left" if policy else "right", no_wrap=not policy)
+    for row in table.rows:
+        drawn.add_row(*(row[place] for place in shown))
+    console.print(drawn, highlight=False)
+
+
+LEADERBOARD = Command(
+    "leaderboard", "rank the policies of result folders by suite", LeaderboardOptions, run_leaderboard
+)

@@ -1,0 +1,103 @@
+"""Leaderboards as tables of the terminal and as a Markdown page."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from indoor_explorers.evaluation.exports.markdown import escaped
+from indoor_explorers.evaluation.leaderboard.board import Board, BoardRow
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.style.formatting import fixed, interval, percent, with_interval
+from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
+from indoor_explorers.evaluation.report.tables.ratio_table import bounded
+from indoor_explorers.evaluation.statistics import CONFIDENCE
+
+#: What the columns mean, below the tables.
+LEGEND = (
+    "Rank: 1 + the number of policies that are significantly better at the last threshold (sign-flip test of all pairs "
+    f"at once, p at most {1 - CONFIDENCE:.2f}, maps of one building as one); equal ranks are ties. Policies that know "
+    "the map are not ranked. Times are mean steps [95 % interval]; an episode that never gets there counts as its "
+    "budget. Every episode was simulated again from its map, seed and actions."
+)
+
+
+@dataclass(frozen=True)
+class BoardTable:
+    """The table of one scenario as texts."""
+
+    title: str
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def board_tables(board: Board) -> list[BoardTable]:
+    """Return a table for each scenario of a leaderboard."""
+    return [_table(board, comparison) for comparison in board.comparisons]
+
+
+def _table(board: Board, comparison: Comparison) -> BoardTable:
+    times = comparison.level.times
+    titles = [metric.upper() for metric in times]
+    headings = ("rank", "policy", *titles, f"{titles[-1]} / nearest", comparison.level.percent, "AUC", "commit", "date")
+    rows = tuple(_row(comparison, row, times) for row in board.rows(comparison))
+    tasks = len(next(iter(comparison.groups.values())))
+    maps = f"{comparison.map_count} maps" + (
+        f" of {comparison.building_count} buildings" if comparison.building_count < comparison.map_count else ""
+    )
+    return BoardTable(f"{comparison.scenario}: {tasks} tasks on {maps}", headings, rows)
+
+
+def _row(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> tuple[str, ...]:
+    policy = row.policy
+    return (
+        "" if row.rank is None else str(row.rank),
+        marked(comparison.results, policy),
+        *(with_interval(comparison.estimate(policy, metric), 0) for metric in times),
+        _ratio(row),
+        percent(comparison.reached(policy)),
+        fixed(comparison.estimate(policy, "auc").mean, 3),
+        ", ".join(row.origin.commits),
+        ", ".join(row.origin.dates),
+    )
+
+
+def _ratio(row: BoardRow) -> str:
+    if row.to_baseline is None:
+        return ""
+    ratio = row.to_baseline.ratio.of_tasks
+    return f"{bounded(fixed(ratio.mean, 3), row.to_baseline.censoring.bound)} {interval(ratio, 3)}".strip()
+
+
+def markdown_page(boards: Sequence[Board]) -> str:
+    """Return the leaderboards as a Markdown page, with the commands that flew them."""
+    return "\n".join(_page(boards))
+
+
+def _page(boards: Sequence[Board]) -> Iterator[str]:
+    yield from ("# Leaderboards", "", LEGEND, "", "This page is what `indoor-explorers leaderboard` writes.", "")
+    for board in boards:
+        yield from (f"## {escaped(board.title)}", "", f"{escaped(board.suite.about)}.".replace("..", "."), "")
+        for table in board_tables(board):
+            yield from (f"### {escaped(table.title)}", "")
+            yield from (_line(table.headings), _line(["---"] * len(table.headings)))
+            yield from (_line([escaped(text) for text in row]) for row in table.rows)
+            yield ""
+        notes = [*footnotes(board.results, list(board.results.policies), times=False), *board.left_out]
+        yield from (f"{escaped(note)}\n" for note in (*notes, *board.results.map_notes))
+        origins = list(dict.fromkeys(board.origins.values()))
+        commands = dict.fromkeys(_portable(each) for origin in origins for each in origin.commands if each)
+        machines = dict.fromkeys(each for origin in origins for each in origin.machines)
+        yield from (f"Flown on {escaped('; '.join(machines))} with", "", *(f"    {each}" for each in commands), "")
+
+
+def _portable(command: str) -> str:
+    """Return a command without the folders of the machine on which it was typed."""
+    words = shlex.split(command)
+    places = [k for k, word in enumerate(words[:-1], 1) if word in ("--data", "--out")]
+    return shlex.join("DIR" if k in places else word for k, word in enumerate(words))
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"

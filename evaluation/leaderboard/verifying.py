@@ -1,0 +1,95 @@
+"""Whether stored episodes are what the world makes of their maps, seeds and actions, and the policy of its views."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from indoor_explorers.env import Scenario
+from indoor_explorers.env.scenarios.suites.suite import Suite
+from indoor_explorers.env.simulation.spawns import draw_floorplan
+from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.episodes.running import RunningEpisode, simulated_record
+from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
+from indoor_explorers.evaluation.results.results import Results
+
+#: Metrics that do not follow from map, seed and actions: times, and what messages of pilots add to bytes.
+NOT_SIMULATED = (*OF_THE_MACHINE, "messages_bytes")
+
+
+def mismatches(results: Results, suite: Suite) -> Iterator[str]:
+    """Yield a line for each episode that is not what its map, seed and actions give."""
+    scenarios = {name: recorded_scenario(settings) for name, settings in results.scenarios.items()}
+    drawn = {} if suite.map is None else {scenario.name: scenario for scenario in suite.scenarios()}
+    for record in results.records:
+        fault = _wrong_map(record, drawn) or mismatch(record, scenarios[record.task.scenario])
+        if fault:
+            yield f"{_named(record)}: {fault}"
+
+
+def mismatch(record: Record, scenario: Scenario) -> str:
+    """Return in what an episode differs from its simulation by map, seed and actions; empty if in nothing."""
+    flight = RunningEpisode(0, record.task, record.floorplan, record.bound, failure=_failure(record))
+    again = simulated_record(flight, record.policy, scenario, record)
+    for name in ("steps", "outcome", "reachable", "budget"):
+        stored, simulated = getattr(record, name), getattr(again, name)
+        if stored != simulated:
+            return f"{name} {stored}, simulated {simulated}"
+    for name in ("cells", "covered"):
+        if not np.array_equal(getattr(record, name), getattr(again, name)):
+            return f"{name} differ from those simulated from its actions"
+    for name, simulated in again.metrics.items():
+        if name not in NOT_SIMULATED and not _equal(record.metrics.get(name), simulated):
+            return f"{name} {record.metrics.get(name)}, simulated {simulated}"
+    return ""
+
+
+def flown_differently(results: Results, count: int) -> Iterator[str]:
+    """Let every policy fly ``count`` of its episodes again, spread over its tasks; yield a line for each that differs.
+
+    The policies are made as the stored experiment says, so plug-ins have to be installed.
+    """
+    choices = _choices(results.experiments)
+    for (name, policy), records in results.groups.items():
+        scenario = recorded_scenario(results.scenarios[name])
+        made = choices[policy].make()
+        for place in np.unique(np.linspace(0, len(records) - 1, count).round().astype(int)):
+            record = records[place]
+            floorplans = {record.task: record.floorplan}
+            (again,) = fly(made, policy, scenario, [record.task], bounds={record.task: 1}, floorplans=floorplans)
+            if not again.flew_like(record):
+                yield f"{_named(record)}: flown again, it took other actions"
+
+
+def _choices(experiments: Sequence[str]) -> dict[str, PolicyChoice]:
+    entries = [entry for text in experiments for entry in tomllib.loads(text)["policies"]]
+    return {entry["name"]: PolicyChoice.model_validate(entry) for entry in entries}
+
+
+def _wrong_map(record: Record, drawn: Mapping[str, Scenario]) -> str:
+    """Return that the map is not the one that the suite's generator makes of the seed; empty where maps are files."""
+    if not drawn:
+        return ""
+    expected = draw_floorplan(drawn[record.task.scenario], record.task.seed, record.task.map_index)
+    return "" if expected.digest == record.floorplan.digest else "not the map that the generator makes of its seed"
+
+
+def _failure(record: Record) -> str:
+    return record.reason if record.outcome is Outcome.FAILED else ""
+
+
+def _equal(stored: Any, simulated: Any) -> bool:
+    if stored is None or simulated is None:
+        return stored is simulated
+    return bool(np.isclose(stored, simulated, rtol=1e-9, atol=0.0))
+
+
+def _named(record: Record) -> str:
+    task = record.task
+    return f"{record.policy} on {task.scenario}, map {task.map_index}, seed {task.seed}"
