@@ -31,14 +31,29 @@ class Option:
 
 
 def read_setting(text: str) -> tuple[str, Any]:
-    """Read ``key=value``; the value is parsed as TOML, and is a string where it is not TOML."""
+    """Read ``key=value``; the value is parsed as TOML, and is a string where it is not TOML.
+
+    Values separated by commas make a list, as in ``radio.range=1,3,5``.
+    """
     key, equals, value = text.partition("=")
     if not equals or not key:
         raise ArgumentTypeError(f"expected key=value such as goal=0.9, got {text!r}")
     try:
-        return key, tomllib.loads(f"value = {value}")["value"]
+        return key, _toml(value)
     except ValueError:  # not TOML, or an integer of thousands of digits
-        return key, value
+        return key, _several(value) if "," in value else value
+
+
+def _toml(text: str) -> Any:
+    (value,) = tomllib.loads(f"value = {text}").values()
+    return value
+
+
+def _several(text: str) -> list[Any]:
+    try:
+        return list(_toml(f"[{text}]"))
+    except ValueError:
+        return [word.strip() for word in text.split(",")]
 
 
 def read_names(text: str) -> list[str]:

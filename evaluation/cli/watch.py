@@ -32,13 +32,15 @@ def watch(
     ``steps`` limits its length. Prints the path of the file and how the episodes ended.
 
     Raises:
-        InputError: too many policies, or no window can be opened.
+        InputError: too many policies, several scenarios, or no window can be opened.
         RunError: a policy failed; no file is written.
 
     """
     count = len(experiment.policies)
     if count > MOST:
         raise InputError(f"expected up to {MOST} policies to watch side by side, got {count}; leave some out")
+    if len(experiment.scenarios) > 1:
+        raise InputError(f"expected one scenario to watch, got {len(experiment.scenarios)}; give --set one value each")
     flights = [Flight(experiment, number, steps) for number in range(count)]
     title = f"{experiment.scenarios[0].name}  \u00b7  {flights[0].name}  \u00b7  seed {experiment.seed}"
     if count == 1:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from indoor_explorers.env import Policy, Scenario, make_policy
+from indoor_explorers.env import InputError, Policy, Scenario, make_policy
 from indoor_explorers.env.scenarios.validation import validated
 
 
@@ -144,8 +145,38 @@ def build_experiment(
     seed: int | None = None,
     settings: Mapping[str, Any],
 ) -> Experiment:
-    """Build an experiment from scenarios, with ``settings`` applied to each of them."""
-    flown = tuple(scenario.with_settings(settings) for scenario in scenarios)
+    """Build an experiment from scenarios, with ``settings`` applied to each of them, see :func:`with_sweeps`."""
+    flown = tuple(variant for scenario in scenarios for variant in with_sweeps(scenario, settings))
     numbers = {"episodes": episodes, "seed": seed}
     given = {name: value for name, value in numbers.items() if value is not None}
     return validated(Experiment, {"policies": tuple(policies), "scenarios": flown, **given}, "experiment")
+
+
+def with_sweeps(scenario: Scenario, settings: Mapping[str, Any]) -> list[Scenario]:
+    """Return a scenario with settings, one for each combination of the values of those that are lists.
+
+    A list is the value itself where the setting takes a list, such as ``spawn``. Names tell the values that were swept:
+    ``thesis-team-2 radio.range=3``.
+
+    Raises:
+        InputError: a setting does not exist, or a value does not fit.
+
+    """
+    single = {key: value for key, value in settings.items() if not isinstance(value, list)}
+    lists = {key: value for key, value in settings.items() if key not in single}
+    swept = {key: values for key, values in lists.items() if values and not _fits(scenario, {**single, key: values})}
+    variants = []
+    for values in product(*swept.values()):
+        chosen = dict(zip(swept, values, strict=True))
+        told = "".join(f" {key}={value}" for key, value in chosen.items())
+        named = {"name": f"{settings.get('name', scenario.name)}{told}"} if chosen else {}
+        variants.append(scenario.with_settings({**settings, **chosen, **named}))
+    return variants
+
+
+def _fits(scenario: Scenario, settings: Mapping[str, Any]) -> bool:
+    try:
+        scenario.with_settings(settings)
+    except InputError:
+        return False
+    return True

@@ -101,7 +101,8 @@ class ComparisonRequest(Request):
     seed: Annotated[int | None, SEED] = None
     """First seed (default 0)."""
     settings: Settings = NO_SETTINGS
-    """Scenario settings such as goal=0.9 or radio.range=3."""
+    """Scenario settings such as goal=0.9 or radio.range=3; several values, as in radio.range=1,3,5, make a scenario for
+    each, and for each combination with those of other settings."""
     workers: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
     """Number of worker processes (default: one for each core). 0 flies in this process, where policies that hang or
     die are not caught."""

@@ -1,4 +1,4 @@
-"""Finds sweeps: scenarios that differ only in the range of the radio, the number of UAVs, or one other setting."""
+"""Finds sweeps: scenarios that differ only in the range of the radio, the number of UAVs, or one other number."""
 
 from __future__ import annotations
 
@@ -15,12 +15,14 @@ Settings = Mapping[str, Any]
 NOMINAL = ("name", "fingerprint")
 #: Settings that only matter for teams.
 OF_TEAMS = (("radio",), ("rewards", "received"), ("goal_of",))
-#: Other settings that are swept: their title, and the settings that have the value together.
-SWEPT = {
+#: Titles of settings that are often swept, and the settings that have the value together; others have their keys.
+TITLES = {
     "lidar range [cells]": (("lidar", "range"),),
     "side of the map [cells]": (("map", "height"), ("map", "width")),
     "obstacles": (("map", "obstacles"),),
 }
+#: Settings whose sweeps have panels of their own.
+ELSEWHERE = (("team",), ("radio", "range"))
 #: Fewest values of such a sweep; two scenarios often differ in one setting without being meant as a sweep.
 FEWEST_VALUES = 3
 
@@ -47,7 +49,7 @@ class TeamScaling:
 
 @dataclass(frozen=True)
 class SettingSweep:
-    """Scenarios that differ only in one of the settings :data:`SWEPT`, by rising value."""
+    """Scenarios that differ only in one setting that is a number, or in both sides of the map, by rising value."""
 
     setting: str
     """Its title."""
@@ -130,19 +132,39 @@ def team_scalings(scenarios: Mapping[str, Settings]) -> list[TeamScaling]:
 
 
 def setting_sweeps(scenarios: Mapping[str, Settings]) -> list[SettingSweep]:
-    """Return the sweeps of at least three values of a setting, in the order of :data:`SWEPT`.
+    """Return the sweeps of at least three values of a setting: those of :data:`TITLES` in their order, then others.
 
     A scenario may belong to several: to one sweep of each setting.
     """
-    return [sweep for title, places in SWEPT.items() for sweep in _sweeps_of(title, places, scenarios)]
+    titled = [place for places in TITLES.values() for place in places]
+    numbers = {place for settings in scenarios.values() for place in _numbers(settings)}
+    others = {".".join(place): (place,) for place in sorted(numbers) if place not in (*titled, *ELSEWHERE)}
+    swept = {**TITLES, **others}
+    return [sweep for title, places in swept.items() for sweep in _sweeps_of(title, places, scenarios)]
+
+
+def _numbers(settings: Settings, *parents: str) -> Iterator[tuple[str, ...]]:
+    """Yield the places of the settings that are numbers."""
+    for key, value in settings.items():
+        if isinstance(value, Mapping):
+            yield from _numbers(value, *parents, key)
+        elif isinstance(value, (int, float)) and not isinstance(value, bool):
+            yield (*parents, key)
+
+
+def _value_at(settings: Settings, place: tuple[str, ...]) -> Any:
+    value: Any = settings
+    for key in place:
+        value = value.get(key) if isinstance(value, Mapping) else None
+    return value
 
 
 def _sweeps_of(
-    title: str, places: tuple[tuple[str, str], ...], scenarios: Mapping[str, Settings]
+    title: str, places: tuple[tuple[str, ...], ...], scenarios: Mapping[str, Settings]
 ) -> Iterator[SettingSweep]:
     families: dict[str, dict[float, str]] = {}
     for name, settings in scenarios.items():
-        values = {settings[part].get(leaf) for part, leaf in places}
+        values = {_value_at(settings, place) for place in places}
         if len(values) == 1 and None not in values:
             families.setdefault(_key(settings, *places), {}).setdefault(float(values.pop()), name)
     for family in families.values():

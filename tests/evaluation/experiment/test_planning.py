@@ -10,6 +10,7 @@ from indoor_explorers.evaluation.experiment.experiment import Experiment
 from indoor_explorers.evaluation.experiment.planning import plan
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.experiment.selection import DEFAULT_POLICIES
+from indoor_explorers.evaluation.options import read_setting
 
 EXPERIMENTS = Path(__file__).parents[3] / "evaluation" / "experiments"
 FILE = """
@@ -164,3 +165,35 @@ def test_other_parentheses_are_refused_in_one_line(name, told):
     with pytest.raises(InputError, match=told) as error:
         plan(ComparisonRequest(policies=[name], scenario="thesis-open")).policies[0].make()
     assert "\n" not in str(error.value)
+
+
+def test_several_values_of_a_setting_make_a_scenario_each():
+    settings = dict(map(read_setting, ("radio.range=1,3", "radio.model=disc,square", "goal=0.9")))
+    planned = plan(ComparisonRequest(scenario="thesis-team-2", settings=settings)).scenarios
+    assert [(each.radio.range, each.radio.model, each.goal) for each in planned] == [
+        *((1.0, "disc", 0.9), (1.0, "square", 0.9), (3.0, "disc", 0.9), (3.0, "square", 0.9))
+    ]
+    assert planned[0].name == "thesis-team-2 radio.range=1 radio.model=disc"
+
+
+def test_an_experiment_file_sweeps_as_the_command_line_does(tmp_path):
+    (tmp_path / "flat.toml").write_text('scenarios = ["thesis-open"]\n[set]\n"lidar.range" = [2, 4]\n')
+    planned = plan(ComparisonRequest(experiment=tmp_path / "flat.toml")).scenarios
+    assert [(each.name, each.lidar.range) for each in planned] == [
+        *(("thesis-open lidar.range=2", 2.0), ("thesis-open lidar.range=4", 4.0))
+    ]
+
+
+def test_a_setting_that_takes_a_list_is_not_swept():
+    settings = dict(map(read_setting, ("team=2", "spawn=[[0,0],[0,1]]")))
+    (planned,) = plan(ComparisonRequest(settings=settings)).scenarios
+    assert planned.spawn == ((0, 0), (0, 1))
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [("radio.rang=1,3", "did you mean 'radio.range'"), ("radio.range=1,far", "radio.range: .* got 'far'")],
+)
+def test_values_of_a_sweep_that_do_not_fit_are_named(setting, message):
+    with pytest.raises(InputError, match=message):
+        plan(ComparisonRequest(settings=dict([read_setting(setting)])))

@@ -99,6 +99,14 @@ def test_scenarios_that_differ_in_one_setting_are_a_sweep_from_three_on() -> Non
     assert setting_sweeps(facts(BASE, few[0], far[0])) == []
 
 
+def test_any_number_can_be_swept() -> None:
+    loss = [radio(f"loss {n}", "disc", 3.0, **{"radio.loss": n}) for n in (0.0, 0.5, 0.2)]
+    assert setting_sweeps(facts(*loss)) == [
+        SettingSweep("radio.loss", ("loss 0.0", "loss 0.2", "loss 0.5"), (0.0, 0.2, 0.5))
+    ]
+    assert setting_sweeps(facts(*(radio(f"range {n}", "disc", n) for n in (1.0, 2.0, 3.0)))) == []
+
+
 def test_sides_are_swept_on_square_maps_alone() -> None:
     sizes = [BASE.with_settings({"name": f"{n}", "map.height": n, "map.width": n}) for n in (20, 24)]
     (sweep,) = setting_sweeps(facts(BASE, *sizes))
