@@ -26,6 +26,7 @@ def parallel_env(
     agent that ends early leaves ``agents``: goal, collision, out of bounds and stuck terminate, the step
     budget truncates. Infos hold ``action_mask`` (5,) int8, 1 for the actions that end neither in a wall nor
     off the map, and ``coverage``, ``step`` and ``end``, see :func:`indoor_explorers.env.interfaces.common.info_of`.
+    ``state()`` is the global state with the true map, for learners with a central critic.
 
     Args:
         scenario: A scenario, the name of a preset or a .toml file.

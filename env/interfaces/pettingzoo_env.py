@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 from gymnasium.error import ResetNeeded
-from gymnasium.spaces import Discrete, Space
+from gymnasium.spaces import Box, Discrete, Space
 from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.grid.cells import FREE, UNKNOWN, Action
 from indoor_explorers.env.interfaces.common import (
     RENDER_FPS,
     RENDER_MODES,
@@ -59,6 +59,8 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         self.agents: list[str] = []
         self._numbers = {agent: n for n, agent in enumerate(self.possible_agents)}
         self._encoders = [make_encoder(observation, self.world.briefing(0, n)) for n in self._numbers.values()]
+        team, height, width = self.world.state.belief.shape[1:]
+        self.state_space = Box(0, 1, (2 + 2 * team, height, width), np.uint8)
         self._action_spaces: list[Discrete[np.int64]] = [Discrete(5) for _ in self.possible_agents]
 
     def observation_space(self, agent: str) -> Space[Any]:
@@ -107,6 +109,24 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         )
         self.agents = [agent for agent, end in ends.items() if end == End.FLYING]
         return result
+
+    def state(self) -> NDArray[np.uint8]:
+        """Return the global state for a central critic or mixer, which no UAV may see: (2 + 2 N, H, W) of 0 and 1.
+
+        The planes are the free cells of the true map, the cells that the team knows, the cells that each of the N UAVs
+        knows, and the cell of each UAV that still flies.
+        """
+        if not self._begun:
+            raise ResetNeeded("expected an episode with a state, got a new environment; call reset first")
+        state = self.world.state
+        team = len(self.possible_agents)
+        planes = np.zeros(self.state_space.shape, np.uint8)
+        planes[0] = state.truth[0] == FREE
+        planes[1] = state.union[0] != UNKNOWN
+        planes[2 : 2 + team] = state.belief[0] != UNKNOWN
+        for n in np.flatnonzero(self.world.flying[0]):
+            planes[(2 + team + n, *state.cell[0, n])] = 1
+        return planes
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return an (h, w, 3) uint8 picture of the episode, of the same size for every step, or show it."""

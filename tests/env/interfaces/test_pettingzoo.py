@@ -61,6 +61,34 @@ def test_the_budget_is_pettingzoo_s_max_cycles():
     max_cycles_test(SimpleNamespace(parallel_env=budgeted(parallel_env), env=budgeted(env)))
 
 
+def test_the_global_state_is_the_true_map_and_what_everybody_knows():
+    from pettingzoo.test.state_test import state_test
+
+    team = parallel_env("thesis-team-2", settings=SAFE | {"radio.model": "none"})
+    with pytest.raises(ResetNeeded):
+        team.state()
+    state_test(env("thesis-team-2", settings=SAFE), team)
+    team.reset(seed=3)
+    team.step(dict.fromkeys(team.agents, 2))
+    state, world = team.state(), team.world.state
+    np.testing.assert_array_equal(state[0] == 1, world.truth[0] == 1)
+    np.testing.assert_array_equal(state[1], state[2] | state[3])
+    np.testing.assert_array_equal(state[2:4] == 1, world.belief[0] > 0)
+    assert [tuple(np.argwhere(plane)[0]) for plane in state[4:]] == [tuple(cell) for cell in world.cell[0]]
+    assert state[4:].sum() == 2
+    together = env("thesis-team-2", settings=SAFE)
+    together.reset(seed=3)
+    assert together.state_space.contains(together.state())
+
+
+def test_a_uav_that_has_ended_is_not_in_the_global_state():
+    team = parallel_env("thesis-team-2", settings={"on_collision": "end"})
+    team.reset(seed=0)
+    while len(team.agents) == 2:
+        team.step(dict.fromkeys(team.agents, 1))
+    assert team.state()[4:].sum() == len(team.agents)
+
+
 @pytest.mark.parametrize("make", [parallel_env, env])
 def test_a_picture_has_a_colour_for_each_uav(make):
     team = make("thesis-team-4", render_mode="rgb_array")
