@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from indoor_explorers.evaluation.driver import Watcher
+    from indoor_explorers.evaluation.exports.summary_table import SummaryTable
 
 
-def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "", **options: Any) -> pd.DataFrame:
-    """Compare policies and return the summary as a table with the columns of ``summary.csv``.
+def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "", **options: Any) -> SummaryTable:
+    """Compare policies and return the summary: a DataFrame with the rows of ``summary.csv``.
+
+    ``print`` shows T90, T99 and AUC of each policy with their intervals; ``table.wide(["t90", "path_length"])`` has the
+    means of any metrics.
 
     Writes ``out/results.db``, ``report.html``, and what :func:`~indoor_explorers.evaluation.exports.write_exports`
     does. Plug-in policies are first checked for hidden knowledge, and marked if they fail; they decide in processes
@@ -42,9 +44,10 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
     # imported here, so that the command line shows its help at once
     from indoor_explorers.evaluation.driver import run
     from indoor_explorers.evaluation.experiment.planning import plan
+    from indoor_explorers.evaluation.exports.summary_table import SummaryTable
 
     request = ComparisonRequest.of(**options)
-    return run(plan(request), Path(out), request, watcher=watcher, command=command).summary()
+    return SummaryTable(run(plan(request), Path(out), request, watcher=watcher, command=command).summary())
 
 
 def _signature() -> inspect.Signature:
