@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +19,18 @@ from indoor_explorers.env.scenarios.validation import validated
 GROUP = "indoor_explorers.learners"
 
 
+def learner_entry_points() -> dict[str, EntryPoint]:
+    """Return the installed learners by name."""
+    return {entry.name: entry for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name)}
+
+
 def find_learner(name: str) -> Any:
     """Return the training module of a learner by name.
 
     Raises:
         InputError: there is no such learner, or what it needs is not installed.
     """
-    known = {entry.name: entry for entry in entry_points(group=GROUP)}
+    known = learner_entry_points()
     if name not in known:
         raise InputError(f"unknown learner {name!r}{did_you_mean(name, known)}")
     try:

@@ -88,6 +88,16 @@ def make_policy(name: str, **parameters: Any) -> Policy:
     return policy
 
 
+def policy_class(name: str) -> Any:
+    """Return the class, or the function, that :func:`make_policy` would call.
+
+    Raises:
+        InputError: no such name, or a missing optional dependency.
+
+    """
+    return _load(name)[0]
+
+
 def _refuse_unknown(name: str, kind: Any, parameters: Mapping[str, Any]) -> None:
     """Refuse a parameter that the constructor does not take, with the likely one."""
     try:

@@ -1,5 +1,6 @@
-"""Train a DDDQN: a session around :class:`indoor_explorers.learners.dddqn.learning.training.Training`.
+"""The dueling double deep Q-network (DDDQN) of this project.
 
+A training is a session around :class:`indoor_explorers.learners.dddqn.learning.training.Training`.
 The folder gets ``weights.safetensors`` (the averaged weights that did best in evaluation), ``training.json``
 (configuration, seed, versions, commits, evaluations), ``checkpoint.safetensors`` (everything that a resumed training
 needs) and ``tensorboard/``. The same seed gives the same weights, resumed or not.

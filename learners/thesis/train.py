@@ -1,5 +1,6 @@
-"""Train the thesis's DDDQN: a session around :class:`indoor_explorers.learners.thesis.training.ThesisTraining`.
+"""The DDDQN of the IndoorExplorers thesis, with its mistakes as switches.
 
+A training is a session around :class:`indoor_explorers.learners.thesis.training.ThesisTraining`.
 The folder gets ``weights.safetensors`` (the latest network, as in the thesis), ``episodes.csv`` (every training
 episode: the thesis's curve), ``training.json`` (configuration, seed, versions, commits, evaluations) and
 ``checkpoint.safetensors`` (everything that a resumed training needs). The same seed gives the same weights, resumed

@@ -11,7 +11,7 @@ from indoor_explorers.evaluation.cli.commands.bench import BENCH
 from indoor_explorers.evaluation.cli.commands.check import CHECK
 from indoor_explorers.evaluation.cli.commands.compare import COMPARE
 from indoor_explorers.evaluation.cli.commands.leaderboard import LEADERBOARD
-from indoor_explorers.evaluation.cli.commands.listings import POLICIES, SCENARIOS
+from indoor_explorers.evaluation.cli.commands.listings import LEARNERS, POLICIES, SCENARIOS
 from indoor_explorers.evaluation.cli.commands.maps import MAPS
 from indoor_explorers.evaluation.cli.commands.report import REPORT
 from indoor_explorers.evaluation.cli.commands.suites import SUITES
@@ -20,5 +20,20 @@ from indoor_explorers.evaluation.cli.commands.watch import WATCH
 
 #: All commands, in the order of the help.
 COMMANDS: tuple[Command[Any], ...] = (
-    *(COMPARE, WATCH, REPORT, LEADERBOARD, TRAIN, ABLATE, THESIS, POLICIES, SCENARIOS, SUITES, MAPS, BENCH, CHECK),
+    *(
+        COMPARE,
+        WATCH,
+        REPORT,
+        LEADERBOARD,
+        TRAIN,
+        ABLATE,
+        THESIS,
+        POLICIES,
+        SCENARIOS,
+        LEARNERS,
+        SUITES,
+        MAPS,
+        BENCH,
+        CHECK,
+    ),
 )

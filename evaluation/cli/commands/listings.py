@@ -1,34 +1,49 @@
-"""``policies`` and ``scenarios``: list what can be compared."""
+"""``policies``, ``scenarios`` and ``learners``: list what there is, or explain one."""
 
 from __future__ import annotations
 
 from itertools import accumulate
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.experiment.request import Request
+from indoor_explorers.evaluation.options import Option
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from importlib.metadata import EntryPoint
+
+    from rich.console import Console
 
     from indoor_explorers.env import Scenario
     from indoor_explorers.env.maps.sources import MapSource
+    from indoor_explorers.evaluation.cli.parameters import Parameter
 
 
 #: Columns of the list of scenarios; map, lidar and radio range in cells, last the rewards of step, cell and goal.
 HEADINGS = ("scenario", "map", "UAVs", "lidar", "radio", "steps", "goal", "stuck", "step, cell, goal")
 
 
-class NoOptions(Request):
-    """A command without options."""
+class ListOptions(Request):
+    """The options of a list."""
+
+    names: Annotated[tuple[str, ...], Option(metavar="NAME", several=True, positional=True)] = ()
+    """Explain these, with all their settings (default: list all)."""
 
 
-def list_policies(options: NoOptions, typed: str) -> int:
-    """Print the installed policies."""
+def list_policies(options: ListOptions, typed: str) -> int:
+    """Print the installed policies, or what some are and their parameters."""
     from rich.table import Table
 
-    from indoor_explorers.env.policies.registry import opener_entry_points, policy_entry_points
+    from indoor_explorers.env.policies.registry import opener_entry_points, policy_class, policy_entry_points
+    from indoor_explorers.evaluation.cli.parameters import policy_parameters
 
+    console = make_console()
+    for name in options.names:
+        kind = policy_class(name)
+        _explain(console, name, kind.__doc__ or "", policy_parameters(kind))
+    if options.names:
+        return 0
     table = Table("policy", "what it is", "from", box=None, header_style="bold")
     table.columns[0].no_wrap = True
     declared = policy_entry_points()
@@ -40,7 +55,7 @@ def list_policies(options: NoOptions, typed: str) -> int:
         table.add_row(name, about, entry.dist.name if entry.dist else "")
     for name, entry in opener_entry_points().items():
         table.add_row(f"{name}:PATH", _about(entry), entry.dist.name if entry.dist else "")
-    make_console().print(table, highlight=False, markup=False)
+    console.print(table, highlight=False, markup=False)
     return 0
 
 
@@ -52,21 +67,63 @@ def _is_own_name(name: str, entry: EntryPoint) -> bool:
 def _about(entry: EntryPoint) -> str:
     """Return the first line of an entry's docstring as plain text."""
     from indoor_explorers.env.policies.registry import missing_module
+    from indoor_explorers.evaluation.cli.parameters import plain_text
 
     try:
-        line = (entry.load().__doc__ or "").strip().partition("\n")[0]
+        return plain_text(entry.load().__doc__ or "").partition("\n")[0]
     except ModuleNotFoundError as error:
         return missing_module(error)
-    return line.replace("``", "")
 
 
-def list_scenarios(options: NoOptions, typed: str) -> int:
-    """Print the preset scenarios, in as many columns as fit; nothing is cut."""
+def _explain(console: Console, name: str, about: str, parameters: Iterable[Parameter]) -> None:
+    """Print a docstring and a table of parameters."""
     from rich.table import Table
 
+    from indoor_explorers.evaluation.cli.parameters import plain_text
+
+    print_line(console, name, "bold")
+    print_line(console, plain_text(about))
+    table = Table("parameter", "default", "", box=None, header_style="bold")
+    for parameter in parameters:
+        table.add_row(*parameter)
+    if table.row_count:
+        console.print(table, highlight=False, markup=False)
+    print_line(console, "")
+
+
+def list_learners(options: ListOptions, typed: str) -> int:
+    """Print the installed learners, or the hyperparameters of some."""
+    from rich.table import Table
+
+    from indoor_explorers.evaluation.cli.parameters import model_parameters
+    from indoor_explorers.evaluation.training import find_learner, learner_entry_points
+
+    console = make_console()
+    for name in options.names:
+        learner = find_learner(name)
+        _explain(console, name, learner.__doc__ or "", model_parameters(learner.TrainingConfig))
+        presets = ", ".join(getattr(learner, "PRESETS", {}))
+        print_line(console, f"Presets for --preset: {presets or 'none'}")
+    if not options.names:
+        table = Table("learner", "what it is", box=None, header_style="bold")
+        for name, entry in learner_entry_points().items():
+            table.add_row(name, _about(entry))
+        console.print(table, highlight=False, markup=False)
+    return 0
+
+
+def list_scenarios(options: ListOptions, typed: str) -> int:
+    """Print the preset scenarios, in as many columns as fit, nothing is cut; or all settings of some, as TOML."""
+    from rich.table import Table
+
+    from indoor_explorers.env.scenarios.loading import named_scenario
     from indoor_explorers.env.scenarios.presets import PRESETS
 
     console = make_console()
+    for name in options.names:
+        print_line(console, named_scenario(name).to_toml())
+    if options.names:
+        return 0
     rows = [_scenario_row(preset) for preset in PRESETS.values()]
     widths = [max(map(len, column)) + 2 for column in zip(HEADINGS, *rows, strict=True)]
     fitting = max(1, sum(end - 2 <= console.width for end in accumulate(widths)))
@@ -97,5 +154,6 @@ def _shape(source: MapSource) -> tuple[int, int]:
     return (height, width) if height and width else source.floorplan(0, 0).shape
 
 
-POLICIES = Command("policies", "list the installed policies", NoOptions, list_policies)
-SCENARIOS = Command("scenarios", "list the preset scenarios", NoOptions, list_scenarios)
+POLICIES = Command("policies", "list the installed policies, or explain some", ListOptions, list_policies)
+SCENARIOS = Command("scenarios", "list the preset scenarios, or print some", ListOptions, list_scenarios)
+LEARNERS = Command("learners", "list the installed learners, or explain some", ListOptions, list_learners)

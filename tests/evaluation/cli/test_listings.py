@@ -1,13 +1,16 @@
 """Lists of what there is: every name whole, in every window, and aliases told."""
 
 import re
+import tomllib
+from dataclasses import dataclass, field
 
 import pytest
 
-from indoor_explorers.env import PRESETS, policy_names
+from indoor_explorers.env import PRESETS, Scenario, policy_names
 from indoor_explorers.env.policies.registry import policy_entry_points
 from indoor_explorers.env.scenarios.suites.catalogue import suites
 from indoor_explorers.evaluation.cli.commands import listings
+from indoor_explorers.evaluation.cli.parameters import policy_parameters
 from indoor_explorers.evaluation.cli.parser import main
 
 
@@ -67,3 +70,54 @@ def test_a_suite_is_explained_with_the_commands_that_fetch_its_maps(capsys, tmp_
     assert "  git clone https://github.com/ut-amrl/amrl_maps && git -C amrl_maps checkout 38db3f2b17f7313aa" in printed
     assert "Data: none, the maps are generated." in printed
     assert main(["suites", "flors"]) == 2
+
+
+def test_a_policy_is_explained_with_its_parameters(capsys):
+    assert main(["policies", "pso", "random"]) == 0
+    printed = capsys.readouterr().out
+    assert "Assign several goals to each UAV" in printed
+    assert re.search(r"^ ?particles +20 +Particles of the swarm, including the four", printed, re.MULTILINE)
+    assert "\nrandom\n" in printed
+    assert ":class:" not in printed
+    assert main(["policies", "pos"]) == 2
+    assert "did you mean 'pso'" in capsys.readouterr().err
+
+
+def test_a_scenario_is_printed_as_toml_that_can_be_flown(capsys):
+    assert main(["scenarios", "thesis-team-4"]) == 0
+    assert Scenario.model_validate(tomllib.loads(capsys.readouterr().out)) == PRESETS["thesis-team-4"]
+
+
+def test_learners_are_listed_and_explained_with_nested_settings_and_presets(capsys):
+    assert main(["learners"]) == 0
+    printed = capsys.readouterr().out
+    assert {"dddqn", "dddqn-thesis", "sb3-ppo", "rllib-sac"} <= {line.split()[0] for line in printed.splitlines()}
+    assert main(["learners", "dddqn"]) == 0
+    printed = capsys.readouterr().out
+    assert re.search(r"^ ?observation\.tours +\S+ +\w", printed, re.MULTILINE)
+    assert "Presets for --preset: thesis-open" in printed
+    assert main(["learners", "dqn"]) == 2
+
+
+def test_parameters_of_any_kind_of_class_are_found():
+    class Given:
+        def __init__(self, path, steps=3):
+            self.path = path
+
+    @dataclass(frozen=True)
+    class Base:
+        rate: float = 0.5
+        """How fast, see :class:`~a.b.Place`."""
+
+    @dataclass(frozen=True)
+    class Own(Base):
+        names: tuple[str, ...] = field(default_factory=tuple)
+        start: int = 0
+        """The ``first``."""
+
+    assert policy_parameters(Given) == [("path", "", ""), ("steps", "3", "")]
+    assert policy_parameters(Own) == [
+        ("rate", "0.5", "How fast, see Place."),
+        ("names", "()", ""),
+        ("start", "0", "The first."),
+    ]
