@@ -27,10 +27,11 @@ class Parameter(NamedTuple):
 
 def policy_parameters(kind: Any) -> list[Parameter]:
     """Return the parameters of a policy's constructor; those of dataclasses have docstrings."""
+    classes = getattr(kind, "__mro__", ())
     if not dataclasses.is_dataclass(kind):
         given = inspect.signature(kind).parameters.values()
         return [Parameter(each.name, _written(each.default), "") for each in given]
-    about = {name: text for base in reversed(inspect.getmro(kind)) for name, text in _attribute_docstrings(base)}
+    about = {name: text for base in reversed(classes) for name, text in _attribute_docstrings(base)}
     return [Parameter(each.name, _default_of(each), about.get(each.name, "")) for each in dataclasses.fields(kind)]
 
 

@@ -18,6 +18,8 @@ from indoor_explorers.evaluation.cli.commands import COMMANDS
 
 #: Exit statuses.
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
+#: Shells that scripts for completion are written for.
+SHELLS = ("bash", "zsh", "tcsh")
 #: Characters of an error's line.
 LONGEST_LINE = 2000
 #: What the system says when a file finds no room: full disk, full quota, file too large.
@@ -53,7 +55,18 @@ class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
         from importlib.metadata import version
 
-        parser.exit(message=f"indoor-explorers {version('indoor-explorers')}\n")
+        sys.stdout.write(f"indoor-explorers {version('indoor-explorers')}\n")
+        parser.exit()
+
+
+class _Completion(argparse.Action):
+    """Print a script that completes commands and options in a shell."""
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, *_: Any) -> None:
+        import shtab
+
+        sys.stdout.write(f"{shtab.complete(build_parser(), shell=values)}\n")
+        parser.exit()
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -61,6 +74,13 @@ def build_parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="indoor-explorers", description="Compare exploration policies for teams of UAVs.")
     parser.add_argument(
         "--version", action=_Version, nargs=0, default=argparse.SUPPRESS, help="show the version and exit"
+    )
+    parser.add_argument(
+        "--print-completion",
+        action=_Completion,
+        choices=SHELLS,
+        default=argparse.SUPPRESS,
+        help="print a script that completes commands and options: eval it, or put it where the shell looks",
     )
     parsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=_Parser)
     for command in COMMANDS:

@@ -10,6 +10,7 @@ from indoor_explorers.evaluation.cli.command import Command
 from indoor_explorers.evaluation.cli.commands.bench import BENCH
 from indoor_explorers.evaluation.cli.commands.check import CHECK
 from indoor_explorers.evaluation.cli.commands.compare import COMPARE
+from indoor_explorers.evaluation.cli.commands.demo import DEMO
 from indoor_explorers.evaluation.cli.commands.leaderboard import LEADERBOARD
 from indoor_explorers.evaluation.cli.commands.listings import LEARNERS, POLICIES, SCENARIOS
 from indoor_explorers.evaluation.cli.commands.maps import MAPS
@@ -20,20 +21,6 @@ from indoor_explorers.evaluation.cli.commands.watch import WATCH
 
 #: All commands, in the order of the help.
 COMMANDS: tuple[Command[Any], ...] = (
-    *(
-        COMPARE,
-        WATCH,
-        REPORT,
-        LEADERBOARD,
-        TRAIN,
-        ABLATE,
-        THESIS,
-        POLICIES,
-        SCENARIOS,
-        LEARNERS,
-        SUITES,
-        MAPS,
-        BENCH,
-        CHECK,
-    ),
+    *(DEMO, COMPARE, WATCH, REPORT, LEADERBOARD, TRAIN, ABLATE, THESIS),
+    *(POLICIES, SCENARIOS, LEARNERS, SUITES, MAPS, BENCH, CHECK),
 )

@@ -1,5 +1,6 @@
 """Help, version and errors come before anything heavy is imported."""
 
+import shutil
 import subprocess
 import sys
 
@@ -65,3 +66,21 @@ def test_the_likely_option_is_named():
 def test_settings_may_be_given_several_times():
     given = build_parser().parse_args(["compare", "--set", "goal=0.5", "team=2", "--set", "a.b=word", "--out", "x"])
     assert given.settings == [("goal", 0.5), ("team", 2), ("a.b", "word")]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
+def test_a_script_completes_commands_and_options(shell, capsys):
+    with pytest.raises(SystemExit) as ended:
+        build_parser().parse_args(["--print-completion", shell])
+    script = capsys.readouterr().out
+    assert not ended.value.code
+    assert all(word in script for word in ("leaderboard", "ratio-to"))
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")
+def test_bash_completes_a_command(capsys):
+    with pytest.raises(SystemExit):
+        build_parser().parse_args(["--print-completion", "bash"])
+    script = capsys.readouterr().out + "COMP_WORDS=(indoor-explorers lead); COMP_CWORD=1; _shtab_indoor_explorers\n"
+    done = subprocess.run(["bash", "-c", script + 'echo "${COMPREPLY[@]}"'], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["leaderboard"]
