@@ -5,6 +5,7 @@
 # make stress    kill a comparison fifty times and see that nothing is lost: some ten minutes
 # make soak      fly every policy over many maps, teams and radios and list who freezes, dithers or fails: an hour
 # make docs      write the documentation to results/site, from files and code alone; a dead link fails
+# make dist      build wheel and sdist in dist/, and try the wheel in a fresh environment
 # make browser   have a Chromium for the tests of the report page, where Debian's can be installed
 
 PYTHON ?= python3
@@ -18,7 +19,7 @@ APT = DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=0 -o Acquir
 # every process of a test would compile the package's modules to bytecode anew
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: compare compare-full test test-all lint warm-up stress soak docs browser clean
+.PHONY: compare compare-full test test-all lint warm-up stress soak docs dist browser clean
 
 compare: $(VENV)/.installed-compare
 	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/quick.toml --out $(OUT)
@@ -50,6 +51,13 @@ soak: $(VENV)/.installed-test
 docs: $(VENV)/.installed-test
 	NO_MKDOCS_2_WARNING=1 $(RUN)/python -P -m mkdocs build --quiet --config-file evaluation/site/mkdocs.yml
 	@echo "Documentation: results/site/index.html"
+
+dist: $(VENV)/.installed-test
+	rm -rf dist
+	$(RUN)/python -m build --no-isolation > /dev/null
+	$(PYTHON) -m venv dist/trial
+	dist/trial/bin/python -m pip install --quiet --constraint constraints.txt dist/*.whl
+	dist/trial/bin/indoor-explorers demo --out dist/trial/demo
 
 browser:
 	@for name in $(BROWSERS); do command -v $$name >/dev/null && exit 0; done; \

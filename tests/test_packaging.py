@@ -74,6 +74,12 @@ def test_every_data_file_of_the_tree_is_listed(project):
     assert {path for path in missing if path.suffix != ".md"} == set()
 
 
+def test_one_version_everywhere(project):
+    version = project["project"]["version"]
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
+    assert re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[1] == version
+
+
 @pytest.mark.slow
 def test_the_wheel_holds_every_module_and_data_file(wheel):
     held = set(zipfile.ZipFile(wheel).namelist())

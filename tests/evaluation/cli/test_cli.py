@@ -17,6 +17,7 @@ from PIL import Image
 
 from indoor_explorers.env.grid.compiled import NOTICE
 from indoor_explorers.evaluation import compare
+from indoor_explorers.evaluation.cli.commands import demo
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.options import read_names
 from indoor_explorers.evaluation.results.results import SUMMARY_COLUMNS
@@ -397,3 +398,13 @@ def test_commas_in_parentheses_separate_no_names():
         "a, b(c, d)",
         "x",
     ]
+
+
+def test_the_demo_compares_and_films(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(demo, "EPISODES", 2)
+    status, out, _ = run(capsys, "demo", "--out", tmp_path / "demo")
+    assert status == 0
+    assert {row["policy"] for row in summary(tmp_path / "demo")} == set(demo.POLICIES)
+    with Image.open(tmp_path / "demo" / "demo.gif") as film:
+        assert film.n_frames > 10
+    assert f"Open {tmp_path / 'demo' / 'report.html'}" in out
