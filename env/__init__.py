@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from indoor_explorers.env.errors import InputError, PolicyError
     from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, Action
     from indoor_explorers.env.interfaces.pettingzoo import env, parallel_env
+    from indoor_explorers.env.maps.base import GeneratedMaps
     from indoor_explorers.env.observations.incremental import LivePlanes
     from indoor_explorers.env.policies.policy import Pilot, Policy
     from indoor_explorers.env.policies.registry import make_policy, policy_names
@@ -31,6 +32,7 @@ __all__ = [
     "Action",
     "Briefing",
     "Finding",
+    "GeneratedMaps",
     "InputError",
     "LivePlanes",
     "Mate",
@@ -57,6 +59,7 @@ _MODULES = {
     "errors": ("InputError", "PolicyError"),
     "grid.cells": ("FREE", "OCCUPIED", "UNKNOWN", "Action"),
     "interfaces.pettingzoo": ("env", "parallel_env"),
+    "maps.base": ("GeneratedMaps",),
     "observations.incremental": ("LivePlanes",),
     "policies.policy": ("Pilot", "Policy"),
     "policies.registry": ("make_policy", "policy_names"),

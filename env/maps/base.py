@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.plugins import is_own, source_hash
 
 
 class BaseMaps(BaseModel):
@@ -41,18 +42,32 @@ class BaseMaps(BaseModel):
 
 
 class GeneratedMaps(BaseMaps):
-    """A generator of connected maps with a solid border: everything free can be reached from everywhere free."""
+    """A generator of maps; subclasses define :meth:`draw`, and may have settings of their own.
 
-    source: str
+    Those of this package are connected and have a solid border: everything free can be reached from everywhere free.
+    """
+
+    source: str = ""
+    """Its name; by default ``module:Class``."""
     height: int = Field(64, ge=5, le=2048)
     """Cells."""
     width: int = Field(64, ge=5, le=2048)
     """Cells."""
 
+    @model_validator(mode="after")
+    def _named(self) -> Self:
+        if not self.source:
+            object.__setattr__(self, "source", f"{type(self).__module__}:{type(self).__qualname__}")
+        return self
+
     @property
     def generated(self) -> bool:
         """True: every seed has a map of its own."""
         return True
+
+    def identity(self) -> Any:
+        """Return the settings, and for a plug-in a hash of its file: with other code it draws other maps."""
+        return super().identity() | ({} if is_own(type(self)) else {"code": source_hash(type(self))})
 
     def floorplan(self, index: int, seed: int, attempt: int = 0) -> Floorplan:
         """Draw the map of an episode seed."""

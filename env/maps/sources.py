@@ -6,11 +6,21 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, Self, get_args
+from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import Field, PrivateAttr
+from pydantic import (
+    Field,
+    PrivateAttr,
+    SerializationInfo,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapSerializer,
+    WrapValidator,
+)
 
-from indoor_explorers.env.maps.base import BaseMaps
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.maps.base import BaseMaps, GeneratedMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.generators.cave import CaveMaps
 from indoor_explorers.env.maps.generators.floors.plans import FloorsMaps
@@ -18,9 +28,11 @@ from indoor_explorers.env.maps.generators.maze import MazeMaps
 from indoor_explorers.env.maps.generators.offices import OfficesMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
+from indoor_explorers.env.plugins import MAPS, declared, load_plugin
 
 __all__ = [
     "SOURCES",
+    "AnyMaps",
     "CaveMaps",
     "FileMaps",
     "FloorsMaps",
@@ -94,6 +106,51 @@ MapSource = ThesisMaps | RoomsMaps | OfficesMaps | FloorsMaps | CaveMaps | MazeM
 
 #: The kinds of maps by name.
 SOURCES: dict[str, type[BaseMaps]] = {kind.model_fields["source"].default: kind for kind in get_args(MapSource)}
+
+
+
+
+def map_class(source: Any) -> type[BaseMaps] | None:
+    """Return the class of a kind of map by name, that of a plug-in too; None where there is no such name.
+
+    Raises:
+        InputError: a plug-in cannot be imported, or is no generator of maps.
+
+    """
+    if not isinstance(source, str):
+        return None
+    if source in SOURCES or not (":" in source or source in declared(MAPS)):
+        return SOURCES.get(source)
+    kind = load_plugin(MAPS, source, "map generator", SOURCES)
+    if not (isinstance(kind, type) and issubclass(kind, GeneratedMaps)):
+        raise InputError(f"map generator {source!r}: expected a subclass of GeneratedMaps, got {kind!r}")
+    return kind
+
+
+def _validated(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+    """Validate maps of plug-ins by their own class, all others as members of the union."""
+    if isinstance(value, BaseMaps):
+        return value if not isinstance(value, get_args(MapSource)) else handler(value)
+    source = value.get("source") if isinstance(value, Mapping) else None
+    kind = map_class(source)
+    if kind is None or source in SOURCES:
+        return handler(value)
+    try:
+        return kind.model_validate(value)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise ValueError(f"{source}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+
+
+def _serialised(value: Any, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> Any:
+    """Serialise maps of plug-ins by their own class."""
+    return handler(value) if isinstance(value, get_args(MapSource)) else value.model_dump(mode=info.mode)
+
+
+#: The maps of a scenario: a kind of this package, or a plug-in of the group ``indoor_explorers.maps``.
+AnyMaps = Annotated[
+    Annotated[MapSource, Field(discriminator="source")], WrapValidator(_validated), WrapSerializer(_serialised)
+]
 
 
 @lru_cache(maxsize=64)

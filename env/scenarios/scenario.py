@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import (
     BaseModel,
@@ -19,11 +19,7 @@ from pydantic import (
 )
 
 from indoor_explorers.env.errors import InputError, did_you_mean
-from indoor_explorers.env.maps.sources import (
-    SOURCES,
-    MapSource,
-    ThesisMaps,
-)
+from indoor_explorers.env.maps.sources import AnyMaps, ThesisMaps, map_class
 from indoor_explorers.env.scenarios.codes import RadioModelName, StuckRuleName
 from indoor_explorers.env.scenarios.validation import validated
 
@@ -99,8 +95,8 @@ class Scenario(_Part):
 
     name: str = Field("custom", min_length=1, max_length=80)
     """Shown in tables and figures."""
-    map: Annotated[MapSource, Field(discriminator="source")] = ThesisMaps()
-    """Where maps come from."""
+    map: AnyMaps = ThesisMaps()
+    """Where maps come from; ``source`` may be a plug-in, ``module:Class``."""
     team: int = Field(1, ge=1, le=256)
     """UAVs."""
     spawn: Literal["random", "clustered"] | tuple[tuple[int, int], ...] = "random"
@@ -186,6 +182,6 @@ class Scenario(_Part):
 
 def _defaults_of(source: str) -> dict[str, Any]:
     """Return the settings of a kind of map, None where there is no default; none for a kind that is none."""
-    kind = SOURCES.get(source) if isinstance(source, str) else None
+    kind = map_class(source)
     fields = {} if kind is None else kind.model_fields
     return {name: None if field.is_required() else field.get_default() for name, field in fields.items()}

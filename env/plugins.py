@@ -1,0 +1,68 @@
+"""Plug-ins by name: what a distribution declares in an entry-point group, or ``module:attribute``."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import inspect
+from collections.abc import Iterable
+from functools import cache
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+from indoor_explorers.env.errors import InputError, described, did_you_mean
+
+#: Groups of the plug-ins of a scenario: classes of map generators, and functions.
+MAPS, LIDARS, RADIOS = (f"indoor_explorers.{what}" for what in ("maps", "lidars", "radios"))
+
+
+@cache
+def declared(group: str) -> dict[str, str]:
+    """Return ``module:attribute`` of the plug-ins that installed distributions declare in a group, by name."""
+    return {entry.name: entry.value for entry in sorted(entry_points(group=group), key=lambda entry: entry.name)}
+
+
+def load_plugin(group: str, name: str, what: str, others: Iterable[str] = ()) -> Any:
+    """Return what a name of a group, or ``module:attribute``, stands for.
+
+    Args:
+        group: the entry-point group.
+        name: the name that was given.
+        what: what it should be, for errors: "map generator".
+        others: names that are no plug-ins and would have been accepted, for errors.
+
+    Raises:
+        InputError: there is no such name, or its module cannot be imported.
+
+    """
+    target = declared(group).get(name, name)
+    module, colon, attribute = target.partition(":")
+    if not colon or not module or not attribute:
+        known = [*others, *declared(group)]
+        raise InputError(
+            f"unknown {what} {name!r}{did_you_mean(name, known)}; expected one of {', '.join(known)}, or module:name"
+        )
+    try:
+        found: Any = importlib.import_module(module)
+    except (Exception, SystemExit) as error:
+        raise InputError(f"{what} {name!r}: importing {module} raised {described(error)}") from error
+    for part in attribute.split("."):
+        if not hasattr(found, part):
+            raise InputError(f"{what} {name!r}: module {module} has no {attribute!r}")
+        found = getattr(found, part)
+    return found
+
+
+def is_own(plugin: Any) -> bool:
+    """Return whether a class or function is of this package."""
+    return str(plugin.__module__).partition(".")[0] == __name__.partition(".")[0]
+
+
+def source_hash(plugin: Any) -> str:
+    """Return a short hash of the file that a class or function is from, empty where it is from none."""
+    try:
+        file = inspect.getsourcefile(plugin)
+    except TypeError:
+        return ""
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()[:16] if file and Path(file).is_file() else ""
