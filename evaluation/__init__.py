@@ -12,11 +12,13 @@ from indoor_explorers.evaluation.compare import compare
 if TYPE_CHECKING:
     from indoor_explorers.evaluation.engines.local import fly_job
     from indoor_explorers.evaluation.engines.workload import missing_jobs
+    from indoor_explorers.evaluation.episodes.record import Record
     from indoor_explorers.evaluation.experiment.experiment import Experiment
     from indoor_explorers.evaluation.experiment.planning import plan
     from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
     from indoor_explorers.evaluation.experiment.request import ComparisonRequest
     from indoor_explorers.evaluation.experiment.selection import DEFAULT_POLICIES
+    from indoor_explorers.evaluation.results.custom_metrics import Metric
     from indoor_explorers.evaluation.results.results import Results
     from indoor_explorers.evaluation.results.store import Store
 
@@ -24,6 +26,8 @@ __all__ = [
     "DEFAULT_POLICIES",
     "ComparisonRequest",
     "Experiment",
+    "Metric",
+    "Record",
     "Results",
     "Store",
     "compare",
@@ -41,6 +45,8 @@ _MODULES = {
     "experiment.planning": ("plan",),
     "experiment.request": ("ComparisonRequest",),
     "experiment.selection": ("DEFAULT_POLICIES",),
+    "episodes.record": ("Record",),
+    "results.custom_metrics": ("Metric",),
     "results.results": ("Results",),
     "results.store": ("Store",),
 }

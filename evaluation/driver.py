@@ -56,7 +56,7 @@ def run(
     :func:`~indoor_explorers.evaluation.compare.compare`.
     """
     fly_missing(experiment, out, request, watcher=watcher, command=command)
-    return write_outputs(out, request.ratio_to)
+    return write_outputs(out, request)
 
 
 def fly_missing(
@@ -146,14 +146,15 @@ def _make_folder(out: Path) -> None:
         raise InputError(f"{out}: expected a folder that can be written, got a read-only one; choose another --out")
 
 
-def write_outputs(out: Path, ratio_to: Sequence[str] | None = None) -> Results:
-    """Write the exports and the report from ``out/results.db``."""
+def write_outputs(out: Path, request: ComparisonRequest = DEFAULTS) -> Results:
+    """Write the exports and the report from ``out/results.db``, with the baselines, metrics and panels asked for."""
     # imported here: they take seconds to import, and worker processes do not need them
     from indoor_explorers.evaluation.exports import write_exports
     from indoor_explorers.evaluation.report import write_report
+    from indoor_explorers.evaluation.results.custom_metrics import with_metrics
     from indoor_explorers.evaluation.results.results import Results
 
-    results = Results.load(out)
-    write_exports(results, out, ratio_to=ratio_to)
-    write_report(results, out / "report.html", ratio_to=ratio_to)
+    results = with_metrics(Results.load(out), request.metrics)
+    write_exports(results, out, ratio_to=request.ratio_to)
+    write_report(results, out / "report.html", ratio_to=request.ratio_to, panels=request.panels)
     return results

@@ -108,8 +108,6 @@ MapSource = ThesisMaps | RoomsMaps | OfficesMaps | FloorsMaps | CaveMaps | MazeM
 SOURCES: dict[str, type[BaseMaps]] = {kind.model_fields["source"].default: kind for kind in get_args(MapSource)}
 
 
-
-
 def map_class(source: Any) -> type[BaseMaps] | None:
     """Return the class of a kind of map by name, that of a plug-in too; None where there is no such name.
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.sensing.lidar import scan
+from indoor_explorers.env.simulation.custom_models import custom_scan
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.env.simulation.world import World
 
@@ -119,7 +120,11 @@ def _in_view(world: World, episode: int) -> Mask:
     seen = np.zeros((world.scenario.team, *truth.shape), np.bool_)
     for n in np.flatnonzero(world.state.end[episode] == End.FLYING).tolist():
         row, col = world.state.cell[episode, n].tolist()
-        seen[n] = scan(truth, (row, col), world.scenario.lidar.range, world.scenario.lidar.model) != UNKNOWN
+        lidar = world.scenario.lidar
+        if lidar.custom is not None:
+            seen[n] = custom_scan(lidar.custom, truth, (row, col), lidar.range)
+        else:
+            seen[n] = scan(truth, (row, col), lidar.range, lidar.model) != UNKNOWN
     return seen
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import Literal, Self
+from typing import Literal, Self, get_args
 
 RadioModelName = Literal["none", "square", "disc", "line-of-sight", "path-loss", "unlimited"]
 StuckRuleName = Literal["off", "no-discovery", "oscillation"]
@@ -18,6 +18,11 @@ class _Code(IntEnum):
         return cls[name.upper().replace("-", "_")]
 
 
+#: Names of the lidar models and the radio models of this package.
+LIDAR_MODELS = ("exact", "marsexplorer")
+RADIO_MODELS: tuple[str, ...] = get_args(RadioModelName)
+
+
 class RadioModel(_Code):
     """Which UAVs are in radio contact, see :class:`~indoor_explorers.env.scenarios.scenario.Radio`."""
 
@@ -27,6 +32,8 @@ class RadioModel(_Code):
     LINE_OF_SIGHT = 3
     PATH_LOSS = 4
     UNLIMITED = 5
+    CUSTOM = 6
+    """A plug-in, see :mod:`indoor_explorers.env.simulation.custom_models`."""
 
 
 class StuckRule(_Code):

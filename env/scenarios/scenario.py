@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, Literal
 
@@ -20,7 +20,8 @@ from pydantic import (
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.maps.sources import AnyMaps, ThesisMaps, map_class
-from indoor_explorers.env.scenarios.codes import RadioModelName, StuckRuleName
+from indoor_explorers.env.plugins import LIDARS, RADIOS, load_plugin, source_hash
+from indoor_explorers.env.scenarios.codes import LIDAR_MODELS, RADIO_MODELS, StuckRuleName
 from indoor_explorers.env.scenarios.validation import validated
 
 #: Steps that an episode without a budget has at least.
@@ -33,22 +34,38 @@ class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
 
+def _refuse_uncallable(plugin: Any, name: str) -> None:
+    if plugin is not None and not callable(plugin):
+        raise ValueError(f"{name}: expected a function, got {type(plugin).__name__}")
+
+
 class Lidar(_Part):
     """The range sensor."""
 
-    model: Literal["exact", "marsexplorer"] = "exact"
+    model: str = "exact"
     """``exact``: line of sight (:mod:`indoor_explorers.env.sensing.shadowcasting`); ``marsexplorer``: the ancestor's
-    rays (:mod:`indoor_explorers.env.sensing.marsexplorer`)."""
+    rays (:mod:`indoor_explorers.env.sensing.marsexplorer`); or a plug-in, ``module:function``."""
     range: float = Field(3.0, ge=1.0, le=200.0)
     """Range in cells, Euclidean to a cell's centre."""
+
+    @property
+    def custom(self) -> Callable[..., Any] | None:
+        """The function of a plug-in; None for a model of this package."""
+        return None if self.model in LIDAR_MODELS else load_plugin(LIDARS, self.model, "lidar model", LIDAR_MODELS)
+
+    @model_validator(mode="after")
+    def _known(self) -> Lidar:
+        _refuse_uncallable(self.custom, self.model)
+        return self
 
 
 class Radio(_Part):
     """Which UAVs are in radio contact; linked UAVs merge their maps and exchange positions and messages."""
 
-    model: RadioModelName = "none"
-    """``square``: Chebyshev distance at most ``range`` (the thesis); ``disc``: Euclidean; ``line-of-sight``: the same
-    with no obstacle between; ``path-loss``: log-distance path loss with a loss for each wall between."""
+    model: str = "none"
+    """``none``; ``square``: Chebyshev distance at most ``range`` (the thesis); ``disc``: Euclidean; ``line-of-sight``:
+    the same with no obstacle between; ``path-loss``: log-distance path loss with a loss for each wall between;
+    ``unlimited``; or a plug-in, ``module:function``."""
     range: float = Field(0.0, ge=0.0)
     """Range in cells, in the open; not read by ``none`` and ``unlimited``."""
     exponent: float = Field(3.0, ge=1.0, le=10.0)
@@ -58,6 +75,16 @@ class Radio(_Part):
     between, the range shrinks to ``range`` 10^(-w wall_loss / (10 n))."""
     loss: float = Field(0.0, ge=0.0, lt=1.0)
     """Probability that a contact fails in a step, drawn for each pair of UAVs and each step."""
+
+    @property
+    def custom(self) -> Callable[..., Any] | None:
+        """The function of a plug-in; None for a model of this package."""
+        return None if self.model in RADIO_MODELS else load_plugin(RADIOS, self.model, "radio model", RADIO_MODELS)
+
+    @model_validator(mode="after")
+    def _known(self) -> Radio:
+        _refuse_uncallable(self.custom, self.model)
+        return self
 
 
 class Rewards(_Part):
@@ -139,6 +166,8 @@ class Scenario(_Part):
     def fingerprint(self) -> str:
         """A short canonical hash of the task; the name and where map files lie do not matter, their cells do."""
         facts = self.model_dump(mode="json", exclude={"name", "map"}) | {"map": self.map.identity()}
+        plugins = [part.custom for part in (self.lidar, self.radio) if part.custom is not None]
+        facts |= {"code": [source_hash(plugin) for plugin in plugins]} if plugins else {}
         return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
 
     def budget_for(self, reachable: int) -> int:

@@ -107,7 +107,10 @@ def view_gain(belief: Belief, cell: tuple[int, int], lidar_range: float) -> int:
 
 
 def scan(truth: Belief, cell: tuple[int, int], lidar_range: float, model: str = "exact") -> Belief:
-    """Return the (H, W) belief after one scan of ``truth`` at ``cell``, everything else unknown."""
+    """Return the (H, W) belief after one scan of ``truth`` at ``cell``, everything else unknown.
+
+    ``model`` is one of this package; those of plug-ins scan themselves.
+    """
     lidar = lidar_model(float(lidar_range), model)
     work = new_scan(lidar)
     seen = work.cells[: visible_cells(truth, cell[0], cell[1], lidar, work)]

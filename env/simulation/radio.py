@@ -24,7 +24,7 @@ from indoor_explorers.env.simulation.state import Rules, State
 CELL_BYTES = 5
 POSITION_BYTES = 8
 
-NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED = (int(model) for model in RadioModel)
+NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED, CUSTOM = (int(model) for model in RadioModel)
 
 
 @leaf()
@@ -92,7 +92,7 @@ def _is_lost(rules: Rules, state: State, b: int, i: int, j: int) -> bool:
 def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
     """Fill ``linked`` and ``component`` (N,), the smallest agent number of each agent's component.
 
-    Returns whether any two agents are linked.
+    Returns whether any two agents are linked. Where the radio is a plug-in's, ``linked`` holds whom it connects.
     """
     team, any_link = state.end.shape[1], False
     for i in range(team):
@@ -101,13 +101,17 @@ def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
             together = (
                 state.end[b, i] == 0
                 and state.end[b, j] == 0
-                and in_reach(
-                    rules,
-                    state.truth[b],
-                    state.cell[b, i, 0],
-                    state.cell[b, i, 1],
-                    state.cell[b, j, 0],
-                    state.cell[b, j, 1],
+                and (
+                    state.linked[b, i, j]
+                    if rules.radio_model == CUSTOM
+                    else in_reach(
+                        rules,
+                        state.truth[b],
+                        state.cell[b, i, 0],
+                        state.cell[b, i, 1],
+                        state.cell[b, j, 0],
+                        state.cell[b, j, 1],
+                    )
                 )
                 and not _is_lost(rules, state, b, i, j)
             )

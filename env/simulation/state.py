@@ -38,6 +38,8 @@ class Rules(NamedTuple):
     budget: int
     """Steps; 0 for one step per reachable cell."""
     least_budget: int
+    custom_lidar: bool
+    """Whether a plug-in scans, between the compiled parts of a step."""
     radio_model: int
     radio_range: float
     radio_exponent: float
@@ -63,7 +65,8 @@ def rules_of(scenario: Scenario) -> Rules:
         count_all_cells=scenario.denominator == "map",
         budget=scenario.budget or 0,
         least_budget=LEAST_BUDGET,
-        radio_model=RadioModel.named(scenario.radio.model),
+        custom_lidar=scenario.lidar.custom is not None,
+        radio_model=RadioModel.CUSTOM if scenario.radio.custom is not None else RadioModel.named(scenario.radio.model),
         radio_range=scenario.radio.range,
         radio_exponent=scenario.radio.exponent,
         radio_wall_loss=scenario.radio.wall_loss,

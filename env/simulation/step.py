@@ -15,7 +15,7 @@ from indoor_explorers.env.simulation.state import End, Rules, State
 
 FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET = (int(end) for end in End)
 NO_DISCOVERY, OSCILLATION = int(StuckRule.NO_DISCOVERY), int(StuckRule.OSCILLATION)
-NO_RADIO = int(RadioModel.NONE)
+NO_RADIO, CUSTOM_RADIO = int(RadioModel.NONE), int(RadioModel.CUSTOM)
 
 
 @inner()
@@ -24,11 +24,17 @@ def sense(state: State, lidar: LidarModel, b: int, agent: int, scan: Scan) -> No
     row, col = state.cell[b, agent, 0], state.cell[b, agent, 1]
     if state.visited[b, agent, row, col]:
         return
-    state.visited[b, agent, row, col] = True
+    see(state, b, agent, scan.cells, visible_cells(state.truth[b], row, col, lidar, scan))
+
+
+@inner()
+def see(state: State, b: int, agent: int, cells: np.ndarray, count: int) -> None:
+    """Enter the first ``count`` of the flat ``cells``, which the agent sees from where it is."""
+    state.visited[b, agent, state.cell[b, agent, 0], state.cell[b, agent, 1]] = True
     sensed, belief, union = state.sensed[b, agent].flat, state.belief[b, agent].flat, state.union[b].flat
     truth, counts = state.truth[b].flat, state.counts[b].flat
-    for k in range(visible_cells(state.truth[b], row, col, lidar, scan)):
-        cell = scan.cells[k]
+    for k in range(count):
+        cell = cells[k]
         if sensed[cell]:
             continue
         sensed[cell] = True
@@ -118,27 +124,50 @@ def _update_legal(state: State, b: int, agent: int) -> None:
 
 @inner()
 def begin(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int) -> None:
-    """Make the first scans and radio contacts of episode ``b``, whose truth and spawns are in place."""
+    """Make the first scans and radio contacts of episode ``b``, whose truth and spawns are in place.
+
+    Those of plug-ins are made afterwards, see :mod:`indoor_explorers.env.simulation.custom_models`.
+    """
     for n in range(state.end.shape[1]):
-        sense(state, lidar, b, n, work.scan)
+        if not rules.custom_lidar:
+            sense(state, lidar, b, n, work.scan)
         _update_legal(state, b, n)
-    if link(rules, state, b, work.component):
+    custom = rules.custom_lidar or rules.radio_model == CUSTOM_RADIO
+    if not custom and link(rules, state, b, work.component):
         exchange(state, b, work.component, work.before)
 
 
 @inner()
-def _advance_one(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int, actions: np.ndarray) -> None:
-    team = state.end.shape[1]
+def _clear_step(state: State, b: int) -> bool:
+    """Reset what is counted in a step; return whether an agent of the episode flies."""
+    flying = False
+    for n in range(state.end.shape[1]):
+        state.reward[b, n] = 0.0
+        state.discovered[b, n] = 0
+        state.received[b, n] = 0
+        flying |= state.end[b, n] == FLYING
+    return flying
+
+
+@inner()
+def _move_all(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int, actions: np.ndarray) -> None:
+    """Move the agents of an episode in their order of this step, each scanning where it arrives."""
     shuffled(state.order_key[b], state.step[b], work.order)
-    for k in range(team):
+    for k in range(state.end.shape[1]):
         n = work.order[k]
         if state.end[b, n] == FLYING:
             state.reward[b, n] += rules.reward_step
             if move(rules, state, b, n, actions[b, n]):
-                sense(state, lidar, b, n, work.scan)
+                if not rules.custom_lidar:
+                    sense(state, lidar, b, n, work.scan)
                 _update_legal(state, b, n)
     state.step[b] += 1
-    if team > 1 and rules.radio_model != NO_RADIO and link(rules, state, b, work.component):
+
+
+@inner()
+def _contact_and_settle(rules: Rules, state: State, work: Work, b: int) -> None:
+    """Exchange what linked agents know, and end the step."""
+    if state.end.shape[1] > 1 and rules.radio_model != NO_RADIO and link(rules, state, b, work.component):
         exchange(state, b, work.component, work.before)
     _settle(rules, state, b)
 
@@ -147,16 +176,40 @@ def _advance_one(rules: Rules, state: State, lidar: LidarModel, work: Work, b: i
 def advance(engine: Engine, actions: np.ndarray, first: int, last: int) -> None:
     """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
     rules, state, lidar, work = engine.rules, engine.state, engine.lidar, engine.work
-    team = state.end.shape[1]
     for b in range(first, last):
-        flying = False
-        for n in range(team):
-            state.reward[b, n] = 0.0
-            state.discovered[b, n] = 0
-            state.received[b, n] = 0
-            flying |= state.end[b, n] == FLYING
-        if flying:
-            _advance_one(rules, state, lidar, work, b, actions)
+        if _clear_step(state, b):
+            _move_all(rules, state, lidar, work, b, actions)
+            _contact_and_settle(rules, state, work, b)
+
+
+@kernel()
+def begin_step(engine: Engine, actions: np.ndarray, flying: np.ndarray, first: int, last: int) -> None:
+    """Do the first part of :func:`advance`, up to the scans; ``flying`` (B,) tells where an agent flew."""
+    for b in range(first, last):
+        flying[b] = _clear_step(engine.state, b)
+        if flying[b]:
+            _move_all(engine.rules, engine.state, engine.lidar, engine.work, b, actions)
+
+
+@kernel()
+def enter_scan(engine: Engine, b: int, agent: int, cells: np.ndarray) -> None:
+    """Enter the flat ``cells`` (K,) that an agent sees."""
+    see(engine.state, b, agent, cells, cells.shape[0])
+
+
+@kernel()
+def end_step(engine: Engine, flying: np.ndarray, first: int, last: int) -> None:
+    """Do the last part of :func:`advance`, from the radio contacts on, where ``flying`` (B,) says."""
+    for b in range(first, last):
+        if flying[b]:
+            _contact_and_settle(engine.rules, engine.state, engine.work, b)
+
+
+@kernel()
+def first_contacts(engine: Engine, b: int) -> None:
+    """Make the radio contacts of an episode that has just begun."""
+    if link(engine.rules, engine.state, b, engine.work.component):
+        exchange(engine.state, b, engine.work.component, engine.work.before)
 
 
 @leaf()

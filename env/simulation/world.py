@@ -15,6 +15,7 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import Briefing, Mate, Message, View, message_numbers
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.sensing.lidar import lidar_model
+from indoor_explorers.env.simulation.custom_models import CustomModels
 from indoor_explorers.env.simulation.engine import Engine, bind, new_work
 from indoor_explorers.env.simulation.preparation import Preparation, Prepared
 from indoor_explorers.env.simulation.reset import start_episodes
@@ -43,6 +44,7 @@ class World:
         self.begun = np.zeros(batch, np.int64)
         """(B,) number of episodes begun in each place of the batch."""
         self._floorplans: list[Floorplan | None] = [None] * batch
+        self._custom = CustomModels.of(scenario)
         self._threads = Threads(max(1, min(threads, batch)))
         self._preparation = Preparation(scenario, batch, self._threads)
         self._engines: list[Engine] = []
@@ -115,6 +117,8 @@ class World:
             lambda thread, first, last: start_episodes(self._engines[thread], starts, episodes, seeds, first, last),
             len(episodes),
         )
+        if self._custom is not None:
+            self._custom.begin(self._engines[0], self.state, episodes.tolist())
 
     @property
     def _shape(self) -> tuple[int, ...] | None:
@@ -144,7 +148,10 @@ class World:
         actions = self.checked_actions(actions)
 
         def work(engine: Engine, first: int, last: int) -> None:
-            advance(engine, actions, first, last)
+            if self._custom is None:
+                advance(engine, actions, first, last)
+            else:
+                self._custom.advance(engine, self.state, actions, first, last)
             if then is not None:
                 then(engine, first, last)
 

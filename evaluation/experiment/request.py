@@ -53,6 +53,7 @@ TEAM = Option(metavar="N", read=read_count)
 SEED = Option(metavar="S", read=read_natural)
 SETTINGS = Option(metavar="key=value", read=read_setting, several=True, flag="--set")
 POLICY_NAMES = Option(metavar="a,b,...", read=read_names)
+PLUGIN_NAMES = Option(metavar="a,b,...", read=read_names)
 RADIO_NAMES = Option(metavar="a,b,...", read=read_names)
 #: Folders of a suite's map files.
 DATA_FOLDERS = Annotated[
@@ -128,6 +129,10 @@ class ComparisonRequest(Request):
     ratio_to: Annotated[tuple[str, ...] | None, BeforeValidator(_several), POLICY_NAMES] = None
     """Print steps divided by those of these policies on the same tasks, and minus them. Tables and page always have
     ratios; by default to frontier-nearest, or else the first policy, and to policies that know the map."""
+    metrics: Annotated[tuple[str, ...], BeforeValidator(_several), PLUGIN_NAMES] = ()
+    """Metrics of plug-ins to add to tables and page: installed names, or module:NAME."""
+    panels: Annotated[tuple[str, ...], BeforeValidator(_several), PLUGIN_NAMES] = ()
+    """Panels of plug-ins to add to the page: installed names, or module:function."""
 
     @classmethod
     def of(cls, **options: Any) -> ComparisonRequest:

@@ -19,6 +19,7 @@ from indoor_explorers.evaluation.report.analysis.failures import ending
 from indoor_explorers.evaluation.report.analysis.shown_best import BOLD
 from indoor_explorers.evaluation.report.changes.against import Against
 from indoor_explorers.evaluation.report.charts.dot_plots import swatch
+from indoor_explorers.evaluation.report.custom_panels import custom_panels
 from indoor_explorers.evaluation.report.panels import sweep_sections
 from indoor_explorers.evaluation.report.sections import section_of
 from indoor_explorers.evaluation.report.style.formatting import counted, percent
@@ -45,16 +46,18 @@ def write_report(
     against: Against | None = None,
     replays: int | None = None,
     ratio_to: Sequence[str] | None = None,
+    panels: Sequence[str] = (),
 ) -> None:
     """Write one HTML file that shows ``results`` and needs neither other files nor a network.
 
     ``against`` adds what changed since other results. ``replays`` is the number of episodes to embed for each scenario;
     by default as many as keep the page under 10 MB. ``ratio_to`` names the baselines of the
-    ratios of steps, see :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`.
+    ratios of steps, see :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`. ``panels`` names
+    plug-ins, see :mod:`indoor_explorers.evaluation.report.custom_panels`.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as partial:
-        text = render(results, title=title, against=against, replays=replays, ratio_to=ratio_to)
+        text = render(results, title=title, against=against, replays=replays, ratio_to=ratio_to, panels=panels)
         partial.write_text(text, encoding="utf-8", newline="\n")
 
 
@@ -65,6 +68,7 @@ def render(
     against: Against | None = None,
     replays: int | None = None,
     ratio_to: Sequence[str] | None = None,
+    panels: Sequence[str] = (),
 ) -> str:
     """Return the page as text; its arguments are those of :func:`write_report`."""
     ratios = Ratios.of(results, ratio_to)
@@ -82,7 +86,8 @@ def render(
             ratio_notes=bound_notes(ratios.rows),
             sections=[section_of(each, section_id, styles, replays) for section_id, each in comparisons.items()],
             sweeps=sweep_sections(common, styles),
-            definitions=definitions(shared(results.levels)),
+            custom_panels=custom_panels(common, panels),
+            definitions=definitions(shared(results.levels), results.measures),
             policies=_policies(results, styles),
             provenance=provenance(results),
         )

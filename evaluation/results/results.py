@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.suites.catalogue import buildings
-from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, extended
+from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, Measure, extended
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
@@ -55,6 +55,13 @@ class Results(ResultNotes):
     """Lines on what happened to the stores."""
     retries: Mapping[tuple[str, Task], int] = field(default_factory=dict)
     """How often episodes were flown again after a failure, of those that were."""
+    custom_measures: Mapping[str, Measure] = field(default_factory=dict)
+    """Metrics of plug-ins by key, see :func:`~indoor_explorers.evaluation.results.custom_metrics.with_metrics`."""
+
+    @property
+    def measures(self) -> Mapping[str, Measure]:
+        """All metrics by key, those of plug-ins last."""
+        return {**MEASURES, **self.custom_measures}
 
     @classmethod
     def load(cls, folder: Path) -> Results:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.cli.commands.compare import print_notes, print_ratios
-from indoor_explorers.evaluation.experiment.request import POLICY_NAMES, Request
+from indoor_explorers.evaluation.experiment.request import PLUGIN_NAMES, POLICY_NAMES, Request
 from indoor_explorers.evaluation.options import Option, read_natural
 
 
@@ -25,6 +25,10 @@ class ReportOptions(Request):
     by default to frontier-nearest, or else the first policy, and to policies that know the map."""
     replays: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
     """Embed replays of N episodes of each scenario (default: as many as keep the page under 10 MB)."""
+    metrics: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
+    """Metrics of plug-ins to add: installed names, or module:NAME."""
+    panels: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
+    """Panels of plug-ins to add to the page: installed names, or module:function."""
     exports: Annotated[Path | None, Option(metavar="DIR")] = None
     """Also write summary, tables, figures, experiments and planner-arena.db."""
 
@@ -37,9 +41,10 @@ def run_report(options: ReportOptions, typed: str) -> int:
     from indoor_explorers.evaluation.report.changes.against import compare_with
     from indoor_explorers.evaluation.report.changes.against_table import against_lines
     from indoor_explorers.evaluation.results.combine import combined
+    from indoor_explorers.evaluation.results.custom_metrics import with_metrics
     from indoor_explorers.evaluation.results.results import Results
 
-    results = combined([Results.load(folder) for folder in options.folders])
+    results = with_metrics(combined([Results.load(folder) for folder in options.folders]), options.metrics)
     against = None if options.against is None else compare_with(results, Results.load(options.against))
     if against is not None and not against.identities:
         raise InputError(
@@ -47,7 +52,14 @@ def run_report(options: ReportOptions, typed: str) -> int:
             + "; ".join(against.apart)
         )
     try:
-        write_report(results, options.out, against=against, replays=options.replays, ratio_to=options.ratio_to)
+        write_report(
+            results,
+            options.out,
+            against=against,
+            replays=options.replays,
+            ratio_to=options.ratio_to,
+            panels=options.panels,
+        )
         if options.exports is not None:
             write_exports(results, options.exports, ratio_to=options.ratio_to)
     except OSError as error:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
-from indoor_explorers.evaluation.episodes.metrics import MEASURES
+from indoor_explorers.evaluation.episodes.metrics import Measure
 from indoor_explorers.evaluation.report.style.formatting import percent
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, RESAMPLES
@@ -69,15 +70,15 @@ TERMS = {
 }
 
 
-def definitions(level: CoverageThreshold | None) -> dict[str, Definition]:
-    """Return all definitions by key, metrics first; ``level`` is that of all scenarios, None if they differ."""
+def definitions(level: CoverageThreshold | None, measures: Mapping[str, Measure]) -> dict[str, Definition]:
+    """Return all definitions by key, ``measures`` first; ``level`` is that of all scenarios, None if they differ."""
     metrics = {
         key: Definition(
             each.title,
             each.unit.replace("us", "µs"),
             f"{each.definition}; {'lower' if each.lower_is_better else 'higher'} is better",
         )
-        for key, each in MEASURES.items()
+        for key, each in measures.items()
     }
     time = level.title if level else "steps to the threshold of the scenario"
     difference = TERMS["difference"]

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from indoor_explorers.evaluation.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, interval
 from indoor_explorers.evaluation.report.tables.results_table import Column, TableCell, columns_of, emphasised
@@ -38,7 +37,7 @@ def measures_table(comparison: Comparison) -> list[MeasureRow]:
 def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
     alone = all(record.team == 1 for record in comparison.records)
     left_out = {column.key for column in columns_of(comparison.level)} | (OF_TEAMS if alone else set())
-    for key, measure in MEASURES.items():
+    for key, measure in comparison.results.measures.items():
         if key not in left_out:
             column = Column(key, measure.title, measure.unit, measure.lower_is_better)
             yield MeasureRow(key, measure.title, measure.unit, _cells(comparison, column), False)

@@ -9,5 +9,5 @@ from indoor_explorers.env.scenarios.codes import RadioModel, RadioModelName, Stu
 
 @pytest.mark.parametrize(("names", "codes"), [(RadioModelName, RadioModel), (StuckRuleName, StuckRule)])
 def test_every_name_has_a_code_and_every_code_a_name(names, codes):
-    assert [codes.named(name) for name in get_args(names)] == list(codes)
+    assert [codes.named(name) for name in get_args(names)] == [code for code in codes if code.name != "CUSTOM"]
     assert list(codes) == list(range(len(codes)))
