@@ -81,10 +81,12 @@ def _trained(
 
 def _refuse_others(run: Run, settings: Mapping[str, Any], folder: Path, seed: int) -> None:
     """Refuse a finished training with other settings than those asked for."""
-    config = validated(find_learner(LEARNER).TrainingConfig, dict(settings), f"settings of learner {LEARNER!r}")
+    kind = find_learner(LEARNER).TrainingConfig
+    config = validated(kind, dict(settings), f"settings of learner {LEARNER!r}")
+    defaults = kind().model_dump(mode="json")  # of settings that there were not yet
     mine = {"seed": seed, **config.model_dump(mode="json")}
     for name, value in mine.items():
-        found = run.record["seed"] if name == "seed" else run.record["config"].get(name)
+        found = run.record["seed"] if name == "seed" else run.record["config"].get(name, defaults[name])
         if found != value:
             raise InputError(
                 f"{folder} holds a training with {name} {found}, expected {value}; give the same settings as then, "

@@ -82,6 +82,16 @@ class TrainingConfig(LearnerSettings):
     """Whether an episode that its step budget truncates counts as terminated. True sets the value of its last state to
     zero, although the observation does not show the remaining steps. Correct: False."""
 
+    centred: bool = False
+    """Whether the image is centred on the UAV and twice as wide, with obstacles around the map. No mistake of the
+    thesis's, but a change that its network needs: after its three convolutions one cell of 64 numbers is left, which
+    cannot tell where in the map the UAV is."""
+    loss: Literal["squared", "huber"] = "squared"
+    """The loss of a temporal difference: ``squared`` (the thesis) or ``huber``, linear from 1 on (Mnih et al.
+    2015)."""
+    reward_scale: float = Field(1.0, gt=0.0)
+    """Factor of all rewards in the targets; 1 in the thesis, whose targets are some hundreds."""
+
     evaluation_every: int = Field(500, ge=1)
     """Training episodes between two evaluations; the thesis: 200 or 500."""
     evaluation_episodes: int = Field(100, ge=1, le=100_000)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,7 @@ def evaluate(
     *,
     frames: int,
     identity: bool,
+    centred: bool = False,
 ) -> tuple[GreedyFigures, list[float]]:
     """Fly ``episodes`` episodes, whose seeds begin at ``first_seed``, after ``trained`` training episodes.
 
@@ -50,7 +51,8 @@ def evaluate(
     """
     seeds = iter(range(first_seed, first_seed + episodes))
     team = range(task.team)
-    flight = ImageFlight(task, episodes, lambda: next(seeds), frames=frames, identity=identity, pilots=team)
+    looks: dict[str, Any] = {"frames": frames, "identity": identity, "centred": centred}
+    flight = ImageFlight(task, episodes, lambda: next(seeds), pilots=team, **looks)
     world, score = flight.world, np.zeros(flight.columns)
     curve = [world.team_coverage]
     while len(flying := np.flatnonzero(flight.end == End.FLYING)):

@@ -40,7 +40,9 @@ class ThesisLearner:
 
     def update(self, batch: ThesisBatch) -> Tensor:
         """Learn from one batch; return the loss, a scalar."""
-        loss = td_loss(self.online, self.target, batch, self.config.gamma, self.config.terminal_target)
+        scaled = batch._replace(reward_B=batch.reward_B * self.config.reward_scale)
+        config = self.config
+        loss = td_loss(self.online, self.target, scaled, config.gamma, config.terminal_target, config.loss)
         self.optimiser.zero_grad()
         loss.backward()  # type: ignore[no-untyped-call]
         self.optimiser.step()
@@ -86,13 +88,14 @@ def td_loss(
     batch: ThesisBatch,
     gamma: float,
     terminal_target: Literal["zero", "reward"],
+    loss: Literal["squared", "huber"] = "squared",
 ) -> Tensor:
-    """Return the mean squared error over the values of all moves; only the chosen move's error is not zero."""
+    """Return the mean loss over the values of all moves; only the chosen move's error is not zero."""
     q_BA = online(batch.image_BKHW)
     with torch.no_grad():
         target_B = td_targets(online, target, batch, gamma, terminal_target)
         goal_BA = q_BA.detach().scatter(1, batch.action_B[:, None], target_B[:, None])
-    return nn.functional.mse_loss(q_BA, goal_BA)
+    return (nn.functional.mse_loss if loss == "squared" else nn.functional.huber_loss)(q_BA, goal_BA)
 
 
 @torch.no_grad()

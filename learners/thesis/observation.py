@@ -62,6 +62,26 @@ def paint_all(
         images[column, cell[b, n, 0], cell[b, n, 1]] = min(FIRST + (0 if identity else n), 255)
 
 
+@kernel()
+def centre_all(images: np.ndarray, cells: np.ndarray, columns: np.ndarray, out: np.ndarray) -> None:
+    """Centre the images (C, H, W) of some columns on their UAVs' ``cells`` (C, 2), see :func:`centred`."""
+    height, width = images.shape[1:]
+    for k in range(columns.shape[0]):
+        column = columns[k]
+        out[k] = OCCUPIED
+        top, left = out.shape[1] // 2 - cells[column, 0], out.shape[2] // 2 - cells[column, 1]
+        for row in range(max(0, -top), min(height, out.shape[1] - top)):
+            for col in range(max(0, -left), min(width, out.shape[2] - left)):
+                out[k, row + top, col + left] = images[column, row, col]
+
+
+def centred(image: NDArray[np.uint8], cell: Cell, shape: tuple[int, int]) -> NDArray[np.uint8]:
+    """Return a part of an image (H, W) of odd ``shape`` with ``cell`` in its middle, obstacles outside of the map."""
+    out = np.empty((1, *shape), np.uint8)
+    centre_all(image[None], np.array([cell]), np.zeros(1, np.int64), out)
+    return np.asarray(out[0])
+
+
 def window(images: Sequence[Belief], cell: Cell, shape: tuple[int, int], out: NDArray[np.uint8]) -> None:
     """Fill ``out`` (K, *shape) with a window of K images (H, W) around a cell.
 

@@ -18,7 +18,7 @@ from indoor_explorers.learners.guard import WatchedPilot
 from indoor_explorers.learners.sessions.record import record_of
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
 from indoor_explorers.learners.thesis.inference import q_values
-from indoor_explorers.learners.thesis.observation import LEVELS, painted, window
+from indoor_explorers.learners.thesis.observation import LEVELS, centred, painted, window
 from indoor_explorers.learners.thesis.sizes import MOVES, ImageFormat
 from indoor_explorers.learners.thesis.weights import SHIPPED, trained
 
@@ -97,7 +97,13 @@ class DddqnThesisPilot(WatchedPilot):
     def perceive(self, view: View, out: NDArray[np.uint8]) -> None:
         """Write the latest images into ``out`` (K, H, W), the latest last; at first, the first one K times."""
         image_format = self._trained.image_format
-        self._past.append(painted(view, self._agent, identity=image_format.identity))
+        image = painted(view, self._agent, identity=image_format.identity)
+        if image_format.centred:
+            image = centred(image, view.cell, out.shape[1:])
+        self._past.append(image)
         while len(self._past) < image_format.frames:
             self._past.append(self._past[-1])
-        window(self._past, view.cell, out.shape[1:], out)
+        if image_format.centred:
+            out[:] = self._past
+        else:
+            window(self._past, view.cell, out.shape[1:], out)

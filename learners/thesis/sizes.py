@@ -25,6 +25,8 @@ class ImageFormat(NamedTuple):
     """Stacked images."""
     identity: bool
     """Whether a UAV sees itself as 1 and every teammate as 2, or all by their numbers."""
+    centred: bool = False
+    """Whether the image is centred on the UAV, (2 H - 1, 2 W - 1) for a map of (H, W)."""
 
     def view(self) -> tuple[int, int]:
         """Return rows and columns after the convolutions, at least 1 x 1.

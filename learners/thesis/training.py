@@ -44,7 +44,11 @@ class ThesisTraining(Trainee):
         self.losses: list[float] = []
         self.rng = np.random.default_rng(np.random.SeedSequence(seed))
         pilots = range(self.task.team if config.mates == "learn" else 1)
-        looks: dict[str, Any] = {"frames": config.frame_stack, "identity": config.identity}
+        looks: dict[str, Any] = {
+            "frames": config.frame_stack,
+            "identity": config.identity,
+            "centred": config.centred,
+        }
         self.flight = ImageFlight(self.task, config.environments, self._next_seed, pilots=pilots, **looks)
         self.image_format = ImageFormat(*self.flight.shape, **looks)
         self.learner = ThesisLearner(config, self.image_format, seed)
@@ -132,6 +136,7 @@ class ThesisTraining(Trainee):
             self.episodes,
             frames=config.frame_stack,
             identity=config.identity,
+            centred=config.centred,
         )
         return found._asdict()
 

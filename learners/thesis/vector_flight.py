@@ -13,7 +13,7 @@ from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.env.simulation.world import World
 from indoor_explorers.learners.sessions.worlds import begin, restore_world, world_tensors
-from indoor_explorers.learners.thesis.observation import paint_all
+from indoor_explorers.learners.thesis.observation import centre_all, paint_all
 
 
 class ImageFlight:
@@ -28,6 +28,7 @@ class ImageFlight:
         frames: int,
         identity: bool,
         pilots: Sequence[int],
+        centred: bool = False,
     ) -> None:
         self.world = World(scenario, episodes)
         self.columns = episodes * scenario.team
@@ -36,8 +37,10 @@ class ImageFlight:
         self._next_seed, self._identity = next_seed, identity
         for episode in range(episodes):
             begin(self.world, episode, next_seed())
-        self.shape: tuple[int, int] = self.world.state.truth.shape[1:]
-        self._painted = np.zeros((self.columns, *self.shape), np.uint8)
+        height, width = self.world.state.truth.shape[1:]
+        self._centred = centred
+        self.shape: tuple[int, int] = (2 * height - 1, 2 * width - 1) if centred else (height, width)
+        self._painted = np.zeros((self.columns, height, width), np.uint8)
         self.images = np.zeros((self.columns, frames, *self.shape), np.uint8)
         """(C, K, H, W) uint8 codes, the latest image last."""
         self._look_anew(self.columns_of(np.arange(episodes)))
@@ -53,7 +56,11 @@ class ImageFlight:
         state, team = self.world.state, self.world.scenario.team
         heard = state.last_received_step, state.last_received_cell
         paint_all(state.belief, state.cell, *heard, self._identity, columns, team, self._painted)
-        return self._painted[columns]
+        if not self._centred:
+            return self._painted[columns]
+        images = np.empty((len(columns), *self.shape), np.uint8)
+        centre_all(self._painted, state.cell.reshape(-1, 2), columns, images)
+        return images
 
     @property
     def end(self) -> NDArray[np.uint8]:

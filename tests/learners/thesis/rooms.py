@@ -12,6 +12,7 @@ from indoor_explorers.learners.thesis.weights import write_weights
 
 #: What the thesis's network sees, and what the mended one does.
 THESIS, MENDED_FORMAT = ImageFormat(16, 16, 1, False), ImageFormat(16, 16, 4, True)
+CENTRED = ImageFormat(31, 31, 4, True, True)
 #: A training of a second or two.
 TINY = TrainingConfig(
     episodes=12,

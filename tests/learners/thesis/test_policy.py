@@ -10,10 +10,10 @@ from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_
 from indoor_explorers.learners.thesis.policy import DddqnThesis
 from indoor_explorers.learners.thesis.vector_flight import ImageFlight
 
-from .rooms import MENDED_FORMAT, THESIS, write_network
+from .rooms import CENTRED, MENDED_FORMAT, THESIS, write_network
 
 
-@pytest.fixture(params=[THESIS, MENDED_FORMAT], ids=["thesis", "mended"])
+@pytest.fixture(params=[THESIS, MENDED_FORMAT, CENTRED], ids=["thesis", "mended", "centred"])
 def untrained(request, tmp_path):
     """The path of the weights of an untrained network."""
     return write_network(tmp_path / "untrained.safetensors", 3, request.param)
@@ -34,14 +34,13 @@ def test_a_pilot_sees_what_its_training_saw(untrained):
     policy = DddqnThesis(weights=untrained)
     scenario = PRESETS["thesis-team-4-radio-3"].with_settings({"on_collision": "block"})
     image_format, seeds = policy.image_format, iter([5, 6])
-    flight = ImageFlight(
-        scenario, 2, lambda: next(seeds), frames=image_format.frames, identity=image_format.identity, pilots=range(4)
-    )
+    looks = {"frames": image_format.frames, "identity": image_format.identity, "centred": image_format.centred}
+    flight = ImageFlight(scenario, 2, lambda: next(seeds), pilots=range(4), **looks)
     world = World(scenario, 2)
     world.reset([5, 6])
     keys = [(b, n) for b in range(2) for n in range(4)]
     pilots = [policy.pilot(world.briefing(*key)) for key in keys]
-    rng, seen = np.random.default_rng(1), np.empty((image_format.frames, 16, 16), np.uint8)
+    rng, seen = np.random.default_rng(1), np.empty((image_format.frames, *image_format[:2]), np.uint8)
     for _ in range(20):
         for column, (pilot, key) in enumerate(zip(pilots, keys, strict=True)):
             pilot.perceive(world.view(*key), seen)
