@@ -14,6 +14,7 @@ from typing import Any
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
+from indoor_explorers.evaluation.site.concepts import concept_pictures
 from indoor_explorers.evaluation.site.gallery import gallery_page, pictures
 from indoor_explorers.evaluation.site.reference import command_line_page, python_page, settings_page
 
@@ -25,6 +26,7 @@ DOCUMENTS = {
     "README.md": "index.md",
     "CONTRIBUTING.md": "guides/planner.md",
     "CHANGELOG.md": "changes.md",
+    "evaluation/site/concepts.md": "concepts.md",
     "evaluation/CLUSTER.md": "guides/cluster.md",
     "evaluation/SUITES.md": "reference/suites.md",
     "evaluation/STATISTICS.md": "methods/statistics.md",
@@ -55,7 +57,7 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, page, content=(ROOT / source).read_text("utf-8")))
     for page, make in MADE.items():
         files.append(File.generated(config, page, content=make()))
-    for name, picture in pictures().items():
+    for name, picture in {**pictures(), **concept_pictures()}.items():
         files.append(File.generated(config, f"gallery/{name}", content=picture))
     for page in list(files.documentation_pages()):
         for target in _linked(page.src_uri, page.content_string):
