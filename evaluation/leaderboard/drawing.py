@@ -21,6 +21,8 @@ LEGEND = (
     "the map are not ranked. Times are mean steps [95 % interval]; an episode that never gets there counts as its "
     "budget. Every episode was simulated again from its map, seed and actions."
 )
+#: The heading of commits and days, which the terminal leaves out.
+FLOWN = "flown at"
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ def board_tables(board: Board) -> list[BoardTable]:
 def _table(board: Board, comparison: Comparison) -> BoardTable:
     times = comparison.level.times
     titles = [metric.upper() for metric in times]
-    headings = ("rank", "policy", *titles, f"{titles[-1]} / nearest", comparison.level.percent, "AUC", "commit", "date")
+    headings = ("rank", "policy", *titles, f"{titles[-1]} / nearest", comparison.level.percent, "AUC", FLOWN)
     rows = tuple(_row(comparison, row, times) for row in board.rows(comparison))
     tasks = len(next(iter(comparison.groups.values())))
     maps = f"{comparison.map_count} maps" + (
@@ -58,8 +60,7 @@ def _row(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> tuple[s
         _ratio(row),
         percent(comparison.reached(policy)),
         fixed(comparison.estimate(policy, "auc").mean, 3),
-        ", ".join(row.origin.commits),
-        ", ".join(row.origin.dates),
+        ", ".join([*row.origin.commits, *row.origin.dates]),
     )
 
 
@@ -82,7 +83,7 @@ def _page(boards: Sequence[Board]) -> Iterator[str]:
         for table in board_tables(board):
             yield from (f"### {escaped(table.title)}", "")
             yield from (_line(table.headings), _line(["---"] * len(table.headings)))
-            yield from (_line([escaped(text) for text in row]) for row in table.rows)
+            yield from (_line([_unbroken(escaped(text)) for text in row]) for row in table.rows)
             yield ""
         notes = [*footnotes(board.results, list(board.results.policies), times=False), *board.left_out]
         yield from (f"{escaped(note)}\n" for note in (*notes, *board.results.map_notes))
@@ -97,6 +98,10 @@ def _portable(command: str) -> str:
     words = shlex.split(command)
     places = [k for k, word in enumerate(words[:-1], 1) if word in ("--data", "--out")]
     return shlex.join("DIR" if k in places else word for k, word in enumerate(words))
+
+
+def _unbroken(text: str) -> str:
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _line(cells: Sequence[str]) -> str:

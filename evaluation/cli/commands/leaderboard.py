@@ -92,8 +92,10 @@ def _print_table(table: BoardTable, console: Console) -> None:
     from rich import box
     from rich.table import Table
 
+    from indoor_explorers.evaluation.leaderboard.drawing import FLOWN
+
     drawn = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=table.title, title_justify="left", title_style="")
-    shown = [place for place, heading in enumerate(table.headings) if heading not in ("commit", "date")]
+    shown = [place for place, heading in enumerate(table.headings) if heading != FLOWN]
     for place in shown:
         policy = table.headings[place] == "policy"
         drawn.add_column(table.headings[place], justify="left" if policy else "right", no_wrap=not policy)
