@@ -22,8 +22,8 @@ from indoor_explorers.evaluation.report.charts.dot_plots import swatch
 from indoor_explorers.evaluation.report.custom_panels import custom_panels
 from indoor_explorers.evaluation.report.panels import sweep_sections
 from indoor_explorers.evaluation.report.sections import section_of
-from indoor_explorers.evaluation.report.style.formatting import counted, percent
-from indoor_explorers.evaluation.report.style.palette import COLOURS, Styles, policy_styles
+from indoor_explorers.evaluation.report.style.formatting import counted, percent, seed_span
+from indoor_explorers.evaluation.report.style.palette import INKS, Styles, policy_styles
 from indoor_explorers.evaluation.report.summary.definitions import definitions
 from indoor_explorers.evaluation.report.summary.facts import shown
 from indoor_explorers.evaluation.report.summary.overview import overview
@@ -133,7 +133,7 @@ def _environment() -> Environment:
     environment.globals |= {
         "include_raw": _raw,
         "plotly": Markup(get_plotlyjs().replace("</script", "<\\/script")),
-        "colours": COLOURS,
+        "colours": INKS,
         "interval": {"confidence": percent(CONFIDENCE), "fewest": FEWEST},
         "listed": LISTED,
         "bold": BOLD,
@@ -153,10 +153,7 @@ def embedded(data: Any) -> Markup:
 
 
 def _subtitle(results: Results) -> list[str]:
-    seeds = sorted({record.task.seed for record in results.records})
     phrases = list(results.suite_run.phrases) if results.suite_run else []
     phrases += [counted(len(results.policies), "policy"), counted(len(results.scenarios), "scenario")]
     phrases.append(counted(len(results.records), "episode"))
-    if seeds:
-        phrases.append(f"seeds {seeds[0]} to {seeds[-1]}" if len(seeds) > 1 else f"seed {seeds[0]}")
-    return phrases
+    return [*phrases, *filter(None, [seed_span(record.task.seed for record in results.records)])]

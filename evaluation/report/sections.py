@@ -17,7 +17,8 @@ from indoor_explorers.evaluation.report.replay.selection import replay_data
 from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.report.summary import facts
 from indoor_explorers.evaluation.report.summary.headline import headline
-from indoor_explorers.evaluation.report.summary.notes import detectable_notes, narrow_notes, twin_notes
+from indoor_explorers.evaluation.report.summary.notes import detectable_notes, narrow_notes
+from indoor_explorers.evaluation.report.tables.constant_columns import constant_columns
 from indoor_explorers.evaluation.report.tables.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.report.tables.measures_table import MeasureRow, measures_table
 from indoor_explorers.evaluation.report.tables.results_table import Column, TableCell, columns_of, results_table
@@ -52,6 +53,8 @@ class Sample:
     """The largest number of episodes of a policy."""
     few: bool
     """Whether a policy flew too few episodes for an interval."""
+    same_as: dict[str, str]
+    """The policies that flew the same episodes as one listed before them, each with that one."""
     fixed_maps: int
     """Number of maps if the intervals hold for these maps alone; 0 if they hold for maps like these."""
 
@@ -75,9 +78,12 @@ class SectionCharts:
 class SectionTables:
     """The section's tables."""
 
-    columns: tuple[Column, ...]
+    columns: list[Column]
+    """Those of the results that are shown."""
     results: list[tuple[str, list[TableCell]]]
     """By policy, a cell for each column."""
+    constant: list[tuple[Column, TableCell]]
+    """The columns that are left out, as all policies have the same figure, with that."""
     measures: list[MeasureRow]
     baseline: str
     """The best-ranked policy, which the others are compared with."""
@@ -141,6 +147,7 @@ def _sample(comparison: Comparison) -> Sample:
         policies=list(comparison.groups),
         episodes=max(counts, default=0),
         few=any(count < FEWEST for count in counts),
+        same_as=comparison.same_as,
         fixed_maps=0 if comparison.over_maps else comparison.map_count,
     )
 
@@ -161,14 +168,18 @@ def _charts(comparison: Comparison, styles: Styles) -> SectionCharts:
 
 
 def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
-    flown = bool(comparison.records)
+    flown, columns = bool(comparison.records), columns_of(comparison.level)
+    rows = results_table(comparison, styles) if flown else []
+    constant = constant_columns(columns, rows)
+    kept = [place for place, column in enumerate(columns) if column not in [each for each, _ in constant]]
     return SectionTables(
-        columns=columns_of(comparison.level),
-        results=results_table(comparison, styles) if flown else [],
+        columns=[columns[place] for place in kept],
+        results=[(policy, [cells[place] for place in kept]) for policy, cells in rows],
+        constant=constant,
         measures=measures_table(comparison),
         baseline=comparison.ranked_policies[0] if flown else "",
         contrasts=contrast_table(comparison, styles),
-        notes=[*twin_notes(comparison), *detectable_notes(comparison), *narrow_notes(comparison)] if flown else [],
+        notes=[*detectable_notes(comparison), *narrow_notes(comparison)] if flown else [],
     )
 
 

@@ -187,6 +187,11 @@ class Comparison:
             groups.setdefault(_flights(records, self.level.key), []).append(policy)
         return [names for names in groups.values() if len(names) > 1]
 
+    @property
+    def same_as(self) -> dict[str, str]:
+        """The policies that flew the same episodes as one listed before them, each with that one."""
+        return {name: names[0] for names in self.twins for name in names[1:]}
+
     def differences(self, policy: str) -> NDArray[np.float64]:
         """Return (E,) steps of a policy minus those of the best-ranked, task by task; needs :attr:`aligned`."""
         return np.asarray(self._times(policy) - self._times(self.ranked_policies[0]))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.episodes.record import AXES, Record
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.outliers import near_groups
 
 #: How much farther than the last curve's time to the threshold an axis goes, as a factor.
 MARGIN = 1.15
@@ -58,7 +59,7 @@ def _spending(comparison: Comparison, key: str, points: int) -> CoverageAxis:
 
 def _focus(comparison: Comparison, key: str, amounts: NDArray[np.float64]) -> float:
     """Return the amount at which the last mean curve reaches the threshold; the largest if none does."""
-    means = [coverage_at(group, amounts, axis=key).mean(axis=0) for group in comparison.groups.values()]
+    means = [coverage_at(group, amounts, axis=key).mean(axis=0) for group in near_groups(comparison).values()]
     enough = comparison.level.share
     return float(max((amounts[np.argmax(m >= enough)] for m in means if m[-1] >= enough), default=amounts[-1]))
 
@@ -74,8 +75,8 @@ def sampled_steps(comparison: Comparison, points: int) -> NDArray[np.int64]:
 
 
 def focus_step(comparison: Comparison) -> int:
-    """Return the step after which curves of a scenario hardly change, see :func:`last_active_step`."""
-    return last_active_step(list(comparison.groups.values()), comparison.level.share)
+    """Return the step after which curves hardly change, by the policies that are not far behind."""
+    return last_active_step(list(near_groups(comparison).values()), comparison.level.share)
 
 
 def last_active_step(groups: Sequence[Sequence[Record]], share: float) -> int:

@@ -62,25 +62,39 @@ def _mean_and_interval(estimate: Estimate, scale: Scale, y: float) -> Markup:
     return line + Markup('<circle class="mean" cx="{}" cy="{}" r="3.2"/>').format(scale(estimate.mean), y)
 
 
+def _arrowhead(estimate: Estimate, scale: Scale, y: float) -> Markup:
+    """Draw an arrowhead at the right edge for a mean beyond it; empty for others."""
+    if estimate.mean <= scale.high:
+        return Markup("")
+    return Markup('<path class="beyond" d="M{} {}l7 5-7 5z"/>').format(scale.width - 8, y - 5)
+
+
 def episode_dot_plot(values: NDArray[np.float64], estimate: Estimate, scale: Scale, style: PolicyStyle) -> Markup:
-    """Draw every episode as a dot, above them the mean with its interval."""
+    """Draw every episode as a dot, above them the mean with its interval; an arrowhead for a mean beyond the scale."""
     if not len(values):
         return Markup("")
+    mark = _arrowhead(estimate, scale, 6) or _mean_and_interval(estimate, scale, 6)
     body = Markup('<g style="color:{}"><path class="axis" d="M4 14.5H{}"/>{}{}</g>').format(
-        style.variable, scale.width - 4, _dots(values, scale, 14.5), _mean_and_interval(estimate, scale, 6)
+        style.variable, scale.width - 4, _dots(values, scale, 14.5), mark
     )
     listed = ", ".join(f"{value:g}" for value in values.tolist()) if len(values) <= 10 else f"{len(values)} episodes"
     return _drawing(scale, body, f"{listed}; mean {with_interval(estimate)}")
+
+
+def interval_plot(estimate: Estimate, scale: Scale, style: PolicyStyle) -> Markup:
+    """Draw a mean with its interval; an arrowhead for a mean beyond the scale."""
+    mark = _arrowhead(estimate, scale, 10) or _mean_and_interval(estimate, scale, 10)
+    body = Markup('<g style="color:{}"><path class="axis" d="M4 10H{}"/>{}</g>').format(
+        style.variable, scale.width - 4, mark
+    )
+    return _drawing(scale, body, with_interval(estimate))
 
 
 def difference_dot_plot(values: NDArray[np.float64], estimate: Estimate, scale: Scale, style: PolicyStyle) -> Markup:
     """Draw a difference with its interval beside a line at 0; without an interval, a dot for each of (E,) episodes."""
     zero = Markup('<path class="zero" d="M{} 0V20"/>').format(scale(0.0))
     dots = Markup("") if estimate.low is not None else _dots(values, scale, 10)
-    beyond = Markup("")
-    if estimate.mean > scale.high:
-        beyond = Markup('<path class="beyond" d="M{x} 4l7 6-7 6z"/>').format(x=scale.width - 8)
-    mark = beyond or _mean_and_interval(estimate, scale, 10)
+    mark = _arrowhead(estimate, scale, 10) or _mean_and_interval(estimate, scale, 10)
     body = zero + Markup('<g style="color:{}">{}{}</g>').format(style.variable, dots, mark)
     return _drawing(scale, body, f"difference {with_interval(estimate, sign=True)} steps")
 

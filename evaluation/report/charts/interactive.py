@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.coverage_axes import CoverageAxis, axes_of, coverage_at
+from indoor_explorers.evaluation.report.analysis.outliers import near_groups
 from indoor_explorers.evaluation.report.style.packing import shares
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles, crowded
 from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_times
@@ -85,7 +86,7 @@ def levels_drawn(comparison: Comparison) -> list[str]:
 
 def _last_time(comparison: Comparison, budget: int) -> int:
     """Return the last step at which an episode of a mostly successful policy reached the threshold, else the budget."""
-    groups, key = comparison.groups.items(), comparison.level.key
+    groups, key = near_groups(comparison).items(), comparison.level.key
     mostly = [group for policy, group in groups if comparison.reached(policy) >= MOSTLY]
     times = [late for group in mostly for record in group if (late := record.metrics.get(key)) is not None]
     return min(budget, int(max(times, default=budget) * 1.05) + 1)

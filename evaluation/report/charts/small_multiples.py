@@ -14,6 +14,7 @@ from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, focus_step, last_active_step
+from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.report.style.palette import DASHES, MARKER_PATHS, PolicyStyle, Styles
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
@@ -64,7 +65,8 @@ def map_multiples(comparison: Comparison, styles: Styles) -> SmallMultiples | No
     labels: dict[int, Any] = folders if by_folder else {index: index for index in indices}
     chosen = list(dict.fromkeys(labels[index] for index in indices))[:MOST]
     parts = {label: _where(comparison, {i for i in indices if labels[i] == label}) for label in chosen}
-    limits = {label: last_active_step(list(groups.values()), comparison.level.share) for label, groups in parts.items()}
+    far = far_behind(comparison)
+    limits = {label: _limit(groups, far, comparison.level) for label, groups in parts.items()}
     longest = max(limits.values())
     same_axes = longest <= UNLIKE * min(limits.values())
     panels = [
@@ -74,6 +76,12 @@ def map_multiples(comparison: Comparison, styles: Styles) -> SmallMultiples | No
         for label, groups in parts.items()
     ]
     return SmallMultiples(panels, len(indices), by_folder, same_axes)
+
+
+def _limit(groups: Groups, far: Sequence[str], level: CoverageThreshold) -> int:
+    """Return the step after which curves hardly change, by the policies that are not far behind."""
+    near = [records for policy, records in groups.items() if policy not in far]
+    return last_active_step(near or list(groups.values()), level.share)
 
 
 def _folders(comparison: Comparison) -> dict[int, str]:
@@ -110,12 +118,10 @@ def _median_task(groups: Groups) -> Task:
 
 
 def scenario_multiples(sections: Sequence[tuple[str, Comparison]], styles: Styles) -> list[Panel]:
-    """Return a panel for each scenario, ordered by kind of map; none for a single scenario."""
+    """Return a panel for each scenario; none for a single one."""
     flown = [(section, each) for section, each in sections if each.groups]
     if len(flown) < 2:
         return []
-    families = list(dict.fromkeys(family(each) for _, each in flown))
-    ordered = sorted(flown, key=lambda pair: families.index(family(pair[1])))[:MOST]
     return [
         Panel(
             each.scenario,
@@ -123,7 +129,7 @@ def scenario_multiples(sections: Sequence[tuple[str, Comparison]], styles: Style
             _drawing(each.groups, focus_step(each), styles, each.level),
             section=section,
         )
-        for section, each in ordered
+        for section, each in flown[:MOST]
     ]
 
 

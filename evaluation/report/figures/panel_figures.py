@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, PercentFormatter, ScalarFormatter
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.panels.pareto_plot import pareto_plot
 from indoor_explorers.evaluation.report.panels.performance_profile import profile_plot
@@ -30,7 +31,8 @@ COLUMNS = 3
 def scenario_figures(comparison: Comparison, styles: Styles) -> Iterator[tuple[str, Figure]]:
     """Yield the figures of a scenario that have content, by the end of their file name."""
     task_times = TaskTimes.of(comparison)
-    profile, pareto, rows = profile_plot(task_times, styles), pareto_plot(comparison, styles), rank_rows(task_times)
+    profile = profile_plot(task_times, styles, far_behind(comparison))
+    pareto, rows = pareto_plot(comparison, styles), rank_rows(task_times)
     if profile is not None:
         tasks = counted(len(task_times.common().tasks), "task")
         note = f"{tasks} flown by all policies; a curve that stays below 100 % has unsolved tasks."

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.panels.plot_data import Guide, Plot, PlotAxis, PlotSeries
 from indoor_explorers.evaluation.report.style.formatting import fixed, with_interval
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
@@ -52,8 +54,10 @@ def pareto_plot(comparison: Comparison, styles: Styles) -> Plot | None:
     if len(found) < 2:
         return None
     front = [each for each in found if each.front]
-    slowest, fastest = max(each.late for each in found), min(each.median for each in found)
-    areas = [end for each in found for end in each.area if end is not None]
+    far = far_behind(comparison)
+    near = [each for each in found if each.policy not in far] or found
+    slowest, fastest = max(each.late for each in near), min(each.median for each in near)
+    areas = [end for each in near for end in each.area if end is not None]
     margin = max(0.004, 0.06 * (max(areas) - min(areas)))
     # The front is a staircase: what a policy reaches, it also reaches with more time.
     stairs_x, stairs_y = [each.median for each in front] + [slowest * 2], [each.area.mean for each in front]
@@ -64,7 +68,16 @@ def pareto_plot(comparison: Comparison, styles: Styles) -> Plot | None:
         y=PlotAxis(title="AUC", low=max(0.0, min(areas) - margin), high=max(areas) + margin),
         series=[_point(comparison, each, styles[each.policy]) for each in found],
         guides=[Guide(name="Pareto front", x=stairs_x, y=[*stairs_y, stairs_y[-1]], step=True)],
+        beyond=_beyond([each for each in found if each not in near]),
     )
+
+
+def _beyond(points: Sequence[ParetoPoint]) -> str:
+    """Name the policies that the range leaves out, as they are far behind."""
+    listed = "; ".join(
+        f"{each.policy}, AUC {with_interval(each.area, 3)} at {_milliseconds(each.median)}" for each in points
+    )
+    return f"Out of range: {listed}." if listed else ""
 
 
 def _point(comparison: Comparison, point: ParetoPoint, style: PolicyStyle) -> PlotSeries:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,14 +17,20 @@ from indoor_explorers.evaluation.statistics import performance_profile, performa
 STAIRS = 300
 
 
-def profile_plot(task_times: TaskTimes, styles: Styles) -> Plot | None:
-    """Return the profiles over the tasks that all ranked policies flew; None when there is nothing to compare."""
+def profile_plot(task_times: TaskTimes, styles: Styles, far: Sequence[str] = ()) -> Plot | None:
+    """Return the profiles over the tasks that all ranked policies flew; None when there is nothing to compare.
+
+    The range leaves out what policies ``far`` behind solve at last.
+    """
     common = task_times.common()
     if len(common.policies) < 2 or not common.reached.any():
         return None
-    tau, share = performance_profile(performance_ratios(np.where(common.reached, common.times, np.nan)))
+    ratios = performance_ratios(np.where(common.reached, common.times, np.nan))
+    near = ratios[:, [name not in far for name in common.policies]]
+    end = max(1.2, 1.05 * float(near[np.isfinite(near)].max(initial=1.0)))
+    tau, share = performance_profile(ratios)
+    tau, share = tau[tau <= end], share[tau <= end]
     over = f"τ, multiple of the best policy's {common.level.title}"
-    end = max(1.2, float(tau[-1]) * 1.05)
     return Plot(
         title="Performance profile",
         label="Share of tasks on which each policy needs at most tau times the steps of the best one",

@@ -75,6 +75,8 @@ class Plot:
     y: PlotAxis
     series: Sequence[PlotSeries]
     guides: Sequence[Guide] = ()
+    beyond: str = ""
+    """A sentence about the policies that the range leaves out; empty where it has all."""
 
     def data(self) -> dict[str, Any]:
         """Return JSON data for the page."""
@@ -83,6 +85,7 @@ class Plot:
             "y": asdict(self.y),
             "series": [each.data() for each in self.series],
             "guides": [asdict(each) for each in self.guides],
+            "beyond": self.beyond,
         }
 
 

@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed_or_ended
+from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.panels.failure_causes import Cause, causes
 from indoor_explorers.evaluation.report.panels.pareto_plot import pareto_plot
@@ -54,7 +55,7 @@ def scenario_panels(comparison: Comparison, styles: Styles) -> ScenarioPanels:
         ranks=times_table(comparison, task_times),
         rank_plot=[_plot_row(row, styles) for row in rank_rows(task_times)],
         pareto=pareto_plot(comparison, styles),
-        profile=profile_plot(task_times, styles),
+        profile=profile_plot(task_times, styles, far_behind(comparison)),
         tasks=len(task_times.common().tasks),
         episodes=" to ".join(str(count) for count in (counts[:1] + counts[-1:] if len(counts) > 1 else counts)),
         causes=causes(failed_or_ended(records), {policy: len(group) for policy, group in comparison.groups.items()}),

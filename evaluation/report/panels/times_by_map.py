@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.panels.replay_links import replay_link
-from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval
+from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, seed_base
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 
 #: Limits of maps and of seeds that are shown.
@@ -39,6 +39,8 @@ class TimesTable:
 
     unit: str
     """``map`` or ``seed``."""
+    base: int
+    """What the rows' seeds are counted from; 0 for whole seeds and for maps."""
     policies: list[str]
     rows: list[tuple[str, list[TimesCell]]]
     """By unit; a cell a policy."""
@@ -65,15 +67,16 @@ def _by_map(comparison: Comparison, common: TaskTimes, maps: dict[int, TaskTimes
         (names[index], [_on_map(here, column, names[index]) for column in range(len(common.policies))])
         for index, here in list(maps.items())[:MAPS]
     ]
-    return TimesTable("map", common.policies, rows, _won(means), len(maps), len(common.tasks))
+    return TimesTable("map", 0, common.policies, rows, _won(means), len(maps), len(common.tasks))
 
 
 def _by_seed(common: TaskTimes) -> TimesTable:
+    base = seed_base([task.seed for task in common.tasks])
     rows = [
-        (str(task.seed), [_on_task(common, row, column) for column in range(len(common.policies))])
+        (str(task.seed - base), [_on_task(common, row, column) for column in range(len(common.policies))])
         for row, task in enumerate(common.tasks[:SEEDS])
     ]
-    return TimesTable("seed", common.policies, rows, _won(common.times), len(common.tasks), len(common.tasks))
+    return TimesTable("seed", base, common.policies, rows, _won(common.times), len(common.tasks), len(common.tasks))
 
 
 def _won(times: NDArray[np.float64]) -> list[tuple[int, int]]:

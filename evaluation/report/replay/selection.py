@@ -167,8 +167,10 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
 
 def _flight(comparison: Comparison, flight: ReplayEpisode, stream: str) -> dict[str, Any]:
     record = flight.record
+    names, same = list(comparison.groups), comparison.same_as.get(record.policy)
     return {
-        "policy": list(comparison.groups).index(record.policy),
+        "policy": names.index(record.policy),
+        "same": names.index(same) if same else None,
         "team": record.team,
         "steps": record.steps,
         "end": ending(record),

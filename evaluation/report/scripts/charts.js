@@ -67,15 +67,16 @@ class CoverageChart extends Chart {
 
   yaxis() {
     const top = this.from === "top";
-    const ticks = top ? [0.85, 0.9, 0.95, 0.98, 0.99, 1] : [0, 0.25, 0.5, 0.75, 0.9, 0.99];
+    const ticks = top ? [0.8, 0.85, 0.9, 0.95, 0.99, 1] : [0, 0.25, 0.5, 0.75, 0.9, 0.99];
     return this.axis(this.narrow ? "" : "coverage", {
-      range: top ? [0.85, 1.003] : [0, 1.02], tickvals: ticks, ticktext: ticks.map((share) => `${Math.round(100 * share)} %`),
+      range: top ? [0.8, 1.004] : [0, 1.02], tickvals: ticks, ticktext: ticks.map((share) => `${Math.round(100 * share)} %`),
     });
   }
 
   draw() {
     const along = this.along;
-    this.offerSpan(!along.log && along.focus < along.amounts[along.amounts.length - 1]);
+    const most = along.amounts[along.amounts.length - 1];
+    this.offerSpan(along.log ? most : along.focus, most);
     const parts = this.data.policies.map((policy) => this.traces(policy));
     const guides = [0.9, 0.99].map((y) => ({
       type: "line", xref: "paper", x0: 0, x1: 1, y0: y, y1: y, layer: "below",

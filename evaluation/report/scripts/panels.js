@@ -92,7 +92,7 @@ class PanelPlot {
   draw() {
     const shown = this.data.series.filter((series) => this.visibility.shows(series.name));
     const traces = [...this.data.guides.map((guide) => this.guide(guide)), ...shown.flatMap((series) => this.traces(series))];
-    Plotly.react(this.box, traces, this.layout(shown.length < this.data.series.length && !this.data.y.share), {
+    Plotly.react(this.box, traces, this.layout(shown.length < this.data.series.length && !this.data.y.share && !this.data.beyond), {
       responsive: true, displayModeBar: false,
     });
   }

@@ -91,9 +91,12 @@ class Chart {
     this.draw();
   }
 
-  /* Disable the choice of a span where both show the same. */
-  offerSpan(useful) {
-    for (const button of this.controls.querySelectorAll('[data-choice="span"]')) button.disabled = !useful;
+  /* Say how far the whole axis goes; disable the choice of a span where both show the same. */
+  offerSpan(focus, most) {
+    for (const button of this.controls.querySelectorAll('[data-choice="span"]')) {
+      button.disabled = focus >= most;
+      if (button.dataset.value === "whole") button.textContent = `All ${Number(most.toPrecision(4))}`;
+    }
   }
 
   name(policy) { return escaped(policy.name) + (policy.privileged ? " (knows the map)" : ""); }
@@ -134,6 +137,11 @@ class Chart {
 function spikes() {
   return { showspikes: true, spikecolor: Theme.colour("--soft"), spikethickness: 1, spikedash: "dot", spikemode: "across" };
 }
+
+/* What was folded away when it was drawn had no width. */
+document.addEventListener("toggle", (event) => {
+  if (event.target.open) for (const box of event.target.querySelectorAll(".js-plotly-plot")) Plotly.Plots.resize(box);
+}, true);
 
 /* On paper everything is open, and charts are as wide as the sheet. */
 window.addEventListener("beforeprint", () => {

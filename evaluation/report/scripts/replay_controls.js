@@ -14,6 +14,8 @@ function button(textContent, title, pressed) {
   return made;
 }
 
+const POCKETS = "100 % is all that counts as coverage: cells that are still unknown are walls, or cannot be reached.";
+
 class Controls {
   constructor(replay) {
     this.replay = replay;
@@ -21,7 +23,9 @@ class Controls {
     this.grid = element("div", { className: "panels" });
     this.note = element("p", { className: "said", role: "status" });
     this.spoken = element("p", { className: "unseen", ariaLive: "polite" });
-    replay.box.append(this.choices(), this.note, this.grid, this.timeline.box, this.transport(), this.spoken);
+    this.pockets = element("p", { className: "pockets", hidden: true }, POCKETS);
+    const deck = element("div", { className: "deck" }, this.timeline.box, this.transport());
+    replay.box.append(this.choices(), this.note, this.grid, this.pockets, deck, this.spoken);
   }
 
   choices() {
@@ -77,7 +81,7 @@ class Controls {
     this.maps.value = this.replay.map;
     this.mapLabel.hidden = team === 1;
     this.maps.title = episode.own ? "" : "This page has no room for the maps of single UAVs";
-    const most = Math.min(MOST_PANELS, episode.flights.length);
+    const most = Math.min(MOST_PANELS, this.replay.single.length);
     this.counts.replaceChildren(...Array.from({ length: most }, (_, k) => {
       const made = element("button", { type: "button", textContent: k + 1 });
       made.addEventListener("click", () => { this.replay.count = k + 1; this.replay.seat(); this.replay.changed(); });
@@ -105,6 +109,7 @@ class Controls {
   drawn() {
     const { step, lastStep, episode } = this.replay;
     this.clock.textContent = `step ${step} of ${lastStep}${episode.stride > 1 ? `, every ${episode.stride}` : ""}`;
+    this.pockets.hidden = !this.replay.panels.some((panel) => panel.hasPockets());
     clearTimeout(this.resting);
     if (!this.replay.playing) this.resting = setTimeout(() => this.speak(), 700);
   }

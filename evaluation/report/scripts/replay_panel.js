@@ -26,8 +26,9 @@ class Panel {
     this.covered = element("b");
     this.spent = element("span", { className: "spent" });
     this.end = element("span", { className: "end" });
+    this.twins = element("small", { className: "twins" });
     this.box = element("div", { className: "panel" },
-      element("div", { className: "head" }, this.chip, this.choice),
+      element("div", { className: "head" }, this.chip, this.choice), this.twins,
       element("div", { className: "window" }, this.canvas),
       element("div", { className: "readout" }, this.covered, this.end, this.spent));
   }
@@ -37,9 +38,22 @@ class Panel {
   show(flight, flights) {
     this.flight = flight;
     this.choice.replaceChildren(...flights.map((each) =>
-      element("option", { value: each.policy, textContent: this.replay.data.policies[each.policy].name })));
+      element("option", { value: each.policy, textContent: this.nameOf(each) })));
     this.choice.value = String(flight.policy);
     this.box.dataset.policy = this.policy.name;
+    const others = flights.filter((each) => each.same === flight.policy).map((each) => this.replay.data.policies[each.policy].name);
+    this.twins.textContent = others.length ? `same flights: ${others.join(", ")}` : "";
+  }
+
+  nameOf({ policy, same }) {
+    const { policies } = this.replay.data;
+    return policies[policy].name + (same === null ? "" : ` (same flights as ${policies[same].name})`);
+  }
+
+  /* Whether all that counts is covered now although cells are unknown. */
+  hasPockets() {
+    const { flight, replay } = this, now = Math.min(replay.frame, flight.last), known = flight.maps.team;
+    return flight.covered.team[now] === replay.episode.total && known.some((frame) => frame > now);
   }
 
   /* Coverage of the shown map at a frame, in cells. */

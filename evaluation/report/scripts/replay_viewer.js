@@ -1,6 +1,7 @@
 /* The episode viewer: up to four policies side by side on one map and seed, one timeline for all. */
 const SPEEDS = [2, 5, 10, 20, 50, 100, 200, 500];
 const MOST_PANELS = 4;
+function narrow() { return window.innerWidth <= 720; }
 
 class Replay {
   constructor(box) {
@@ -13,8 +14,8 @@ class Replay {
     this.frame = 0;
     this.map = "team";  // or the number of a UAV as text
     this.playing = false;
-    this.wanted = this.data.episodes[0].flights.map((flight) => flight.policy);
-    this.count = Math.min(MOST_PANELS, this.wanted.length);
+    this.wanted = [];
+    this.count = narrow() ? 1 : MOST_PANELS;
     this.controls = new Controls(this);
     this.open(0);
     box.addEventListener("keydown", (event) => this.key(event));
@@ -24,7 +25,7 @@ class Replay {
     }).observe(this.controls.grid);
   }
 
-  /* Show an episode at its end; playing starts from its beginning. */
+  /* Show an episode where its flights differ most; playing starts from its beginning. */
   open(place) {
     this.episode = this.data.episodes[place];
     this.place = place;
@@ -33,9 +34,23 @@ class Replay {
     this.controls.opened();
     this.seat();
     this.controls.pace();
-    this.frame = this.last;
+    this.frame = this.widest();
     this.fresh = true;
     this.draw();
+  }
+
+  /* The frame at which the team coverage of the shown flights, or of the first ones where a single one is shown, is
+     furthest apart; half-way where it never is. */
+  widest() {
+    const shown = this.panels.length > 1 ? this.panels.map((panel) => panel.flight.policy) : this.single.slice(0, MOST_PANELS);
+    const flights = shown.map((policy) => this.flight(policy));
+    let found = Math.round(this.last / 2), most = 0;
+    for (let frame = 0; frame <= this.last; frame++) {
+      const covered = flights.map((flight) => flight.covered.team[Math.min(frame, flight.last)]);
+      const apart = Math.max(...covered) - Math.min(...covered);
+      if (apart > most) [found, most] = [frame, apart];
+    }
+    return found;
   }
 
   unpack(episode) {
@@ -47,16 +62,19 @@ class Replay {
     }
   }
 
-  /* Give each panel a policy: first those the reader chose, if the episode has them. */
+  /* Give each panel a policy: first those the reader chose, if the episode has them; same flights have one panel. */
   seat() {
     const flights = this.episode.flights, has = (policy) => flights.some((flight) => flight.policy === policy);
-    const order = [...new Set([...this.wanted.filter(has), ...flights.map((flight) => flight.policy)])];
+    const order = [...new Set([...this.wanted.filter(has), ...this.single])];
     const seated = order.slice(0, this.count);
     if (this.panels.length !== seated.length) this.panels = seated.map((_, place) => new Panel(this, place));
     this.panels.forEach((panel, place) => panel.show(this.flight(seated[place]), flights));
     this.controls.seated();
     this.arrange();
   }
+
+  /* The policies of the episode without those whose flights are another one's. */
+  get single() { return this.episode.flights.filter((flight) => flight.same === null).map((flight) => flight.policy); }
 
   flight(policy) {
     const place = this.episode.flights.findIndex((flight) => flight.policy === policy);
@@ -86,7 +104,7 @@ class Replay {
   arrange() {
     const ratio = window.devicePixelRatio || 1, { width, height } = this.episode, panels = this.panels.length;
     const room = this.room = this.controls.grid.clientWidth, gap = 18;
-    const screen = Math.min(1000, Math.max(560, 0.9 * window.innerHeight));
+    const screen = Math.min(1000, Math.max(480, window.innerHeight - 250));
     const even = Array.from({ length: panels }, (_, k) => panels - k).filter((columns) => panels % columns === 0);
     const options = even.map((columns) => {
       const rows = Math.ceil(panels / columns), tallest = screen / rows - 90;

@@ -44,7 +44,7 @@ class TimesChart extends Chart {
 
   draw() {
     const { focus, budget, policies } = this.data;
-    this.offerSpan(focus < budget);
+    this.offerSpan(focus, budget);
     const cut = this.narrow ? 0.76 : 0.84;
     const ticks = [0, 0.25, 0.5, 0.75, 1], grid = this.grid();
     const layout = this.layout({

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable, Sequence
 
 from indoor_explorers.evaluation.statistics import Estimate
 
@@ -64,6 +65,26 @@ def counted(number: int, noun: str) -> str:
     """Return ``1 episode``, ``2 episodes``."""
     plural = noun[:-1] + "ies" if noun.endswith("y") else noun + "s"
     return f"{number} {noun if number == 1 else plural}"
+
+
+def joined(names: Sequence[str]) -> str:
+    """Return ``a``, ``a and b``, ``a, b and c``."""
+    return " and ".join(part for part in (", ".join(names[:-1]), *names[-1:]) if part)
+
+
+def seed_span(seeds: Iterable[int]) -> str:
+    """Return ``seed 3``, ``seeds 0 to 29``, ``seeds 1000000 + 0..29``; empty without any."""
+    found = sorted(set(seeds))
+    if len(found) < 2:
+        return "".join(f"seed {seed}" for seed in found)
+    base = seed_base(found)
+    return f"seeds {base} + {found[0] - base}..{found[-1] - base}" if base else f"seeds {found[0]} to {found[-1]}"
+
+
+def seed_base(seeds: Sequence[int]) -> int:
+    """Return the whole thousands that large seeds have in common; 0 if they have none."""
+    thousands = {seed // 1000 for seed in seeds}
+    return 1000 * thousands.pop() if len(thousands) == 1 else 0
 
 
 def slug(name: str) -> str:

@@ -1,14 +1,15 @@
 """The styles of policies: colours that colour-blind readers can tell apart, dashes and markers.
 
 The colours are those of Okabe and Ito (2008) without the yellow, which is hardly visible on white, each with a
-lighter variant for dark backgrounds. Colours, dashes and markers repeat in cycles of different length, so that no
-two of the first 35 policies share colour and dash.
+lighter variant for dark backgrounds. Policies that know the map are black and chance is grey, whatever else is drawn.
+The others repeat colours, dashes and markers in cycles of different length, so that no two of the first 30 share colour
+and dash.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 #: (on white, on black), by name of the hue: blue, vermillion, green, purple, orange, sky, grey.
 COLOURS = (
@@ -20,6 +21,10 @@ COLOURS = (
     ("#3d9fd6", "#8fd0f5"),
     ("#6b6b6b", "#b5b5b5"),
 )
+#: The colour of policies that know the map, after those of the others.
+BLACK = ("#1b1f24", "#eef0f2")
+#: All colours by :attr:`PolicyStyle.colour`.
+INKS = (*COLOURS, BLACK)
 #: On and off lengths; empty is a solid line.
 DASHES: tuple[tuple[float, ...], ...] = ((), (7, 3), (2, 2), (9, 3, 2, 3), (4, 2))
 #: Plotly's name and matplotlib's letter.
@@ -61,7 +66,7 @@ class PolicyStyle(NamedTuple):
     @property
     def hex(self) -> str:
         """The colour on white."""
-        return COLOURS[self.colour][0]
+        return INKS[self.colour][0]
 
     @property
     def variable(self) -> str:
@@ -79,8 +84,22 @@ Styles = Mapping[str, PolicyStyle]
 
 
 def policy_styles(policies: Iterable[str]) -> dict[str, PolicyStyle]:
-    """Return the style of each policy, by its place in the experiment."""
-    return {
-        name: PolicyStyle(place % len(COLOURS), place % len(DASHES), place % len(MARKERS))
-        for place, name in enumerate(policies)
-    }
+    """Return the style of each policy, by its place in the experiment; facts about them, if given, set two kinds apart.
+
+    Policies that are given the true map are black, and those that plan for nothing, which is chance, are grey.
+    """
+    facts = dict(policies) if isinstance(policies, Mapping) else {}
+    names = list(policies)
+    known = [name for name in names if _fact(facts.get(name), "privileged")]
+    chance = [name for name in names if _fact(facts.get(name), "plans_for") == "nothing" and name not in known]
+    others = [name for name in names if name not in (*known, *chance)]
+    grey = len(COLOURS) - 1
+    hues = grey if chance else len(COLOURS)
+    styles = {name: PolicyStyle(k % hues, k % len(DASHES), k % len(MARKERS)) for k, name in enumerate(others)}
+    styles |= {name: PolicyStyle(grey, (k + 2) % len(DASHES), 5) for k, name in enumerate(chance)}
+    styles |= {name: PolicyStyle(len(COLOURS), k % len(DASHES), 7 - k % 8) for k, name in enumerate(known)}
+    return {name: styles[name] for name in names}
+
+
+def _fact(about: object, key: str) -> Any:
+    return about.get(key) if isinstance(about, Mapping) else None

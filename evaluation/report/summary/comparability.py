@@ -11,7 +11,7 @@ import numpy as np
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.style.formatting import counted, percent
+from indoor_explorers.evaluation.report.style.formatting import counted, joined, percent
 from indoor_explorers.evaluation.report.tables.policy_names import EXPOSED
 from indoor_explorers.evaluation.results.coverage_threshold import shared
 from indoor_explorers.evaluation.results.results import Results
@@ -137,29 +137,31 @@ def _copies(results: Results) -> tuple[list[str], list[str]]:
 
     Returns warnings, where more than :data:`FEW_COPIES` are copies, and notes.
     """
-    grave: defaultdict[str, list[str]] = defaultdict(list)
-    slight: defaultdict[str, list[str]] = defaultdict(list)
+    grave: defaultdict[tuple[str, int, int], list[str]] = defaultdict(list)
+    slight: defaultdict[tuple[str, int, int], list[str]] = defaultdict(list)
     for (scenario, policy), records in results.groups.items():
         flights = len({(record.floorplan.digest, record.cells.tobytes()) for record in records})
         if flights < len(records):
             many = flights < (1 - FEW_COPIES) * len(records)
-            (grave if many else slight)[scenario].append(f"{flights} of the {len(records)} of {policy}")
+            (grave if many else slight)[scenario, len(records), flights].append(policy)
     return _told_once(grave), _told_once(slight)
 
 
-def _told_once(found: Mapping[str, Sequence[str]]) -> list[str]:
+def _told_once(found: Mapping[tuple[str, int, int], Sequence[str]]) -> list[str]:
+    """Return a sentence for all policies of a scenario with equally many different flights."""
     return [
-        f"In {scenario}, some episodes repeat others exactly, as map and starts are the same; distinct are "
-        f"{', '.join(policies)}. They add no information, but intervals and tests count them."
-        for scenario, policies in found.items()
+        f"In {scenario}, the {counted(episodes, 'episode')} of {joined(policies)} are only "
+        f"{counted(flights, 'different flight')}{' each' if len(policies) > 1 else ''}, as map and starts repeat; "
+        "intervals and tests count them all."
+        for (scenario, episodes, flights), policies in found.items()
     ]
 
 
 def _failed(results: Results) -> Iterator[str]:
     counts = Counter(record.policy for record in results.records if record.outcome is Outcome.FAILED)
     if counts:
-        listed = ", ".join(f"{name} in {counted(number, 'episode')}" for name, number in sorted(counts.items()))
-        yield f"Failed policies: {listed}. Their coverage up to the failure counts."
+        failed = ", ".join(f"{name} in {counted(number, 'episode')}" for name, number in sorted(counts.items()))
+        yield f"Failed policies: {failed}. Their coverage up to the failure counts."
 
 
 def _failed_checks(results: Results) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.style.formatting import fixed
+from indoor_explorers.evaluation.report.style.formatting import fixed, joined
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.statistics import FEWEST
 
@@ -20,7 +20,7 @@ def scenario_notes(comparison: Comparison) -> list[str]:
 
 def twin_notes(comparison: Comparison) -> list[str]:
     """Name the policies that flew the same episodes, which count as one."""
-    return [f"{', '.join(names[:-1])} and {names[-1]} flew the same episodes." for names in comparison.twins]
+    return [f"{joined(names)} flew the same episodes." for names in comparison.twins]
 
 
 def success_notes(comparison: Comparison) -> list[str]:

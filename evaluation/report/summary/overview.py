@@ -1,4 +1,4 @@
-"""The overview at the top of the page: the best policy of each scenario."""
+"""The overview at the top of the page: who came first, the league table, and whether the policies are comparable."""
 
 from __future__ import annotations
 
@@ -10,32 +10,12 @@ from markupsafe import Markup
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.charts.small_multiples import Panel, scenario_multiples
-from indoor_explorers.evaluation.report.style.formatting import percent, with_interval
 from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.report.summary.comparability import Verdict, verdict_on
 from indoor_explorers.evaluation.report.summary.headline import NAME, headline
+from indoor_explorers.evaluation.report.tables.league_table import LeagueTable, league_table
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared
 from indoor_explorers.evaluation.results.results import Results
-
-
-@dataclass(frozen=True)
-class OverviewRow:
-    """One scenario in the table of all."""
-
-    id: str
-    scenario: str
-    first: str
-    """The policy with the lowest mean time among those that do not know the map; empty if none was flown."""
-    level: CoverageThreshold
-    """The coverage threshold of the scenario."""
-    time: str
-    """Its mean steps to the threshold."""
-    reached: str
-    runner_up: str
-    lead: str
-    """The runner-up's steps minus those of the first."""
-    shown: bool
-    """Whether that difference is significant."""
 
 
 @dataclass(frozen=True)
@@ -47,9 +27,9 @@ class Overview:
     """The best policies in a sentence or two."""
     level: CoverageThreshold | None
     """The coverage threshold of all scenarios; None if they differ."""
-    rows: list[OverviewRow]
-    panels: list[Panel]
-    """Small coverage charts, one for each scenario."""
+    league: LeagueTable
+    panels: dict[str, Panel]
+    """A small coverage chart of each scenario by section; empty for a single scenario."""
 
 
 def overview(results: Results, comparisons: Mapping[str, Comparison], styles: Styles) -> Overview:
@@ -58,29 +38,8 @@ def overview(results: Results, comparisons: Mapping[str, Comparison], styles: St
         verdict=verdict_on(results),
         lead=lead(list(comparisons.values())),
         level=shared(results.levels),
-        rows=[overview_row(each, section) for section, each in comparisons.items()],
-        panels=scenario_multiples(list(comparisons.items()), styles),
-    )
-
-
-def overview_row(comparison: Comparison, section_id: str) -> OverviewRow:
-    """Return the row of a scenario."""
-    name, level = comparison.scenario, comparison.level
-    if not comparison.groups:
-        return OverviewRow(section_id, name, "", level, "", "", "", "", False)
-    first, *others = comparison.ranked_policies
-    second = others[0] if others else ""
-    contrast = comparison.contrasts.get(second)
-    return OverviewRow(
-        id=section_id,
-        scenario=name,
-        first=first,
-        level=level,
-        time=with_interval(comparison.time(first)),
-        reached=percent(comparison.reached(first)),
-        runner_up=second,
-        lead=with_interval(contrast.difference, sign=True) if contrast else "",
-        shown=bool(contrast and contrast.shown),
+        league=league_table(comparisons, styles),
+        panels={panel.section: panel for panel in scenario_multiples(list(comparisons.items()), styles)},
     )
 
 
@@ -105,10 +64,10 @@ def lead(comparisons: Sequence[Comparison]) -> Markup:
 def _significance(significant: int, scenarios: int) -> str:
     """Say in how many scenarios the lead over the runner-up is significant."""
     if significant == scenarios:
-        return "Every lead over the runner-up is statistically significant."
+        return "Every lead is statistically significant."
     if significant:
-        return f"The lead over the runner-up is statistically significant in {significant} of {scenarios}."
-    return f"{'Neither' if scenarios == 2 else 'No'} lead over the runner-up is statistically significant."
+        return f"{significant} of {scenarios} leads {'is' if significant == 1 else 'are'} statistically significant."
+    return f"{'Neither' if scenarios == 2 else 'No'} lead is statistically significant."
 
 
 def _beats_runner_up(comparison: Comparison) -> bool:

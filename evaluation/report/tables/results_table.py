@@ -13,6 +13,7 @@ from markupsafe import Markup
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, WASTED, excused
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed
+from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.report.charts.dot_plots import Scale, episode_dot_plot
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, interval, percent, percent_interval
@@ -37,6 +38,11 @@ class Column:
         """``reached`` or ``dots`` for columns made from a time, such as ``t99_dots``; empty for a metric."""
         time, _, kind = self.key.partition("_")
         return kind if time in LEVELS and kind in ("reached", "dots") else ""
+
+    @property
+    def of_time(self) -> bool:
+        """Whether the column is a time to a threshold, or made from one."""
+        return self.key.partition("_")[0] in LEVELS
 
     @property
     def metric(self) -> str:
@@ -146,7 +152,8 @@ def _reached(comparison: Comparison, metric: str) -> dict[str, TableCell]:
 
 def _dot_plots(comparison: Comparison, metric: str, styles: Styles) -> dict[str, TableCell]:
     values = {policy: comparison.results.values(comparison.scenario, policy, metric) for policy in comparison.groups}
-    scale = Scale(0.0, max(float(each.max()) for each in values.values()), 110)
+    far = far_behind(comparison)
+    scale = Scale(0.0, max(float(each.max()) for policy, each in values.items() if policy not in far), 110)
     return {
         policy: TableCell("", None, episode_dot_plot(each, comparison.estimate(policy, metric), scale, styles[policy]))
         for policy, each in values.items()

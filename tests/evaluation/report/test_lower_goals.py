@@ -31,8 +31,9 @@ from indoor_explorers.evaluation.report.replay.selection import notable_tasks
 from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.report.summary.comparability import verdict_on
 from indoor_explorers.evaluation.report.summary.headline import headline
-from indoor_explorers.evaluation.report.summary.overview import lead, overview_row
+from indoor_explorers.evaluation.report.summary.overview import lead
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
+from indoor_explorers.evaluation.report.tables.league_table import league_table
 from indoor_explorers.evaluation.report.tables.results_table import columns_of, results_table
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
@@ -186,9 +187,13 @@ def test_the_terminal_takes_the_level_that_all_share(near: Results, mixed: Resul
 
 
 def test_scenarios_of_several_levels_are_told_apart(mixed: Results) -> None:
-    lines = [overview_row(Comparison(mixed, name), name) for name in mixed.scenarios]
-    assert [(each.level.title, each.first) for each in lines] == [("T90", "quick"), ("T99", "quick")]
-    assert lines[0].time == lines[1].time
+    comparisons = {f"s{number}": Comparison(mixed, name) for number, name in enumerate(mixed.scenarios, 1)}
+    league = league_table(comparisons, policy_styles(mixed.policies))
+    assert [(column.time, column.first) for column in league.columns] == [("T90", "quick"), ("T99", "quick")]
+    near, far = dict(league.rows)["quick"]
+    assert near is not None
+    assert far is not None
+    assert near.time == far.time
     assert "Lowest mean time to the coverage threshold: <b>quick</b> in 2" in lead(
         [Comparison(mixed, name) for name in mixed.scenarios]
     )

@@ -99,12 +99,12 @@ def test_every_map_gets_a_panel_or_its_folder_does(
 def test_a_panel_opens_the_replay_of_its_map(results: Results) -> None:
     found = _on_files(results, 3, 1)
     page = Page(render(found))
-    targets = [json.loads(str(about["data-replay"])) for tag, about in page.tags if "data-replay" in about]
+    targets = [json.loads(str(about["data-replay"])) for tag, about in page.tags if about.get("class") == "multiple"]
     assert [target["task"][0] for target in targets[:3]] == [0, 1, 2]
     assert map_multiples(Comparison(results, "rooms"), policy_styles(results.policies)) is None
 
 
-def test_scenarios_of_a_kind_stand_side_by_side(results: Results) -> None:
+def test_every_scenario_has_a_small_chart_that_names_its_kind(results: Results) -> None:
     names = {"a": "thesis", "b": "cave", "c": "thesis"}
     scenarios = {name: results.scenarios["rooms"] | {"map": {"source": kind}} for name, kind in names.items()}
     records = [
@@ -116,8 +116,8 @@ def test_scenarios_of_a_kind_stand_side_by_side(results: Results) -> None:
     found = Results(results.policies, scenarios, [], records)
     pairs = [(f"s{number}", Comparison(found, name)) for number, name in enumerate(names, 1)]
     panels = scenario_multiples(pairs, policy_styles(found.policies))
-    assert [(panel.title, panel.section) for panel in panels] == [("a", "s1"), ("c", "s3"), ("b", "s2")]
-    assert panels[2].detail == "cave maps, 1 UAV"
+    assert [(panel.title, panel.section) for panel in panels] == [("a", "s1"), ("b", "s2"), ("c", "s3")]
+    assert panels[1].detail == "cave maps, 1 UAV"
     assert scenario_multiples(pairs[:1], policy_styles(found.policies)) == []
 
 

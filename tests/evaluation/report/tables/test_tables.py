@@ -14,6 +14,7 @@ from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.report.summary.headline import headline
+from indoor_explorers.evaluation.report.tables.constant_columns import constant_columns
 from indoor_explorers.evaluation.report.tables.contrast_table import contrast_table
 from indoor_explorers.evaluation.report.tables.measures_table import measures_table
 from indoor_explorers.evaluation.report.tables.results_table import columns_of, results_table
@@ -25,11 +26,19 @@ from tests.evaluation.report.reports import Page
 
 
 def test_figures_of_the_table_are_those_of_the_summary(results: Results, page: Page) -> None:
-    summary = results.summary()
+    summary, styles = results.summary(), policy_styles(results.policies)
+    hidden = {
+        name: {column.key for column, _ in constant_columns(columns_of(T99), results_table(comparison, styles))}
+        for name in results.scenarios
+        for comparison in [Comparison(results, name)]
+    }
+    assert {"collisions", "overlap", "messages_bytes"} <= hidden["rooms"]
+    assert not {"overlap", "messages_bytes"} & hidden["four"]
     for metric in ("t90", "t99", "auc", "path_length", "overlap", "collisions", "messages_bytes", "latency_p99_us"):
         for policy in results.policies:
             rows = summary[(summary.policy == policy) & (summary.metric == metric)]
-            assert page.figures[policy, metric] == pytest.approx(list(rows["mean"]))
+            means = [mean for name, mean in zip(rows.scenario, rows["mean"], strict=True) if metric not in hidden[name]]
+            assert page.figures.get((policy, metric), []) == pytest.approx(means)
     assert page.figures["broken", "failures"] == [6, 6]
 
 
@@ -151,3 +160,28 @@ def test_who_freezes_stands_out_and_older_results_that_did_not_measure_it_load()
     assert (missing.value, missing.bad) == (None, False)
     assert 'class="bad"' in render(found)
     assert set(found.summary().query("policy == 'older'")["metric"]) & set(WASTED) == set()
+
+
+def test_columns_that_are_the_same_for_all_are_named_below_instead() -> None:
+    def policy(name: str, late: float, idle: float) -> list[Record]:
+        extra = {"longest_idle": idle, "collisions": 0.0, "messages_bytes": 0.0, "overlap": late / 100}
+        return [made_up(name, Task("room", 0, seed), late + seed, **extra) for seed in range(6)]
+
+    found = results_of([*policy("quick", 10, 0), *policy("slow", 20, 0)])
+    columns = columns_of(T99)
+    rows = results_table(Comparison(found, "room"), policy_styles(found.policies))
+    hidden = {column.key: cell.text for column, cell in constant_columns(columns, rows)}
+    assert {"collisions": "0", "messages_bytes": "0", "longest_idle": "0.0", "failures": "0"}.items() <= hidden.items()
+    assert hidden["t99_reached"] == "100\u202f%"
+    assert not {"t90", "t99", "t99_dots", "overlap"} & hidden.keys()
+    text = Page(render(found)).text
+    assert "The same for all: reached 90" in text
+    assert "collisions 0" in text
+    assert 'data-metric="collisions"><data' not in render(found)
+
+
+def test_a_constant_column_that_is_bad_and_that_of_a_single_policy_stay() -> None:
+    frozen = [made_up(name, Task("room", 0, seed), 9.0, longest_idle=40.0) for name in "ab" for seed in range(6)]
+    for found in (results_of(frozen), results_of(frozen[:6])):
+        rows = results_table(Comparison(found, "room"), policy_styles(found.policies))
+        assert "longest_idle" not in {column.key for column, _ in constant_columns(columns_of(T99), rows)}
