@@ -23,14 +23,25 @@ SWITCHES = [
 ]
 PLAIN = "wander"
 HOSTILE = 'a, b; "quoted" it\'s 50% </script><script>window.broken = 1</script> 🚁 $x_1$ & <b>'
-NAMES = {PLAIN: Wander(), HOSTILE: Wander(speed=2), "raises": Raises()}
+
+
+class Elsewhere(Wander):
+    """Fly at random, other ways than the one that it is made from."""
+
+    def pilot(self, briefing):
+        briefing.rng.random()
+        return super().pilot(briefing)
+
+
+#: The last flies as the first does.
+NAMES = {PLAIN: Wander(), HOSTILE: Elsewhere(), "raises": Raises(), "copy": Wander(speed=2)}
 MAP = "</script><img src=x onerror='window.broken = 2'> 🏢"
 LOSSY = {"radio.model": "disc", "radio.range": 5.0, "radio.loss": 0.4, "budget": 120}
 
 
 @pytest.fixture(scope="session")
 def results():
-    """Three policies on a team task with flaky radio, 6 seeds, and on a single UAV's task with hostile names."""
+    """Four policies on a team task with flaky radio, 6 seeds, and on a single UAV's task with hostile names."""
     team = PRESETS["thesis-team-4"].for_evaluation().with_settings(LOSSY)
     alone = PRESETS["thesis-open"].for_evaluation().with_settings({"budget": 60, "name": "alone </script> 🏠"})
     records = []

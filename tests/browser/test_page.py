@@ -6,6 +6,8 @@ import pytest
 
 from .conftest import HOSTILE
 
+VALUES = "cells => cells.map((cell) => cell.value)"
+
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
 
 
@@ -31,8 +33,7 @@ def test_names_are_shown_as_they_are(page):
 @pytest.mark.parametrize("width", [420, 800])
 def test_a_narrow_screen_is_not_scrolled_sideways(page, width):
     page.set_viewport_size({"width": width, "height": 800})
-    page.wait_for_timeout(300)
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    page.wait_for_function("width => document.documentElement.scrollWidth <= width", arg=width)
     for place in page.locator("#replay-s1 .panel, #replay-s1 .timeline, #replay-s1 button.play").all():
         box = place.bounding_box()
         assert box["x"] >= 0
@@ -40,16 +41,64 @@ def test_a_narrow_screen_is_not_scrolled_sideways(page, width):
     page.set_viewport_size({"width": 1280, "height": 900})
 
 
-def test_print_leaves_the_controls_out(page):
+def test_print_leaves_the_controls_out_and_folds_again(page):
     page.emulate_media(media="print")
     assert not page.locator("#replay-s1 .transport").is_visible()
     assert not page.locator("nav").is_visible()
     assert page.locator("#replay-s1 canvas.map").first.is_visible()
     page.emulate_media(media="screen")
+    folded = "document.querySelectorAll('details:not([open])').length"
+    before = page.evaluate(folded)
     assert page.pdf()[:4] == b"%PDF"
+    assert page.evaluate(folded) == before > 0
 
 
 def test_less_motion_where_it_is_asked_for(page):
     page.emulate_media(reduced_motion="reduce")
     assert page.evaluate("getComputedStyle(document.documentElement).scrollBehavior") == "auto"
     page.emulate_media(reduced_motion="no-preference")
+
+
+def test_a_narrow_screen_has_one_panel_a_picker_and_controls_in_reach(visit):
+    with visit(viewport={"width": 420, "height": 800}, reduced_motion="reduce") as opened:
+        page = opened.page
+        assert page.locator("#replay-s1 .panel").count() == 1
+        box = page.locator("#replay-s1 .panel canvas.map").bounding_box()
+        assert box["width"] > 320
+        page.locator("#replay-s1 .panel select").select_option(label="raises")
+        assert page.locator("#replay-s1 .panel").get_attribute("data-policy") == "raises"
+        page.locator("#replay-s1").evaluate("box => box.scrollIntoView()")
+        play = page.locator("#replay-s1 button.play").bounding_box()
+        assert play["y"] + play["height"] <= 800
+        assert page.locator(".scroll.cut + .cue").first.is_visible()
+        assert opened.complaints == []
+
+
+def test_a_click_on_a_heading_sorts(page):
+    table = page.locator("#s1 table.results")
+    head = table.locator("thead th").nth(1)
+
+    def order():
+        return [float(value) for value in table.locator("tbody td:nth-of-type(1) data").evaluate_all(VALUES)]
+
+    head.click()
+    rising = order()
+    assert rising == sorted(rising)
+    assert head.get_attribute("aria-sort") == "ascending"
+    head.click()
+    assert order() == sorted(rising, reverse=True)
+    assert table.locator("thead th").first.evaluate("head => getComputedStyle(head).position") == "sticky"
+
+
+def test_what_repeats_the_question_is_folded_and_a_link_to_it_opens_it(page):
+    folds = page.locator("#s1 details.fold:has(table.duels), #s1 details.fold:has(table.rank-plot)")
+    assert folds.count() == 2
+    assert [fold.evaluate("fold => fold.open") for fold in folds.all()] == [False, False]
+    folds.first.locator("summary").click()
+    assert folds.first.locator("table").is_visible()
+    folds.first.locator("summary").click()
+    profile = page.locator("#s1 details.fold:has(.plot)")
+    profile.locator("summary").click()
+    page.wait_for_timeout(300)
+    assert profile.locator(".plot svg").first.bounding_box()["width"] > 300
+    profile.locator("summary").click()

@@ -5,6 +5,12 @@ from urllib.parse import quote, unquote
 
 import pytest
 
+from indoor_explorers.env import PRESETS, make_policy
+from indoor_explorers.evaluation.episodes.runner import fly
+from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.report import write_report
+from indoor_explorers.evaluation.results.results import Results
+
 from .conftest import HOSTILE, PLAIN
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
@@ -205,3 +211,46 @@ def test_addresses_count_uavs_from_0_and_those_of_older_pages_from_1(page):
         page.evaluate(f"location.hash = '#replay=s1;step={step_};map={part}'")
         page.wait_for_function(f"() => document.querySelector('{REPLAY} [role=slider]').ariaValueNow === '{step_}'")
         assert chosen.input_value() == value, part
+
+
+def test_it_opens_where_the_flights_differ_most(page, record_of):
+    page.evaluate("location.hash = '#replay=s1'")
+    page.wait_for_timeout(400)
+    place = data(page)["episodes"][0]["task"][1]
+    curves = [record_of(1, name, place).covered[:, 0] for name in (PLAIN, HOSTILE, "raises")]
+    last = max(map(len, curves))
+    apart = [
+        max(each[min(now, len(each) - 1)] for each in curves) - min(each[min(now, len(each) - 1)] for each in curves)
+        for now in range(last)
+    ]
+    open_replay(page, task=[0, place])
+    assert last_step(page) == last - 1
+    assert step(page) == apart.index(max(apart))
+
+
+def test_same_flights_share_a_panel_and_can_be_chosen_all_the_same(page):
+    open_replay(page, task=[0, data(page)["episodes"][0]["task"][1]], step=4)
+    page.locator(f"{REPLAY} .choice button").last.click()
+    assert set(shown(page)) == {PLAIN, HOSTILE, "raises"}
+    assert page.locator(f"{REPLAY} .panel[data-policy={PLAIN}] .twins").inner_text() == "same flights: copy"
+    page.evaluate("location.hash = '#replay=s1;step=4;panels=copy,wander'")
+    page.wait_for_function(f"() => document.querySelectorAll('{REPLAY} .panel').length === 2")
+    assert list(shown(page)) == ["copy", PLAIN]
+    one, other = pictures(page)
+    assert one == other
+
+
+def test_unknown_cells_at_full_coverage_are_explained(browser, tmp_path):
+    scenario = PRESETS["thesis-obstacles"].for_evaluation().with_settings({"goal": 1.0})
+    records = list(fly(make_policy("frontier-nearest"), "one", scenario, [Task(scenario.name, 0, 4)]))
+    settings = {scenario.name: {"fingerprint": scenario.fingerprint, **scenario.model_dump(mode="json")}}
+    write_report(Results({"one": {}}, settings, [], records), tmp_path / "report.html")
+    page = browser.new_page()
+    page.goto((tmp_path / "report.html").as_uri())
+    note = page.locator(f"{REPLAY} .pockets")
+    page.get_by_label("To the start").click()
+    assert not note.is_visible()
+    page.get_by_label("To the end").click()
+    assert "100.0 %" in page.locator(f"{REPLAY} .readout").inner_text()
+    assert "cells that are still unknown are walls, or cannot be reached" in note.inner_text()
+    page.close()

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis as MatplotlibAxis
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, PercentFormatter, ScalarFormatter
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
+from indoor_explorers.evaluation.report.figures.layout import add_legend, add_note, paper
 from indoor_explorers.evaluation.report.panels.pareto_plot import pareto_plot
 from indoor_explorers.evaluation.report.panels.performance_profile import profile_plot
 from indoor_explorers.evaluation.report.panels.plot_data import Plot, PlotAxis, PlotSeries
@@ -20,7 +20,7 @@ from indoor_explorers.evaluation.report.panels.rank_plot import Improvement, Ran
 from indoor_explorers.evaluation.report.panels.sweep_panels import SweepPanel, sweep_sections
 from indoor_explorers.evaluation.report.style.formatting import counted
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
-from indoor_explorers.evaluation.report.style.print_style import plain, sheet, strokes
+from indoor_explorers.evaluation.report.style.print_style import COLUMN, PAGE, plain, strokes
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
@@ -41,7 +41,8 @@ def scenario_figures(comparison: Comparison, styles: Styles) -> Iterator[tuple[s
         how = "" if any(each.dots for each in pareto.series) else " with 95 % bootstrap interval"
         note = f"Mean AUC{how}; median time of a decision, whisker to the 99th percentile. Filled: the Pareto front."
         shares = [policy for policy in comparison.groups if policy in comparison.results.batched_policies]
-        note += f"\nTimes that are shares of a batch: {', '.join(map(plain, shares))}." if shares else ""
+        note += f" Times that are shares of a batch: {', '.join(map(plain, shares))}." if shares else ""
+        note += f" {pareto.beyond}"
         yield "pareto", _alone(pareto, comparison, styles, note)
     if rows:
         yield "rank-plot", rank_figure(comparison, rows, styles)
@@ -58,12 +59,13 @@ def sweep_figures(results: Results, styles: Styles) -> Iterator[tuple[str, Figur
 
 
 def _alone(plot: Plot, comparison: Comparison, styles: Styles, note: str) -> Figure:
-    figure = sheet(4.4, 3.1)
+    names = [series.name for series in plot.series]
+    figure = paper(COLUMN, 2.5, names)
     axes = figure.add_subplot()
     draw(axes, plot)
-    axes.set_title(plain(comparison.scenario, 60))
-    _legend(figure, [series.name for series in plot.series], styles, (0.97, 0.9))
-    _note(figure, note)
+    axes.set_title(plain(comparison.scenario, 40))
+    add_legend(figure, names, styles)
+    add_note(figure, note)
     return figure
 
 
@@ -72,18 +74,17 @@ def _sweep_figure(title: str, panels: Sequence[SweepPanel], styles: Styles) -> F
     plots = [plot for panel in panels for plot in panel.plots]
     columns = min(COLUMNS, len(panels[0].plots))
     rows = -(-len(plots) // columns)
-    figure = sheet(7.6, 0.5 + 2.3 * rows)
+    names = list(dict.fromkeys(name for panel in panels for name in panel.policies))
+    figure = paper(PAGE, 0.3 + 2.1 * rows, names)
     for place, plot in enumerate(plots, 1):
         axes = figure.add_subplot(rows, columns, place)
         draw(axes, plot)
         axes.set_title(plot.title)
-    height = figure.get_figheight()
-    figure.subplots_adjust(wspace=0.42, hspace=0.62, top=1 - 0.55 / height, bottom=0.31 / height)
-    figure.suptitle(plain(title, 90), x=0.07, y=1.0, ha="left", fontsize=10)
-    _legend(figure, list(dict.fromkeys(name for panel in panels for name in panel.policies)), styles, (0.93, 0.88))
+    figure.suptitle(plain(title, 90), x=0.01, ha="left", fontsize=10)
+    add_legend(figure, names, styles)
     few, hollow = any(panel.few for panel in panels), any(panel.hollow for panel in panels)
     how = "too few for intervals, each is a dot" if few else "95 % bootstrap intervals"
-    _note(
+    add_note(
         figure,
         f"{panels[0].tasks} episodes a point, {how}. {'Hollow: some episodes did not reach the threshold.' * hollow}",
     )
@@ -141,8 +142,8 @@ def _draw_series(axes: Axes, series: PlotSeries) -> None:
 
 def rank_figure(comparison: Comparison, rows: Sequence[RankRow], styles: Styles) -> Figure:
     """Draw how often each policy is better than the next one and than the first one."""
-    figure = sheet(6.3, 0.9 + 0.3 * len(rows))
-    pair = figure.subplots(1, 2, sharey=True, gridspec_kw={"wspace": 0.14})
+    figure = paper(PAGE, 0.8 + 0.24 * len(rows))
+    pair = figure.subplots(1, 2, sharey=True)
     titles = ("better than the next below", f"better than {plain(rows[0].policy, 24)}")
     for axes, title, which in zip(pair, titles, ("next", "best"), strict=True):
         for place, row in enumerate(rows):
@@ -157,7 +158,7 @@ def rank_figure(comparison: Comparison, rows: Sequence[RankRow], styles: Styles)
     pair[0].set_yticks(range(len(rows)), [plain(row.policy) for row in rows])
     pair[0].set_title(plain(comparison.scenario, 70))
     tasks = ", ".join(dict.fromkeys(row.tasks for row in rows if row.tasks))
-    _note(
+    add_note(
         figure,
         f"Fewer steps to {comparison.level.percent} coverage, ties one half; {tasks} tasks, 95 % bootstrap intervals "
         f"from {FEWEST} on.",
@@ -180,14 +181,3 @@ def _draw_improvement(axes: Axes, place: int, improvement: Improvement, style: P
             linewidths=0,
         )
     axes.plot([mean], [place], **stroke | {"markersize": 5.2, "zorder": 3})
-
-
-def _legend(figure: Figure, names: Sequence[str], styles: Styles, corner: tuple[float, float]) -> None:
-    lines = [Line2D([], [], **strokes(styles[name])) for name in names]
-    figure.legend(lines, [plain(name) for name in names], loc="upper left", bbox_to_anchor=corner, borderaxespad=0.0)
-
-
-def _note(figure: Figure, text: str) -> None:
-    """Write a note below the figure that says what it shows."""
-    below = -0.22 / figure.get_figheight()
-    figure.text(0.07, below, text.strip(), fontsize=7, color="#666666", va="top")

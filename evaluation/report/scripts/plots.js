@@ -144,10 +144,13 @@ document.addEventListener("toggle", (event) => {
 }, true);
 
 /* On paper everything is open, and charts are as wide as the sheet. */
+let openedForPrint = [];
 window.addEventListener("beforeprint", () => {
-  for (const details of document.querySelectorAll("details")) details.open = true;
+  openedForPrint = [...document.querySelectorAll("details:not([open])")];
+  for (const details of openedForPrint) details.open = true;
   for (const box of document.querySelectorAll(".js-plotly-plot")) Plotly.relayout(box, { width: Number(box.dataset.printed || 680) });
 });
 window.addEventListener("afterprint", () => {
+  for (const details of openedForPrint) details.open = false;
   for (const box of document.querySelectorAll(".js-plotly-plot")) Plotly.relayout(box, { width: undefined, autosize: true });
 });

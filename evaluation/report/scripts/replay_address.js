@@ -63,8 +63,11 @@ const Address = {
     }
   },
 
-  follow() {
-    const asked = this.read(location.hash), replay = asked && viewers.get(asked.section);
+  /* Go where an address leads; a write of the moment before, still waiting, would lead back. */
+  follow(hash) {
+    clearTimeout(this.timer);
+    this.timer = null;
+    const asked = this.read(hash), replay = asked && viewers.get(asked.section);
     if (replay) replay.restore(asked);
   },
 };
@@ -87,11 +90,11 @@ document.addEventListener("keydown", (event) => {
   const source = event.target.closest("[data-replay]");
   if (event.key === "Enter" && source && !["BUTTON", "A"].includes(event.target.tagName)) openFrom(source);
 });
-window.addEventListener("hashchange", () => Address.follow());
+window.addEventListener("hashchange", (event) => Address.follow(new URL(event.newURL).hash));
 
 const viewers = new Map();
 for (const box of document.querySelectorAll(".replay")) {
   const replay = new Replay(box);
   viewers.set(replay.section, replay);
 }
-Address.follow();
+Address.follow(location.hash);

@@ -11,6 +11,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox, BboxBase
 
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.report.style.fonts import families
@@ -23,6 +24,8 @@ FORMATS: Mapping[str, dict[str, Any]] = {
 }
 #: Inches around what is drawn.
 PADDING = 0.08
+#: Widths in inches of one and of two columns of a paper; a figure of this width is written exactly as wide.
+COLUMN, PAGE = 3.5, 7.0
 _LOOK: dict[Any, Any] = {
     "font.size": 8.5,
     "axes.labelsize": 8.5,
@@ -51,9 +54,9 @@ def print_style() -> Iterator[None]:
         yield
 
 
-def sheet(width: float, height: float) -> Figure:
-    """Return an empty figure of this size in inches."""
-    figure = Figure(figsize=(width, height))
+def sheet(width: float, height: float, *, fitted: bool = False) -> Figure:
+    """Return an empty figure of this size in inches; ``fitted`` makes room for labels and legend within it."""
+    figure = Figure(figsize=(width, height), layout="constrained" if fitted else None)
     FigureCanvasAgg(figure)
     return figure
 
@@ -63,11 +66,22 @@ def save(figure: Figure, folder: Path, stem: str) -> list[Path]:
     paths = [folder / f"{stem}.{ending}" for ending in FORMATS]
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-        drawn = figure.get_tightbbox().padded(PADDING)  # measured once: each format would draw everything to measure
+        drawn = _extent(figure)  # measured once: each format would draw everything to measure
         for path, (ending, options) in zip(paths, FORMATS.items(), strict=True):
             with written_whole(path) as partial:
                 figure.savefig(partial, format=ending, bbox_inches=drawn, **options)
     return paths
+
+
+def _extent(figure: Figure) -> BboxBase:
+    """Return what is written: all that is drawn, of a figure as wide as a column or two exactly this width."""
+    if figure.get_layout_engine() is not None:
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # every format keeps this layout
+        for legend in figure.legends:  # else it would move with the edge of what is written
+            legend.set_bbox_to_anchor((0, 0, 1, 1), figure.transFigure)
+    drawn, width = figure.get_tightbbox().padded(PADDING), figure.get_figwidth()
+    return Bbox.from_extents(0, drawn.y0, width, drawn.y1) if width in (COLUMN, PAGE) else drawn
 
 
 def plain(name: str, most: int = 40) -> str:

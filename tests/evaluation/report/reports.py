@@ -82,7 +82,9 @@ class Page(HTMLParser):
         self._script = found if tag == "script" else None
         self._row = str(found["data-policy"]) if "data-policy" in found else self._row
         self._metric = str(found.get("data-metric", "")) if tag == "td" else self._metric
-        if tag == "data" and self._metric:
+        if tag == "data" and "data-metric" in found:  # named below the table, as it is the same for all
+            self.figures.setdefault(("", str(found["data-metric"])), []).append(float(str(found["value"])))
+        elif tag == "data" and self._metric:
             self.figures.setdefault((self._row, self._metric), []).append(float(str(found["value"])))
 
     def handle_endtag(self, tag: str) -> None:

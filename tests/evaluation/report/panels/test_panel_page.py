@@ -6,13 +6,14 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.figures.panel_figures import scenario_figures, sweep_figures
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.style.palette import policy_styles
-from indoor_explorers.evaluation.report.style.print_style import print_style, save
+from indoor_explorers.evaluation.report.style.print_style import COLUMN, PAGE, plain, print_style, save
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.report.records import flown, made_up, results_of, room
 
@@ -133,5 +134,17 @@ def test_figures_for_print_are_those_with_content_and_deterministic(swept: Resul
         with print_style():
             figures = [*scenario_figures(comparison, styles), *sweep_figures(part, styles)]
             assert [name for name, _ in figures] == ["profile", "pareto", "rank-plot", "teams-01"]
+            assert {figure.get_figwidth() for _, figure in figures} == {COLUMN, PAGE}
             written.append([path.read_bytes() for name, figure in figures for path in save(figure, folder, name)])
     assert written[0] == written[1]
+
+
+def test_a_figure_is_exactly_as_wide_as_a_column_or_two(swept: Results, tmp_path: Path) -> None:
+    comparison, styles = Comparison(swept, "solo"), policy_styles(swept.policies)
+    with print_style():
+        for name, figure in scenario_figures(comparison, styles):
+            shown = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+            assert shown == ([plain(policy) for policy in swept.policies] if shown else [])
+            png = next(path for path in save(figure, tmp_path, name) if path.suffix == ".png")
+            with Image.open(png) as picture:
+                assert picture.width == 200 * (PAGE if name == "rank-plot" else COLUMN)
