@@ -28,9 +28,9 @@ class Panel {
     this.end = element("span", { className: "end" });
     this.twins = element("small", { className: "twins" });
     this.box = element("div", { className: "panel" },
-      element("div", { className: "head" }, this.chip, this.choice), this.twins,
+      element("div", { className: "head" }, this.chip, this.choice),
       element("div", { className: "window" }, this.canvas),
-      element("div", { className: "readout" }, this.covered, this.end, this.spent));
+      element("div", { className: "readout" }, this.covered, this.end, this.spent), this.twins);
   }
 
   get policy() { return this.replay.data.policies[this.flight.policy]; }

@@ -165,7 +165,7 @@ def test_who_freezes_stands_out_and_older_results_that_did_not_measure_it_load()
 def test_columns_that_are_the_same_for_all_are_named_below_instead() -> None:
     def policy(name: str, late: float, idle: float) -> list[Record]:
         tasks = [Task("room", 0, seed) for seed in range(6)]
-        none = {"collisions": 0.0, "messages_bytes": 0.0, "longest_idle": idle}
+        none: dict[str, float | None] = {"collisions": 0.0, "messages_bytes": 0.0, "longest_idle": idle}
         records = [made_up(name, task, late + task.seed, overlap=late / 100) for task in tasks]
         return [replace(record, metrics=record.metrics | none) for record in records]
 
