@@ -14,6 +14,7 @@ from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import ending
+from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.replay.packed_episode import ReplayEpisode, pack_episode, resimulated
 from indoor_explorers.evaluation.report.style.packing import bits, text
 from indoor_explorers.evaluation.report.style.palette import DASHES, Styles
@@ -58,10 +59,16 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
         episodes = [episode for pick in picks if (episode := _episode(comparison, pick, inf, inf)) is not None]
     if not episodes:
         return None
+    far = far_behind(comparison)
     return {
         "range": float(settings["lidar"]["range"]),
         "policies": [
-            {"name": name, "colour": styles[name].colour, "dashes": DASHES[styles[name].dash]}
+            {
+                "name": name,
+                "colour": styles[name].colour,
+                "dashes": DASHES[styles[name].dash],
+                "far": name in far,
+            }
             for name in comparison.groups
         ],
         "tasks": len(comparison.results.tasks(comparison.scenario)),

@@ -40,10 +40,11 @@ class Replay {
   }
 
   /* The frame at which the team coverage of the shown flights, or of the first ones where a single one is shown, is
-     furthest apart; half-way where it never is. */
+     furthest apart, those far behind left out; half-way where it never is. */
   widest() {
     const shown = this.panels.length > 1 ? this.panels.map((panel) => panel.flight.policy) : this.single.slice(0, MOST_PANELS);
-    const flights = shown.map((policy) => this.flight(policy));
+    const near = shown.filter((policy) => !this.data.policies[policy].far);
+    const flights = (near.length > 1 ? near : shown).map((policy) => this.flight(policy));
     let found = Math.round(this.last / 2), most = 0;
     for (let frame = 0; frame <= this.last; frame++) {
       const covered = flights.map((flight) => flight.covered.team[Math.min(frame, flight.last)]);

@@ -81,6 +81,11 @@ class LeagueTable:
         return any(cell and cell.rank for _, cells in self.rows for cell in cells)
 
     @property
+    def intervals(self) -> bool:
+        """Whether any mean has an interval."""
+        return any(cell and cell.interval for _, cells in self.rows for cell in cells)
+
+    @property
     def bounded(self) -> bool:
         """Whether some episodes never reached the threshold."""
         return any(cell and cell.time.startswith(AT_LEAST) for _, cells in self.rows for cell in cells)
