@@ -86,7 +86,8 @@ def _sweep_figure(title: str, panels: Sequence[SweepPanel], styles: Styles) -> F
     how = "too few for intervals, each is a dot" if few else "95 % bootstrap intervals"
     add_note(
         figure,
-        f"{panels[0].tasks} episodes a point, {how}. {'Hollow: some episodes did not reach the threshold.' * hollow}",
+        f"{panels[0].tasks} episodes a point, {how}. {'Hollow: some episodes did not reach the threshold.' * hollow} "
+        f"{panels[0].beyond}",
     )
     return figure
 

@@ -36,6 +36,8 @@ class SweepPanel:
     tasks: str
     """Number of episodes of a point."""
     few: bool
+    beyond: str
+    """A sentence about the policies that the ranges leave out; empty where they have all."""
     hollow: bool
     """Whether a point is hollow because some of its episodes never reached the threshold."""
 
@@ -82,6 +84,7 @@ def _panel(
         [CoverageThreshold(key).title for key in results.level(sweep.scenarios[0]).times],
         " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1]))),
         any(each.dots for each in series),
+        plots[0].beyond,
         any(any(each.hollow or []) for each in series),
     )
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from typing import NamedTuple
 
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.analysis.sweeps import RadioSweep, SettingSweep
 from indoor_explorers.evaluation.report.panels.plot_data import Plot, PlotAxis, PlotSeries, bounds
 from indoor_explorers.evaluation.report.style.formatting import fixed, with_interval
@@ -87,19 +89,19 @@ def _plots(results: Results, axis: SweptAxis, others: Sequence[Quantity], about:
         Quantity(key, CoverageThreshold(key).title, "steps", 1, 1) for key in results.level(axis.scenarios[0]).times
     ]
     shown = (*times, *others) if policies else ()
-    return [_plot(results, axis, quantity, about, policies, styles) for quantity in shown]
+    far = _far(results, axis)
+    return [_plot(results, axis, quantity, about, {name: styles[name] for name in policies}, far) for quantity in shown]
 
 
-def _plot(
-    results: Results, axis: SweptAxis, quantity: Quantity, about: str, policies: list[str], styles: Styles
-) -> Plot:
+def _plot(results: Results, axis: SweptAxis, quantity: Quantity, about: str, styles: Styles, far: Set[str]) -> Plot:
     span = axis.span
     series = [
-        _series(results, axis, quantity, policy, styles[policy], (k - (len(policies) - 1) / 2) * APART * span)
-        for k, policy in enumerate(policies)
+        _series(results, axis, quantity, policy, style, (k - (len(styles) - 1) / 2) * APART * span)
+        for k, (policy, style) in enumerate(styles.items())
     ]
-    ends = [end for each in series for end in (*each.y, *(each.low or []), *(each.high or []))]
-    ends += [value for each in series for _, value in each.dots or []]
+    near = [each for each in series if each.name not in far] or series
+    ends = [end for each in near for end in (*each.y, *(each.low or []), *(each.high or []))]
+    ends += [value for each in near for _, value in each.dots or []]
     return Plot(
         title=quantity.heading,
         label=f"{quantity.heading} against {about}",
@@ -111,7 +113,20 @@ def _plot(
         ),
         y=_upright(ends),
         series=series,
+        beyond=_beyond([each.name for each in series if each not in near]),
     )
+
+
+def _far(results: Results, axis: SweptAxis) -> set[str]:
+    """Return the policies that are far behind in every scenario of the axis that they flew."""
+    found = {name: far_behind(Comparison(results, name)) for name in axis.scenarios}
+    near = {policy for name, policy in results.groups if name in found and policy not in found[name]}
+    return {policy for names in found.values() for policy in names} - near
+
+
+def _beyond(names: Sequence[str]) -> str:
+    """Name the policies that no range is made for."""
+    return f"Ranges are made without {', '.join(names)}, far behind." if names else ""
 
 
 def _upright(ends: list[float]) -> PlotAxis:

@@ -15,6 +15,8 @@ from indoor_explorers.evaluation.report.analysis.sweeps import (
     setting_sweeps,
     team_scalings,
 )
+from indoor_explorers.evaluation.report.page import render
+from indoor_explorers.evaluation.report.panels.sweep_panels import sweep_sections
 from indoor_explorers.evaluation.report.panels.sweep_plots import setting_plots
 from indoor_explorers.evaluation.report.panels.team_scaling import scaling_plots, speed_ups
 from indoor_explorers.evaluation.report.style.palette import policy_styles
@@ -126,6 +128,25 @@ def test_a_setting_is_drawn_from_its_least_value_on() -> None:
     assert plots[0].x.low == pytest.approx(3 - 0.07 * 2)
     assert plots[0].series[0].x == [3.0, 4.0, 5.0]
     assert plots[0].series[0].text[1].startswith("lidar range 4: ")
+
+
+def test_the_range_of_a_sweep_leaves_out_who_is_far_behind_everywhere() -> None:
+    far = [BASE.with_settings({"name": f"{n}", "lidar.range": n}) for n in (4, 5)]
+    times = {"a": 20, "b": 24, "lost": 90}
+    records = [
+        made_up(policy, Task(name, 0, seed), late)
+        for policy, late in times.items()
+        for name in ("thesis-obstacles", "4", "5")
+        for seed in range(6)
+    ]
+    results = results_of(records, BASE, *far)
+    (sweep,) = setting_sweeps(results.scenarios)
+    for plot in setting_plots(results, sweep, policy_styles(times)):
+        assert plot.y.high < 30
+        assert [series.name for series in plot.series] == ["a", "b", "lost"]
+        assert plot.beyond == "Ranges are made without lost, far behind."
+    (panel,) = sweep_sections(results, policy_styles(times)).setting
+    assert panel.beyond in render(results)
 
 
 def test_speed_up_is_a_ratio_of_means_over_common_tasks() -> None:
