@@ -42,6 +42,8 @@ class Improvement(NamedTuple):
         mean, low, high = self.estimate
         if low is None or high is None:
             return "too few tasks"
+        if (self.scores == 0.5).all():
+            return "equal on every task"
         if mean in (0.0, 1.0):
             return "on every task" if mean else "on no task"
         if high - low < 1e-9:

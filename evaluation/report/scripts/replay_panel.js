@@ -64,7 +64,7 @@ class Panel {
     const map = this.replay.mapOf(this.flight), pen = this.canvas.getContext("2d");
     this.canvas.width = scale * episode.width;
     this.canvas.height = scale * episode.height;
-    this.canvas.style.width = `${this.canvas.width / ratio}px`;
+    this.canvas.style.width = `${Math.min(this.canvas.width / ratio, this.replay.most)}px`;
     paintCells(this.sheet, episode, this.flight.maps[map], now, layers, inks);
     pen.imageSmoothingEnabled = false;
     pen.drawImage(this.sheet, 0, 0, this.canvas.width, this.canvas.height);

@@ -101,7 +101,8 @@ class Replay {
   mapOf(flight) { return this.map in flight.maps ? this.map : "team"; }
 
   /* Choose the columns that show the cells largest without filling more than a screen; scales are whole numbers.
-     A map that is wider than the page even at one pixel a cell is scrolled in its panel. */
+     A map that is wider than the page even at one pixel a cell is scrolled in its panel. On a narrow screen maps are
+     as wide as their column, whatever their scale. */
   arrange() {
     const ratio = window.devicePixelRatio || 1, { width, height } = this.episode, panels = this.panels.length;
     const room = this.room = this.controls.grid.clientWidth, gap = 18;
@@ -111,10 +112,11 @@ class Replay {
       const rows = Math.ceil(panels / columns), tallest = screen / rows - 90;
       const wide = (room - gap * (columns - 1)) / columns - 2;
       const widest = Math.floor(wide / width * ratio), highest = Math.floor(Math.max(tallest, 120) / height * ratio);
-      return { columns, scale: Math.min(widest, Math.max(1, highest)), wide };
+      return { columns, scale: Math.min(widest, Math.max(1, highest)), wide, tallest: Math.max(tallest, 120) };
     });
     const best = options.reduce((one, other) => (other.scale > one.scale ? other : one));
-    this.scale = Math.max(1, best.scale);
+    this.most = narrow() ? Math.min(best.wide, best.tallest * width / height) : Infinity;
+    this.scale = narrow() ? Math.ceil(this.most / width * ratio) : Math.max(1, best.scale);
     const taken = Math.min(best.wide, Math.max(210, this.scale * width / ratio + 2));
     this.controls.grid.style.gridTemplateColumns = `repeat(${best.columns}, minmax(0, ${taken}px))`;
     this.draw();
