@@ -14,6 +14,7 @@ from indoor_explorers.evaluation.cli.commands.demo import DEMO
 from indoor_explorers.evaluation.cli.commands.leaderboard import LEADERBOARD
 from indoor_explorers.evaluation.cli.commands.listings import LEARNERS, POLICIES, SCENARIOS
 from indoor_explorers.evaluation.cli.commands.maps import MAPS
+from indoor_explorers.evaluation.cli.commands.playground import PLAYGROUND
 from indoor_explorers.evaluation.cli.commands.report import REPORT
 from indoor_explorers.evaluation.cli.commands.suites import SUITES
 from indoor_explorers.evaluation.cli.commands.training import ABLATE, THESIS, TRAIN
@@ -21,6 +22,6 @@ from indoor_explorers.evaluation.cli.commands.watch import WATCH
 
 #: All commands, in the order of the help.
 COMMANDS: tuple[Command[Any], ...] = (
-    *(DEMO, COMPARE, WATCH, REPORT, LEADERBOARD, TRAIN, ABLATE, THESIS),
+    *(DEMO, PLAYGROUND, COMPARE, WATCH, REPORT, LEADERBOARD, TRAIN, ABLATE, THESIS),
     *(POLICIES, SCENARIOS, LEARNERS, SUITES, MAPS, BENCH, CHECK),
 )
