@@ -6,16 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from indoor_explorers.env import InputError
 from indoor_explorers.env.scenarios.suites.suite import Part, Suite
 from indoor_explorers.evaluation.experiment.selection import DEFAULT_BASELINE
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.ranks import Rank, ranks
 from indoor_explorers.evaluation.results.combine import combined
 from indoor_explorers.evaluation.results.ratios import RatioRow, Ratios
 from indoor_explorers.evaluation.results.results import Results
-from indoor_explorers.evaluation.statistics import tied_ranks
 
 
 @dataclass(frozen=True)
@@ -51,8 +49,8 @@ class BoardRow:
     """One policy on one scenario."""
 
     policy: str
-    rank: int | None
-    """1 + the number of policies that are shown to be better; None for those that are not ranked."""
+    rank: Rank | None
+    """None for policies that are not ranked, and where a scenario has a single one or too few tasks."""
     to_baseline: RatioRow | None
     """Steps to the scenario's threshold divided by the baseline's."""
     origin: Origin
@@ -82,11 +80,12 @@ class Board:
 
     def rows(self, comparison: Comparison) -> Iterator[BoardRow]:
         """Yield the policies of a scenario by rank, then mean time; those that are not ranked come last."""
-        ranks, ratios = _ranks(comparison), self._ratios
-        for policy in sorted(comparison.ranking, key=lambda name: ranks.get(name, len(ranks) + 1)):
+        places, ratios = ranks(comparison), self._ratios
+        last = Rank(len(places) + 1, False)
+        for policy in sorted(comparison.ranking, key=lambda name: places.get(name, last).place):
             key = comparison.scenario, policy
             ratio = ratios.get((*key, comparison.level.key))
-            yield BoardRow(policy, ranks.get(policy), ratio, self.origins[key])
+            yield BoardRow(policy, places.get(policy), ratio, self.origins[key])
 
     @cached_property
     def _ratios(self) -> dict[tuple[str, str, str], RatioRow]:
@@ -94,15 +93,6 @@ class Board:
             return {}
         rows = Ratios.of(self.results, [DEFAULT_BASELINE]).rows
         return {(row.scenario, row.policy, row.metric): row for row in rows}
-
-
-def _ranks(comparison: Comparison) -> dict[str, int]:
-    names = [policy for policy in comparison.ranking if comparison.ranked(policy)]
-    if not names:
-        return {}
-    results, scenario, metric = comparison.results, comparison.scenario, comparison.level.key
-    times = np.stack([results.values(scenario, policy, metric) for policy in names], axis=1)
-    return dict(zip(names, tied_ranks(times, comparison.maps(names[0])), strict=True))
 
 
 def boards(parts: Sequence[tuple[str, Results]]) -> list[Board]:

@@ -17,8 +17,8 @@ from indoor_explorers.evaluation.statistics import CONFIDENCE
 #: What the columns mean, below the tables.
 LEGEND = (
     "Rank: 1 + the number of policies that are significantly better at the last threshold (sign-flip test of all pairs "
-    f"at once, p at most {1 - CONFIDENCE:.2f}, maps of one building as one); equal ranks are ties. Policies that know "
-    "the map are not ranked. Times are mean steps [95 % interval]; an episode that never gets there counts as its "
+    f"at once, p at most {1 - CONFIDENCE:.2f}, maps of one building as one), with = where it is shared. Policies that "
+    "know the map are not ranked. Times are mean steps [95 % interval]; an episode that never gets there counts as its "
     "budget. Every episode was simulated again from its map, seed and actions."
 )
 #: The heading of commits and days, which the terminal leaves out.
@@ -54,7 +54,7 @@ def _table(board: Board, comparison: Comparison) -> BoardTable:
 def _row(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> tuple[str, ...]:
     policy = row.policy
     return (
-        "" if row.rank is None else str(row.rank),
+        row.rank.text if row.rank else "",
         marked(comparison.results, policy),
         *(with_interval(comparison.estimate(policy, metric), 0) for metric in times),
         _ratio(row),
