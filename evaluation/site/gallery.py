@@ -6,6 +6,8 @@ import io
 import re
 from collections.abc import Iterator
 from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,7 @@ from indoor_explorers.env.observations import OBSERVATIONS, PLANES, make_encoder
 from indoor_explorers.env.rendering import paint, scene_of
 from indoor_explorers.env.rendering.indexed import Palette
 from indoor_explorers.env.rendering.side_by_side import SideBySide, paint_side_by_side
+from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.cli.watch import Flight
 from indoor_explorers.evaluation.experiment.planning import plan
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
@@ -25,6 +28,8 @@ SEED, TYPICAL = 1, 0.6
 OFFICES, STEPS = "small-offices", 300
 #: The policy of the scenarios' pictures.
 PILOT = "frontier"
+#: The policies of the example of a report.
+EXAMPLE = ("frontier-nearest", "frontier", "pso", "reference")
 #: Names of scenarios that differ from others in rules or radio only.
 ALIKE = r"-rewards-|-radio-"
 #: Pixels of a plane's side at least, of its frame, and the greys of both.
@@ -44,6 +49,14 @@ def pictures() -> dict[str, bytes]:
         found[f"policy-{name}"] = paint_side_by_side([SideBySide(name, scene, flight.coverage)], STEPS)
     found |= {f"observation-{name}": picture for name, picture in observations()}
     return {f"{name}.png": _png(picture) for name, picture in found.items()}
+
+
+@cache
+def example_report() -> bytes:
+    """Return the page of a small comparison."""
+    with TemporaryDirectory() as folder:
+        compare(folder, policies=EXAMPLE, scenario=["thesis-team-4", "small-offices"], episodes=8, workers=0)
+        return (Path(folder) / "report.html").read_bytes()
 
 
 def scenarios() -> list[str]:
@@ -89,6 +102,8 @@ def _beside(planes: list[NDArray[np.float64]]) -> NDArray[np.uint8]:
 def gallery_page() -> str:
     """Return the page that shows the pictures."""
     lines = ["# Gallery", "", f"All episodes have the seed {SEED}, and are shown when {TYPICAL:.0%} are known.", ""]
+    lines += ["[The playground](playground.html): draw a map and watch a team explore it.", ""]
+    lines += [f"[A report](example-report.html), as every comparison writes one: {', '.join(EXAMPLE)}.", ""]
     lines += [f"## Scenarios, flown by `{PILOT}`", ""]
     lines += _shown("scenario", scenarios())
     lines += [f"## Policies, in `{OFFICES}`", "", '<div class="pictures" markdown>', ""]

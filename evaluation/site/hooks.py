@@ -14,9 +14,16 @@ from typing import Any
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
+from indoor_explorers.evaluation.playground.page import playground
 from indoor_explorers.evaluation.site.concepts import concept_pictures
-from indoor_explorers.evaluation.site.gallery import gallery_page, pictures
-from indoor_explorers.evaluation.site.reference import command_line_page, python_page, settings_page
+from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
+from indoor_explorers.evaluation.site.reference import (
+    command_line_page,
+    files_page,
+    metrics_page,
+    python_page,
+    settings_page,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 #: The folder of the pages in the repository.
@@ -43,6 +50,8 @@ MADE = {
     "gallery.md": gallery_page,
     "reference/command-line.md": command_line_page,
     "reference/settings.md": settings_page,
+    "reference/metrics.md": metrics_page,
+    "reference/files.md": files_page,
     "reference/python.md": python_page,
 }
 #: Files that are no pages, which the site has a copy of: pictures and short texts.
@@ -57,6 +66,8 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, page, content=(ROOT / source).read_text("utf-8")))
     for page, make in MADE.items():
         files.append(File.generated(config, page, content=make()))
+    files.append(File.generated(config, "example-report.html", content=example_report()))
+    files.append(File.generated(config, "playground.html", content=playground()))
     for name, picture in {**pictures(), **concept_pictures()}.items():
         files.append(File.generated(config, f"gallery/{name}", content=picture))
     for page in list(files.documentation_pages()):

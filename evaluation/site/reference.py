@@ -14,9 +14,21 @@ from pydantic.fields import FieldInfo
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.evaluation.cli.parser import build_parser
+from indoor_explorers.evaluation.episodes.metrics import MEASURES
+from indoor_explorers.evaluation.results import rows
+from indoor_explorers.evaluation.results.differences import COLUMNS as DIFFERENCE_COLUMNS
+from indoor_explorers.evaluation.results.ratios import COLUMNS as RATIO_COLUMNS
+from indoor_explorers.evaluation.results.results import SUMMARY_COLUMNS
 
 #: The page that lists the public modules.
 NAMES = Path(__file__).parent / "pages" / "reference" / "names.md"
+#: What a reader of the store has to know beside its tables.
+STORE_NOTES = """
+    `facts` and `metrics` are JSON. Blobs are arrays, compressed with zlib: of each step, the covered cells of the team
+    and of each UAV, the cells of the UAVs, their actions, the seconds of their decisions and the bytes sent. Map, seed
+    and actions determine an episode; `indoor_explorers.evaluation.Results.load(folder)` reads all of it. Every row has
+    a checksum.
+    """
 #: How the bounds of a setting are written.
 SIGNS = {"ge": "\u2265", "gt": ">", "le": "\u2264", "lt": "<"}
 
@@ -27,6 +39,51 @@ def command_line_page() -> str:
     (commands,) = (action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
     told = [f"## {name}\n\n```text\n{each.format_help().strip()}\n```\n" for name, each in commands.choices.items()]
     return "\n".join(["# Command line\n", f"```text\n{parser.format_help().strip()}\n```\n", *told])
+
+
+def metrics_page() -> str:
+    """Return the metrics of an episode with their definitions."""
+    lines = [
+        "# Metrics",
+        "",
+        "Each is measured in every episode, and is a column of `tables/results.csv` and a `metric` of `summary.csv`,",
+        "where the means are. [Plug-ins](../guides/plugins.md) add others.",
+        "",
+        "| key | name | unit | better | definition |",
+        "|---|---|---|---|---|",
+    ]
+    for key, each in MEASURES.items():
+        better = "lower" if each.lower_is_better else "higher"
+        cells = (f"`{key}`", each.title, each.unit.replace("us", "\u00b5s"), better, each.definition)
+        lines.append(f"| {' | '.join(map(_escaped, cells))} |")
+    return "\n".join(
+        [*lines, "", "Metrics that begin with `pilot_` are what the pilots of a policy count themselves.", ""]
+    )
+
+
+def files_page() -> str:
+    """Return the files that a comparison writes, with their columns and the tables of the store."""
+    listed = {
+        "summary.csv": ("a row for each policy, scenario and metric", SUMMARY_COLUMNS),
+        "tables/ratios.csv": ("steps as ratios to a baseline's, paired", RATIO_COLUMNS),
+        "tables/differences.csv": ("steps minus a baseline's, paired", DIFFERENCE_COLUMNS),
+    }
+    lines = [
+        "# Files",
+        "",
+        "A comparison writes these into its folder; [the guide](../guides/compare.md) says what each is for.",
+        "",
+    ]
+    for name, (about, columns) in listed.items():
+        lines += [f"## {name}", "", f"{about.capitalize()}: {', '.join(f'`{column}`' for column in columns)}.", ""]
+    lines += [
+        "## results.db",
+        "",
+        "An SQLite database of these tables:",
+        "",
+    ]
+    lines += ["```sql", rows.SCHEMA.strip(), "```", "", inspect.cleandoc(STORE_NOTES), ""]
+    return "\n".join(lines)
 
 
 def settings_page() -> str:

@@ -164,9 +164,9 @@ def _sweeps_of(
 ) -> Iterator[SettingSweep]:
     families: dict[str, dict[float, str]] = {}
     for name, settings in scenarios.items():
-        values = {_value_at(settings, place) for place in places}
-        if len(values) == 1 and None not in values:
-            families.setdefault(_key(settings, *places), {}).setdefault(float(values.pop()), name)
+        found = [_value_at(settings, place) for place in places]
+        if all(isinstance(value, (int, float)) for value in found) and len(set(found)) == 1:
+            families.setdefault(_key(settings, *places), {}).setdefault(float(found[0]), name)
     for family in families.values():
         if len(family) >= FEWEST_VALUES:
             values_up = sorted(family)

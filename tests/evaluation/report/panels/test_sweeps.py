@@ -109,6 +109,11 @@ def test_any_number_can_be_swept() -> None:
     assert setting_sweeps(facts(*(radio(f"range {n}", "disc", n) for n in (1.0, 2.0, 3.0)))) == []
 
 
+def test_kinds_of_maps_with_other_settings_are_no_sweep() -> None:
+    names = ("thesis-obstacles", "rooms", "offices", "office", "cave", "maze", "floors")
+    assert setting_sweeps(facts(*(scenario(name).for_evaluation() for name in names))) == []
+
+
 def test_sides_are_swept_on_square_maps_alone() -> None:
     sizes = [BASE.with_settings({"name": f"{n}", "map.height": n, "map.width": n}) for n in (20, 24)]
     (sweep,) = setting_sweeps(facts(BASE, *sizes))
