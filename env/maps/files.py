@@ -1,12 +1,16 @@
-"""Read maps from files."""
+"""Read maps from files, and write pictures of them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+from PIL import Image
+
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief
+from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.readers.building import read_building
 from indoor_explorers.env.maps.readers.doorways import open_doorways
@@ -51,6 +55,15 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     if resolution is not None:
         check_resolution(str(path), resolution)
     return READERS[suffix](path, resolution)
+
+
+def write_picture(floorplan: Floorplan, path: Path) -> None:
+    """Write the cells of a floor plan as a PNG picture of a pixel a cell, white where it is free; starts are not marked.
+
+    :func:`read_map` reads the same cells.
+    """
+    grey = np.where(floorplan.truth == FREE, 255, 0).astype(np.uint8)
+    Image.fromarray(grey).save(path, format="PNG", optimize=True)
 
 
 def _fits(path: Path, resolution: float | None) -> Fits:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -30,6 +30,8 @@ class MapsOptions(Request):
     """Seed of the scenario's map (default 0)."""
     settings: Settings = NO_SETTINGS
     """Scenario settings such as map.height=128."""
+    save: Annotated[Path | None, Option(metavar="FILE.png")] = None
+    """Write the map as a picture of a pixel a cell, white where it is free, which --maps reads."""
     compare: Annotated[tuple[str, ...], Option(metavar="PRESET|FILE.toml,...", read=read_names)] = ()
     """Say instead how far the maps of these scenarios are from the map files, statistic by statistic."""
     samples: Annotated[int | None, Option(metavar="N", read=read_count)] = None
@@ -44,11 +46,29 @@ def show_maps(options: MapsOptions, typed: str) -> int:
 
     if options.compare:
         return _compare(options)
-    console = make_console()
-    for floorplan in _floorplans(options):
+    console, floorplans = make_console(), list(_floorplans(options))
+    for floorplan in floorplans:
         print_line(console, picture(floorplan, console.width))
         print_line(console, facts(floorplan))
+    if options.save is not None:
+        _save(floorplans, options.save)
+        print_line(console, f"Map: {options.save}")
     return 0
+
+
+def _save(floorplans: Sequence[Floorplan], path: Path) -> None:
+    """Write one map as a picture."""
+    from indoor_explorers.env.errors import InputError
+    from indoor_explorers.env.files import written_whole
+    from indoor_explorers.env.maps.files import write_picture
+
+    if len(floorplans) != 1 or path.suffix != ".png":
+        raise InputError(f"expected one map and a .png with --save, got {len(floorplans)} maps and {path}")
+    try:
+        with written_whole(path) as partial:
+            write_picture(floorplans[0], partial)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}; choose another --save") from error
 
 
 def _floorplans(options: MapsOptions) -> Iterator[Floorplan]:

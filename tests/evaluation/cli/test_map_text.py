@@ -5,10 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from indoor_explorers.env import scenario
 from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.maps.files import read_map
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import MazeMaps, OfficesMaps
 from indoor_explorers.env.search.connected_parts import connected_parts
+from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.cli.map_text import _coarse, facts, picture
 from indoor_explorers.evaluation.cli.parser import main
 
@@ -115,3 +118,19 @@ def test_what_cannot_be_shown_is_said_in_one_line(capsys, words, message):
     assert (status, out) == (2, "")
     assert message in errors
     assert errors.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", ["small-floors", "thesis-obstacles", "office"])
+def test_a_saved_map_is_read_with_the_same_cells(name, tmp_path, capsys):
+    saved = tmp_path / "floor.png"
+    assert main(["maps", "--scenario", name, "--seed", "2", "--save", str(saved)]) == 0
+    drawn = draw_floorplan(scenario(name), 2)
+    largest = np.where(drawn.main_part, drawn.truth, 2)
+    np.testing.assert_array_equal(read_map(saved).truth, largest)
+    assert f"Map: {saved}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("where", ["floor.pgm", "no-folder/floor.png"])
+def test_what_cannot_be_saved_is_told_in_one_line(where, tmp_path, capsys):
+    assert main(["maps", "--scenario", "office", "--save", str(tmp_path / where)]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
