@@ -58,7 +58,7 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
 
 
 def write_picture(floorplan: Floorplan, path: Path) -> None:
-    """Write the cells of a floor plan as a PNG picture of a pixel a cell, white where it is free; starts are not marked.
+    """Write the cells of a floor plan as a PNG picture, a pixel a cell, white where it is free, no start marked.
 
     :func:`read_map` reads the same cells.
     """

@@ -21,7 +21,7 @@ from tests.suites import tiny, tiny_clones
 __all__ = ["tiny", "tiny_clones"]
 
 
-TYPED = "indoor-explorers compare --suite tiny --data /flights/mine --policies 'random,pso(length=1)' --out /flights/mine/two"
+TYPED = "indoor-explorers compare --suite tiny --data /mine --policies 'random,pso(length=1)' --out /mine/two"
 
 
 def fly(out: Path, *policies, **options) -> Results:
@@ -118,7 +118,7 @@ def test_the_command_writes_a_page(flown, tmp_path, capsys, monkeypatch):
     assert "tiny 3, test part" in capsys.readouterr().out
     page = (tmp_path / "board.md").read_text()
     assert page.startswith("# Leaderboards\n")
-    assert f"\n    {TYPED.replace('/flights/mine/two', 'DIR').replace('/flights/mine', 'DIR')}\n" in page
+    assert f"\n    {TYPED.replace('/mine/two', 'DIR').replace('/mine', 'DIR')}\n" in page
 
 
 def test_the_command_names_the_episodes_that_are_not_as_stored(flown, tmp_path, capsys, monkeypatch):
