@@ -32,7 +32,9 @@ def test_a_snippet_runs(name, tmp_path, monkeypatch):
     exec(compile(SNIPPETS[name], name, "exec"), {"__name__": "__main__"})
 
 
-@pytest.mark.parametrize("name", COMPARISONS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name != COMPARISONS[0])) for name in COMPARISONS]
+)
 def test_a_comparison_runs_as_a_script_without_a_main_guard(name, tmp_path):
     (tmp_path / "snippet.py").write_text(SNIPPETS[name])
     done = subprocess.run([sys.executable, "snippet.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
