@@ -17,6 +17,7 @@ from indoor_explorers.env import PRESETS, World, make_policy
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
 from tests.behaviour.policies import POLICIES
+from tests.env import plugins
 
 ENVIRONMENT = "indoor_explorers.env:IndoorExplorers-v0"
 SHORT = {"budget": 40}
@@ -37,8 +38,9 @@ def fly_policy(name: str) -> str:
 
 
 def fly_presets() -> None:
-    """Fly the world alone on every preset."""
-    for scenario in PRESETS.values():
+    """Fly the world alone on every preset, and with the lidar and radio of plug-ins."""
+    custom = {"lidar.model": f"{plugins.__name__}:exact", "radio.model": f"{plugins.__name__}:disc"}
+    for scenario in (*PRESETS.values(), ROOMS[1].with_settings(custom)):
         world = World(scenario, 2)
         world.reset([1, 2])
         world.step(np.zeros((2, scenario.team), np.int64))
