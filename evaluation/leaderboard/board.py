@@ -1,4 +1,4 @@
-"""The leaderboard of a part of a suite: which results are complete, and the ranks of their policies."""
+"""The leaderboard of a part of a suite, or of other tasks: which results are complete, and the ranks of policies."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.scenarios.suites.suite import Part, Suite
 from indoor_explorers.evaluation.experiment.selection import DEFAULT_BASELINE
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.ranks import Rank, ranks
@@ -26,6 +25,11 @@ class Origin:
     """Days on which runs began."""
     machines: tuple[str, ...]
     commands: tuple[str, ...]
+
+    @property
+    def flown(self) -> str:
+        """Commits and days."""
+        return ", ".join([*self.commits, *self.dates])
 
     @classmethod
     def of(cls, results: Results) -> Origin:
@@ -58,10 +62,12 @@ class BoardRow:
 
 @dataclass(frozen=True, eq=False)
 class Board:
-    """The complete results of a part of a suite."""
+    """The complete results of a part of a suite, or of other tasks."""
 
-    suite: Suite
-    part: Part
+    title: str
+    """Suite, version and part; or the scenarios and seeds."""
+    about: str
+    """What the tasks are; empty where no suite tells."""
     results: Results
     origins: Mapping[tuple[str, str], Origin]
     """By scenario and policy."""
@@ -69,9 +75,9 @@ class Board:
     """A line for each policy and scenario of which episodes are missing."""
 
     @property
-    def title(self) -> str:
-        """Suite, version and part."""
-        return f"{self.suite.title}, {self.part} part"
+    def flown(self) -> list[str]:
+        """Commits and days of all origins, each once."""
+        return list(dict.fromkeys(origin.flown for origin in self.origins.values()))
 
     @cached_property
     def comparisons(self) -> list[Comparison]:
@@ -96,45 +102,58 @@ class Board:
 
 
 def boards(parts: Sequence[tuple[str, Results]]) -> list[Board]:
-    """Return a leaderboard for each part of a suite that the results are of.
+    """Return a leaderboard for each part of a suite that the results are of, and for each other set of scenarios.
 
     Args:
         parts: the results with the names of their folders.
 
     Raises:
-        InputError: results are of no suite, or the same policy differs in two of them.
+        InputError: the same policy or scenario differs in two of them, or nothing is complete.
 
     """
-    found: dict[tuple[str, Part], list[tuple[str, Results]]] = {}
+    found: dict[tuple[str, ...], list[tuple[str, Results]]] = {}
     for folder, results in parts:
         run = results.suite_run
-        if run is None or not set(results.scenarios) <= {each.name for each in run.suite.scenarios()}:
-            raise InputError(
-                f"{folder}: expected results of one part of a suite, got other tasks; fly compare --suite NAME"
-            )
-        found.setdefault((run.suite.name, run.part), []).append((folder, results))
+        key = tuple(sorted(results.scenarios)) if run is None else (run.suite.name, run.part)
+        found.setdefault(key, []).append((folder, results))
     return [_board(group) for group in found.values()]
 
 
 def _board(group: Sequence[tuple[str, Results]]) -> Board:
-    run = group[0][1].suite_run
-    assert run is not None
-    needed = run.total // len(run.suite.scenarios())
+    needed = _task_counts(group)
     kept: list[Results] = []
     origins: dict[tuple[str, str], Origin] = {}
     left_out: list[str] = []
     for folder, results in group:
-        whole = [key for key, records in results.groups.items() if len(records) == needed]
+        whole = [key for key, records in results.groups.items() if len(records) == needed[key[0]]]
         origins |= {key: Origin.of(results) for key in whole if key not in origins}
         left_out += [
-            f"{folder}: {policy} is not listed for {scenario}, as it flew {len(records)} of {needed} tasks"
+            f"{folder}: {policy} is not listed for {scenario}, as it flew {len(records)} of {needed[scenario]} tasks"
             for (scenario, policy), records in results.groups.items()
-            if len(records) != needed
+            if len(records) != needed[scenario]
         ]
         kept += [_only(results, whole)] if whole else []
     if not kept:
         raise InputError(f"{left_out[0]}; fly the rest with the same command, without --maps")
-    return Board(run.suite, run.part, combined(kept), origins, tuple(left_out))
+    return Board(*_told(group[0][1]), combined(kept), origins, tuple(left_out))
+
+
+def _task_counts(group: Sequence[tuple[str, Results]]) -> dict[str, int]:
+    """Return how many tasks each scenario has: those of its suite, or all that anybody flew."""
+    run, names = group[0][1].suite_run, {name for _, results in group for name in results.scenarios}
+    if run is not None:
+        return dict.fromkeys(names, run.total // len(run.suite.scenarios()))
+    flown = {name: {task for _, results in group for task in results.tasks(name)} for name in names}
+    return {name: len(tasks) for name, tasks in flown.items()}
+
+
+def _told(results: Results) -> tuple[str, str]:
+    """Return title and description of what was flown."""
+    run = results.suite_run
+    if run is not None:
+        return f"{run.suite.title}, {run.part} part", run.suite.about
+    seeds = sorted({record.task.seed for record in results.records})
+    return f"{', '.join(results.scenarios)}: seeds {seeds[0]:,} to {seeds[-1]:,}", ""
 
 
 def _only(results: Results, kept: Sequence[tuple[str, str]]) -> Results:

@@ -9,10 +9,17 @@ from dataclasses import dataclass
 from indoor_explorers.evaluation.exports.markdown import escaped
 from indoor_explorers.evaluation.leaderboard.board import Board, BoardRow
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.style.formatting import fixed, interval, percent, with_interval
+from indoor_explorers.evaluation.report.style.formatting import (
+    counted,
+    decimals_for,
+    fixed,
+    interval,
+    percent,
+    with_interval,
+)
 from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.report.tables.ratio_table import bounded
-from indoor_explorers.evaluation.statistics import CONFIDENCE
+from indoor_explorers.evaluation.statistics import CONFIDENCE, Estimate
 
 #: What the columns mean, below the tables.
 LEGEND = (
@@ -21,6 +28,8 @@ LEGEND = (
     "know the map are not ranked. Times are mean steps [95 % interval]; an episode that never gets there counts as its "
     "budget. Every episode was simulated again from its map, seed and actions."
 )
+#: Steps from which on times have no decimals.
+MANY = 100.0
 #: The heading of commits and days, which the terminal leaves out.
 FLOWN = "flown at"
 
@@ -42,13 +51,16 @@ def board_tables(board: Board) -> list[BoardTable]:
 def _table(board: Board, comparison: Comparison) -> BoardTable:
     times = comparison.level.times
     titles = [metric.upper() for metric in times]
-    headings = ("rank", "policy", *titles, f"{titles[-1]} / nearest", comparison.level.percent, "AUC", FLOWN)
+    headings = ("rank", "policy", *titles, f"{titles[-1]} / nearest", comparison.level.percent, "AUC")
     rows = tuple(_row(comparison, row, times) for row in board.rows(comparison))
+    if len(board.flown) > 1:
+        headings += (FLOWN,)
+        rows = tuple((*cells, row.origin.flown) for cells, row in zip(rows, board.rows(comparison), strict=True))
     tasks = len(next(iter(comparison.groups.values())))
-    maps = f"{comparison.map_count} maps" + (
-        f" of {comparison.building_count} buildings" if comparison.building_count < comparison.map_count else ""
-    )
-    return BoardTable(f"{comparison.scenario}: {tasks} tasks on {maps}", headings, rows)
+    maps = counted(comparison.map_count, "map")
+    if comparison.building_count < comparison.map_count:
+        maps += f" of {counted(comparison.building_count, 'building')}"
+    return BoardTable(f"{comparison.scenario}: {counted(tasks, 'task')} on {maps}", headings, rows)
 
 
 def _row(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> tuple[str, ...]:
@@ -56,19 +68,22 @@ def _row(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> tuple[s
     return (
         row.rank.text if row.rank else "",
         marked(comparison.results, policy),
-        *(with_interval(comparison.estimate(policy, metric), 0) for metric in times),
+        *(_steps(comparison.estimate(policy, metric)) for metric in times),
         _ratio(row),
         percent(comparison.reached(policy)),
         fixed(comparison.estimate(policy, "auc").mean, 3),
-        ", ".join([*row.origin.commits, *row.origin.dates]),
     )
+
+
+def _steps(time: Estimate) -> str:
+    return with_interval(time, decimals_for(time.mean) if time.mean < MANY else 0)
 
 
 def _ratio(row: BoardRow) -> str:
     if row.to_baseline is None:
         return ""
     ratio = row.to_baseline.ratio.of_tasks
-    return f"{bounded(fixed(ratio.mean, 3), row.to_baseline.censoring.bound)} {interval(ratio, 3)}".strip()
+    return f"{bounded(fixed(ratio.mean, 2), row.to_baseline.censoring.bound)} {interval(ratio, 2)}".strip()
 
 
 def markdown_page(boards: Sequence[Board]) -> str:
@@ -77,11 +92,15 @@ def markdown_page(boards: Sequence[Board]) -> str:
 
 
 def _page(boards: Sequence[Board]) -> Iterator[str]:
-    yield from ("# Leaderboards", "", LEGEND, "", "This page is what `indoor-explorers leaderboard` writes.", "")
+    title = "Leaderboards" if len(boards) > 1 else f"Leaderboard: {escaped(boards[0].title)}"
+    yield from (f"# {title}", "", LEGEND, "", "This page is what `indoor-explorers leaderboard` writes.", "")
     for board in boards:
-        yield from (f"## {escaped(board.title)}", "", f"{escaped(board.suite.about)}.".replace("..", "."), "")
+        if len(boards) > 1:
+            yield from (f"## {escaped(board.title)}", "")
+        if board.about:
+            yield from (f"{escaped(board.about)}.".replace("..", "."), "")
         for table in board_tables(board):
-            yield from (f"### {escaped(table.title)}", "")
+            yield from (f"{'###' if len(boards) > 1 else '##'} {escaped(table.title)}", "")
             yield from (_line(table.headings), _line(["---"] * len(table.headings)))
             yield from (_line([_unbroken(escaped(text)) for text in row]) for row in table.rows)
             yield ""
@@ -90,7 +109,13 @@ def _page(boards: Sequence[Board]) -> Iterator[str]:
         origins = list(dict.fromkeys(board.origins.values()))
         commands = dict.fromkeys(_portable(each) for origin in origins for each in origin.commands if each)
         machines = dict.fromkeys(each for origin in origins for each in origin.machines)
-        yield from (f"Flown on {escaped('; '.join(machines))} with", "", *(f"    {each}" for each in commands), "")
+        when = f" at {board.flown[0]}" if len(board.flown) == 1 else ""
+        yield from (
+            f"Flown on {escaped('; '.join(machines))}{when} with",
+            "",
+            *(f"    {each}" for each in commands),
+            "",
+        )
 
 
 def _portable(command: str) -> str:

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env import Scenario
-from indoor_explorers.env.scenarios.suites.suite import Suite
+from indoor_explorers.env.maps.base import BaseMaps
+from indoor_explorers.env.maps.sources import map_class
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
@@ -23,12 +24,14 @@ from indoor_explorers.evaluation.results.results import Results
 NOT_SIMULATED = (*OF_THE_MACHINE, "messages_bytes")
 
 
-def mismatches(results: Results, suite: Suite) -> Iterator[str]:
+def mismatches(results: Results) -> Iterator[str]:
     """Yield a line for each episode that is not what its map, seed and actions give."""
     scenarios = {name: recorded_scenario(settings) for name, settings in results.scenarios.items()}
-    drawn = {} if suite.map is None else {scenario.name: scenario for scenario in suite.scenarios()}
+    generators = {name: _generator(settings["map"]) for name, settings in results.scenarios.items()}
     for record in results.records:
-        fault = _wrong_map(record, drawn) or mismatch(record, scenarios[record.task.scenario])
+        scenario, maps = scenarios[record.task.scenario], generators[record.task.scenario]
+        wrong = maps is not None and _is_another_map(record, scenario.model_copy(update={"map": maps}))
+        fault = "not the map that the generator makes of its seed" if wrong else mismatch(record, scenario)
         if fault:
             yield f"{_named(record)}: {fault}"
 
@@ -72,12 +75,18 @@ def _choices(experiments: Sequence[str]) -> dict[str, PolicyChoice]:
     return {entry["name"]: PolicyChoice.model_validate(entry) for entry in entries}
 
 
-def _wrong_map(record: Record, drawn: Mapping[str, Scenario]) -> str:
-    """Return that the map is not the one that the suite's generator makes of the seed; empty where maps are files."""
-    if not drawn:
-        return ""
-    expected = draw_floorplan(drawn[record.task.scenario], record.task.seed, record.task.map_index)
-    return "" if expected.digest == record.floorplan.digest else "not the map that the generator makes of its seed"
+def _generator(stored: Mapping[str, Any]) -> BaseMaps | None:
+    """Return the generator of stored settings; None where maps are files."""
+    kind = map_class(stored["source"])
+    if kind is None:
+        return None
+    maps = kind.model_validate({key: value for key, value in stored.items() if key in kind.model_fields})
+    return maps if maps.generated else None
+
+
+def _is_another_map(record: Record, scenario: Scenario) -> bool:
+    """Tell whether a map is not the one that the scenario's generator makes of the seed."""
+    return draw_floorplan(scenario, record.task.seed, record.task.map_index).digest != record.floorplan.digest
 
 
 def _failure(record: Record) -> str:

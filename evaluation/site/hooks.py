@@ -17,6 +17,7 @@ from mkdocs.structure.files import File
 from indoor_explorers.evaluation.playground.page import playground
 from indoor_explorers.evaluation.site.concepts import concept_pictures
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
+from indoor_explorers.evaluation.site.published import published, reports_page
 from indoor_explorers.evaluation.site.reference import (
     command_line_page,
     files_page,
@@ -66,6 +67,10 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, page, content=(ROOT / source).read_text("utf-8")))
     for page, make in MADE.items():
         files.append(File.generated(config, page, content=make()))
+    reports = list(published(Path(config.site_dir).parent / "published", config.extra["episodes"]))
+    for report in reports:
+        files.append(File.generated(config, report.file, content=report.report))
+    files.append(File.generated(config, "reports/index.md", content=reports_page(reports)))
     files.append(File.generated(config, "example-report.html", content=example_report()))
     files.append(File.generated(config, "playground.html", content=playground()))
     for name, picture in {**pictures(), **concept_pictures()}.items():

@@ -1,4 +1,4 @@
-"""``leaderboard``: rank the policies of result folders by suite, after simulating their episodes again."""
+"""``leaderboard``: rank the policies of result folders by scenario, after simulating their episodes again."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class LeaderboardOptions(Request):
     """The options of ``leaderboard``."""
 
     folders: Annotated[tuple[Path, ...], Option(metavar="DIR", several=True, positional=True)]
-    """Folders written by compare --suite."""
+    """Folders written by compare, of suites or of other tasks."""
     fly: Annotated[int, Option(metavar="N", read=read_natural)] = 0
     """Also let each policy fly N of its episodes of each scenario again, which must give the same actions."""
     out: Annotated[Path | None, Option(metavar="FILE.md")] = None
@@ -64,9 +64,7 @@ def _refuse_mismatches(folder: str, results: Results, count: int) -> None:
     from indoor_explorers.env.errors import RunError
     from indoor_explorers.evaluation.leaderboard.verifying import flown_differently, mismatches
 
-    suite_run = results.suite_run
-    assert suite_run is not None
-    faults = list(mismatches(results, suite_run.suite))
+    faults = list(mismatches(results))
     faults += flown_differently(results, count) if count and not faults else []
     if faults:
         more = f", and {len(faults) - NAMED} more" if len(faults) > NAMED else ""
@@ -105,5 +103,5 @@ def _print_table(table: BoardTable, console: Console) -> None:
 
 
 LEADERBOARD = Command(
-    "leaderboard", "rank the policies of result folders by suite", LeaderboardOptions, run_leaderboard
+    "leaderboard", "rank the policies of result folders by suite and scenario", LeaderboardOptions, run_leaderboard
 )

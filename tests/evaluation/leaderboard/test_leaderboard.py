@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.scenarios.suites.catalogue import suite_of
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.driver import fly_missing
 from indoor_explorers.evaluation.experiment.planning import plan
@@ -46,7 +45,7 @@ def test_policies_of_several_folders_are_ranked_by_scenario(flown):
     ranks = {row.policy: row.rank and row.rank.text for row in board.rows(comparison)}
     assert ranks == {"frontier-nearest": "1=", "pso(length=1)": "1=", "random": "3", "reference": None}
     assert list(ranks)[2:] == ["random", "reference"]
-    assert "### tiny-1: 6 tasks on 3 maps of 2 buildings" in markdown_page([board])
+    assert "## tiny-1: 6 tasks on 3 maps of 2 buildings" in markdown_page([board])
 
 
 def test_scenarios_of_a_part_are_on_one_board(tiny, flown, tmp_path):
@@ -65,16 +64,21 @@ def test_incomplete_flights_are_named_and_left_out(tiny, flown, tmp_path):
         boards([("some", some)])
 
 
-def test_other_tasks_are_refused(tmp_path):
-    other = fly(tmp_path, "random", scenario="thesis-open", episodes=1, settings={"budget": 5})
-    with pytest.raises(InputError, match="expected results of one part of a suite"):
-        boards([("other", other)])
+def test_tasks_of_no_suite_have_a_board_of_their_own(flown, tmp_path):
+    options = {"scenario": "thesis-open", "seed": 7, "settings": {"budget": 5}}
+    one = fly(tmp_path / "one-room", "frontier-nearest", "random", episodes=3, **options)
+    other = fly(tmp_path / "other", "rrt", episodes=2, **options)
+    assert list(mismatches(one)) == []
+    suite, rooms = boards([*flown.items(), ("one-room", one), ("other", other)])
+    assert suite.title == "tiny 3, test part"
+    assert (rooms.title, rooms.about) == ("thesis-open: seeds 7 to 9", "")
+    assert rooms.left_out == ("other: rrt is not listed for thesis-open, as it flew 2 of 3 tasks",)
+    assert "## thesis-open: 3 tasks on 1 map" in markdown_page([rooms])
 
 
 def test_what_was_flown_is_found_again(flown):
-    suite = suite_of("tiny")
     for results in flown.values():
-        assert list(mismatches(results, suite)) == []
+        assert list(mismatches(results)) == []
         assert list(flown_differently(results, 2)) == []
 
 
@@ -85,15 +89,15 @@ def changed(results: Results, **values) -> Results:
 
 
 def test_changed_figures_actions_and_paths_are_found(flown):
-    suite, results = suite_of("tiny"), flown["one"]
+    results = flown["one"]
     record = results.records[0]
     better = changed(results, metrics=record.metrics | {"t99": 3})
-    assert "t99 3, simulated" in next(mismatches(better, suite))
+    assert "t99 3, simulated" in next(mismatches(better))
     elsewhere = changed(results, actions=np.roll(record.actions, 1, axis=0))
-    assert list(mismatches(elsewhere, suite))
+    assert list(mismatches(elsewhere))
     covered = record.covered.copy()
     covered[1:-1] = record.covered[-1]
-    assert "covered differ" in next(mismatches(changed(results, covered=covered), suite))
+    assert "covered differ" in next(mismatches(changed(results, covered=covered)))
 
 
 def test_episodes_of_another_policy_are_found(flown):
@@ -101,7 +105,7 @@ def test_episodes_of_another_policy_are_found(flown):
     names = {"random": "pso(length=1)", "pso(length=1)": "random"}
     swapped = [dataclasses.replace(each, policy=names[each.policy]) for each in results.records]
     mixed = dataclasses.replace(results, records=swapped)
-    assert list(mismatches(mixed, suite_of("tiny"))) == []
+    assert list(mismatches(mixed)) == []
     assert any("took other actions" in line for line in flown_differently(mixed, 1))
 
 
@@ -109,7 +113,7 @@ def test_a_generated_map_has_to_be_that_of_its_seed(tmp_path):
     results = fly(tmp_path, "random", suite="rooms", part="validation", team=1, episodes=2, settings={})
     one, other = results.records
     swapped = dataclasses.replace(results, records=[dataclasses.replace(one, floorplan=other.floorplan)])
-    assert "not the map that the generator makes" in next(mismatches(swapped, suite_of("rooms")))
+    assert "not the map that the generator makes" in next(mismatches(swapped))
 
 
 def test_the_command_writes_a_page(flown, tmp_path, capsys, monkeypatch):
@@ -117,7 +121,7 @@ def test_the_command_writes_a_page(flown, tmp_path, capsys, monkeypatch):
     assert main(["leaderboard", "one", "two", "--fly", "1", "--out", "board.md"]) == 0
     assert "tiny 3, test part" in capsys.readouterr().out
     page = (tmp_path / "board.md").read_text()
-    assert page.startswith("# Leaderboards\n")
+    assert page.startswith("# Leaderboard: tiny 3, test part\n")
     assert f"\n    {TYPED.replace('/mine/two', 'DIR').replace('/mine', 'DIR')}\n" in page
 
 
