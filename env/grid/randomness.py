@@ -29,6 +29,7 @@ class Stream(IntEnum):
     ORDER = 2
     RADIO = 3
     PILOT = 4
+    FAILURE = 5
 
 
 def generator(seed: int, stream: Stream, index: int = 0) -> np.random.Generator:

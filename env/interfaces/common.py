@@ -70,8 +70,8 @@ def draw_seed(rng: np.random.Generator) -> int:
 
 
 def is_terminated(end: int) -> bool:
-    """Tell whether an :class:`End` is the task's own (goal, collision, out of bounds, stuck)."""
-    return End.FLYING < end < End.BUDGET
+    """Tell whether an :class:`End` is the task's own (goal, collision, out of bounds, stuck, stopped)."""
+    return end not in (End.FLYING, End.BUDGET)
 
 
 def info_of(world: World, episode: int, agent: int) -> dict[str, Any]:

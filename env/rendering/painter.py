@@ -40,6 +40,7 @@ ENDS = {
     End.OUT_OF_BOUNDS: "out of bounds",
     End.STUCK: "stuck",
     End.BUDGET: "budget",
+    End.STOPPED: "stopped",
 }
 
 

@@ -28,6 +28,8 @@ from indoor_explorers.env.scenarios.validation import validated
 LEAST_BUDGET = 200
 #: Settings of comparisons: episodes go on to full team coverage or the budget, and no UAV is ended as stuck.
 COMPARED: Mapping[str, Any] = {"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"}
+#: Settings that older fingerprints do not know; they count where they are not at their defaults.
+LATER = ("failures",)
 
 
 class _Part(BaseModel):
@@ -117,6 +119,31 @@ class Stuck(_Part):
     """How often the most frequent of them must appear (the thesis's text: 20, its settings file: 10)."""
 
 
+class Failures(_Part):
+    """UAVs that stop, and radios that are silent for a while; none by default.
+
+    A UAV that stops is gone, and what it alone knew is lost: coverage counts what the others know.
+    """
+
+    hazard: float = Field(0.0, ge=0.0, lt=1.0)
+    """Probability that a UAV stops in a step, drawn for each UAV and step: it flies 1 / hazard steps on average."""
+    stops: tuple[tuple[int, int], ...] = ()
+    """Listed [UAV, step] pairs: that UAV stops in that step, the first of which is 1."""
+    last_word: bool = False
+    """Whether a UAV that stops still exchanges what it knows with those in contact; if not, it stops silently."""
+    reward: float = 0.0
+    """Reward of a UAV that stops."""
+    radio_hazard: float = Field(0.0, ge=0.0, lt=1.0)
+    """Probability that a working radio fails in a step, drawn for each UAV and step."""
+    radio_outage: int = Field(20, ge=1)
+    """Steps that a radio is silent then, this one included; it neither sends nor receives."""
+
+    @property
+    def any(self) -> bool:
+        """Whether anything can fail."""
+        return self.hazard > 0.0 or self.radio_hazard > 0.0 or bool(self.stops)
+
+
 class Scenario(_Part):
     """Describe one task completely; equal scenarios have equal fingerprints."""
 
@@ -133,6 +160,7 @@ class Scenario(_Part):
     radio: Radio = Radio()
     rewards: Rewards = Rewards()
     stuck: Stuck = Stuck()
+    failures: Failures = Failures()
     on_collision: Literal["end", "block"] = "end"
     """What a move into an obstacle or off the map does to the agent: ends it (the thesis) or costs the step."""
     goal: float = Field(0.9, gt=0.0, le=1.0)
@@ -160,12 +188,18 @@ class Scenario(_Part):
             raise ValueError(
                 f"stuck.repeats is {self.stuck.repeats}, more than stuck.window {self.stuck.window}; lower it"
             )
+        agents = [agent for agent, _ in self.failures.stops]
+        if len(set(agents)) < len(agents) or any(not 0 <= agent < self.team for agent in agents):
+            raise ValueError(f"failures.stops is about UAVs {agents}; list each once, from 0 to {self.team - 1}")
+        if any(step < 1 for _, step in self.failures.stops):
+            raise ValueError("failures.stops has a step before the first one; steps count from 1")
         return self
 
     @cached_property
     def fingerprint(self) -> str:
         """A short canonical hash of the task; the name and where map files lie do not matter, their cells do."""
-        facts = self.model_dump(mode="json", exclude={"name", "map"}) | {"map": self.map.identity()}
+        later = {name for name in LATER if getattr(self, name) == type(self).model_fields[name].default}
+        facts = self.model_dump(mode="json", exclude={"name", "map", *later}) | {"map": self.map.identity()}
         plugins = [part.custom for part in (self.lidar, self.radio) if part.custom is not None]
         facts |= {"code": [source_hash(plugin) for plugin in plugins]} if plugins else {}
         return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]

@@ -19,7 +19,7 @@ from indoor_explorers.env.simulation.engine import Engine
 from indoor_explorers.env.simulation.state import Rules, State
 from indoor_explorers.env.simulation.step import begin
 
-MAP, SPAWN, ORDER, RADIO = (int(stream) for stream in (Stream.MAP, Stream.SPAWN, Stream.ORDER, Stream.RADIO))
+MAP, SPAWN, ORDER, RADIO, _, FAILURE = (int(stream) for stream in Stream)
 
 #: Maps drawn for one seed before a scenario is given up as impossible.
 MAX_ATTEMPTS = 100
@@ -130,6 +130,7 @@ def _clear(state: State, b: int) -> None:
         state.reward[b, n] = 0.0
         state.outbox[b, n, :] = 0.0
         state.outbox_size[b, n] = -1
+        state.silent_until[b, n] = 0
         state.merged_up_to[b, n, :] = 0
         state.linked[b, n, :] = False
         state.last_received_step[b, n, :] = -1
@@ -173,6 +174,7 @@ def start_episodes(
         _count(rules, state, starts, k, b)
         state.order_key[b] = stream_key(seeds[k], ORDER, 0)
         state.radio_key[b] = stream_key(seeds[k], RADIO, 0)
+        state.failure_key[b] = stream_key(seeds[k], FAILURE, 0)
         begin(rules, state, lidar, work, b)
 
 

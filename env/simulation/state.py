@@ -18,7 +18,7 @@ from indoor_explorers.env.scenarios.scenario import LEAST_BUDGET, Scenario
 
 
 class End(IntEnum):
-    """Why an agent's episode ended; the first four are terminations, ``BUDGET`` is a truncation."""
+    """Why an agent's episode ended; ``BUDGET`` is a truncation, all others are terminations."""
 
     FLYING = 0
     GOAL = 1
@@ -26,6 +26,8 @@ class End(IntEnum):
     OUT_OF_BOUNDS = 3
     STUCK = 4
     BUDGET = 5
+    STOPPED = 6
+    """It failed, see :mod:`indoor_explorers.env.simulation.failures`."""
 
 
 class Rules(NamedTuple):
@@ -55,6 +57,15 @@ class Rules(NamedTuple):
     reward_out_of_bounds: float
     reward_stuck: float
     reward_goal: float
+    reward_stopped: float
+    failures: bool
+    """Whether UAVs or radios can fail."""
+    hazard: float
+    stop_step: NDArray[np.int64]
+    """(N,) step in which each agent stops, 0 for none."""
+    last_word: bool
+    radio_hazard: float
+    radio_outage: int
 
 
 def rules_of(scenario: Scenario) -> Rules:
@@ -81,7 +92,21 @@ def rules_of(scenario: Scenario) -> Rules:
         reward_out_of_bounds=scenario.rewards.out_of_bounds,
         reward_stuck=scenario.rewards.stuck,
         reward_goal=scenario.rewards.goal,
+        reward_stopped=scenario.failures.reward,
+        failures=scenario.failures.any,
+        hazard=scenario.failures.hazard,
+        stop_step=_stop_steps(scenario),
+        last_word=scenario.failures.last_word,
+        radio_hazard=scenario.failures.radio_hazard,
+        radio_outage=scenario.failures.radio_outage,
     )
+
+
+def _stop_steps(scenario: Scenario) -> NDArray[np.int64]:
+    steps = np.zeros(scenario.team, np.int64)
+    for agent, step in scenario.failures.stops:
+        steps[agent] = step
+    return steps
 
 
 class State(NamedTuple):
@@ -101,6 +126,8 @@ class State(NamedTuple):
     """(B,) key of the stream that draws the order of moves."""
     radio_key: NDArray[np.uint64]
     """(B,) key of the stream that draws which contacts fail."""
+    failure_key: NDArray[np.uint64]
+    """(B,) key of the stream that draws which UAVs and radios fail."""
     step: NDArray[np.int64]
     """(B,) steps flown."""
     end: NDArray[np.uint8]
@@ -116,7 +143,7 @@ class State(NamedTuple):
     visited: NDArray[np.bool_]
     """(B, N, H, W) cells the agent has been in."""
     union: NDArray[np.uint8]
-    """(B, H, W) union of the team's beliefs."""
+    """(B, H, W) union of the beliefs of the agents that have not stopped."""
     covered: NDArray[np.int64]
     """(B, N) counted cells in the agent's belief."""
     team_covered: NDArray[np.int64]
@@ -141,6 +168,8 @@ class State(NamedTuple):
     """(B, N) of this step."""
     linked: NDArray[np.bool_]
     """(B, N, N) in direct radio contact after this step."""
+    silent_until: NDArray[np.int64]
+    """(B, N) step up to which, not included, an agent's radio is silent."""
     outbox: NDArray[np.float64]
     """(B, N, 16) the message an agent sends."""
     outbox_size: NDArray[np.int64]
@@ -179,6 +208,7 @@ def empty_state(batch: int, team: int, shape: tuple[int, int], window: int) -> S
         budget=zeros(i8),
         order_key=zeros(np.uint64),
         radio_key=zeros(np.uint64),
+        failure_key=zeros(np.uint64),
         step=zeros(i8),
         end=zeros(np.uint8, n),
         cell=zeros(i8, n, 2),
@@ -199,6 +229,7 @@ def empty_state(batch: int, team: int, shape: tuple[int, int], window: int) -> S
         history=zeros(np.int32, n, window),
         reward=zeros(f8, n),
         linked=zeros(np.bool_, n, n),
+        silent_until=zeros(i8, n),
         outbox=zeros(f8, n, MESSAGE_LIMIT),
         outbox_size=zeros(i8, n),
         last_received_step=zeros(i8, n, n),

@@ -10,10 +10,11 @@ from indoor_explorers.env.grid.randomness import shuffled
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, visible_cells
 from indoor_explorers.env.simulation.engine import Engine, Work
+from indoor_explorers.env.simulation.failures import silence_radios, stop_uavs
 from indoor_explorers.env.simulation.radio import exchange, learn, link
 from indoor_explorers.env.simulation.state import End, Rules, State
 
-FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET = (int(end) for end in End)
+FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET, _ = (int(end) for end in End)
 NO_DISCOVERY, OSCILLATION = int(StuckRule.NO_DISCOVERY), int(StuckRule.OSCILLATION)
 NO_RADIO, CUSTOM_RADIO = int(RadioModel.NONE), int(RadioModel.CUSTOM)
 
@@ -166,9 +167,15 @@ def _move_all(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int,
 
 @inner()
 def _contact_and_settle(rules: Rules, state: State, work: Work, b: int) -> None:
-    """Exchange what linked agents know, and end the step."""
+    """Let fail what fails, exchange what linked agents know, and end the step."""
+    if rules.failures:
+        silence_radios(rules, state, b)
+        if not rules.last_word:
+            stop_uavs(rules, state, b)
     if state.end.shape[1] > 1 and rules.radio_model != NO_RADIO and link(rules, state, b, work.component):
         exchange(state, b, work.component, work.before)
+    if rules.failures and rules.last_word:
+        stop_uavs(rules, state, b)
     _settle(rules, state, b)
 
 

@@ -56,6 +56,7 @@ MEASURES: dict[str, Measure] = {
     "balance": Measure("balance", "", "standard deviation over the UAVs of the share of cells each lidar saw"),
     "collisions": Measure("collisions", "", "moves into an obstacle or off the map"),
     "blocked": Measure("blocked moves", "", "moves that a teammate blocked"),
+    "stopped": Measure("stopped UAVs", "", "UAVs that a failure has stopped", True),
     "longest_idle": Measure(
         "longest idle",
         "steps",

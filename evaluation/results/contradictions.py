@@ -70,8 +70,12 @@ def _team_metrics(
     last = curves[starts + steps]
     flown = np.add.reduceat(curves, starts) - (curves[starts] + last) / 2
     areas = (flown + last * (budget - steps[:, None])) / budget
-    below = {name: np.add.reduceat((curves[:, 0] < q - 1e-12).astype(np.int64), starts) for name, q in LEVELS.items()}
-    times = {name: np.where(count > steps, np.nan, count) for name, count in below.items()}
+    step = np.arange(len(curves)) - np.repeat(starts, steps + 1)
+    firsts = {
+        name: np.minimum.reduceat(np.where(curves[:, 0] >= q - 1e-12, step, len(curves)), starts)
+        for name, q in LEVELS.items()
+    }
+    times = {name: np.where(first > steps, np.nan, first) for name, first in firsts.items()}
     return dict(zip(("auc", "auc_worst", "auc_mean"), areas.T, strict=True)) | times
 
 

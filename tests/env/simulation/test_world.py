@@ -51,8 +51,9 @@ def test_beliefs_never_contradict_the_truth_and_never_shrink(scenario, floorplan
         known = after["belief"][0] != UNKNOWN
         assert (after["belief"][0][known] == np.broadcast_to(floorplan.truth, known.shape)[known]).all()
         assert (known | (before["belief"][0] == UNKNOWN)).all()
-        assert (after["team_covered"] >= before["team_covered"]).all()
-        assert ((after["union"][0] != UNKNOWN) == known.any(axis=0)).all()
+        stopped = after["end"][0] == End.STOPPED
+        assert (after["team_covered"] >= before["team_covered"]).all() or (stopped & (before["end"][0] == 0)).any()
+        assert ((after["union"][0] != UNKNOWN) == known[~stopped].any(axis=0)).all()
 
 
 @examples
@@ -97,8 +98,11 @@ def test_knowledge_is_own_scans_and_the_union_within_each_radio_component(scenar
             belief = scan(floorplan.truth, cells[n], scenario.lidar.range, scenario.lidar.model)
             known[n] |= set(np.flatnonzero(belief != UNKNOWN).tolist())
         crashed = np.isin(state["end"][0], [End.COLLISION, End.OUT_OF_BOUNDS])
+        silent = state["step"][0] < state["silent_until"][0]
+        if not scenario.failures.last_word:
+            silent |= state["end"][0] == End.STOPPED
         graph = nx.Graph()
-        graph.add_nodes_from(np.flatnonzero(flew & ~crashed).tolist())
+        graph.add_nodes_from(np.flatnonzero(flew & ~crashed & ~silent).tolist())
         reach = [(i, j) for i in graph for j in graph if i < j and linked(scenario.radio, truth, cells[i], cells[j])]
         links = [(i, j) for i, j in reach if state["linked"][0, i, j]]  # some may be lost
         assert len(links) * 2 == state["linked"].sum()
@@ -185,9 +189,10 @@ def test_rewards_add_up(scenario, floorplan, seed):
             crashes = int(after["collisions"][0, n] - before["collisions"][0, n])
             ended = after["end"][0, n]
             expected = pay.step + crashes * pay.collision
-            if ended not in (End.COLLISION, End.OUT_OF_BOUNDS):
+            if ended not in (End.COLLISION, End.OUT_OF_BOUNDS, End.STOPPED):
                 expected += pay.discovered * after["discovered"][0, n] + pay.received * after["received"][0, n]
-            expected += {End.GOAL: pay.goal, End.STUCK: pay.stuck}.get(End(int(ended)), 0.0)
+            ends = {End.GOAL: pay.goal, End.STUCK: pay.stuck, End.STOPPED: scenario.failures.reward}
+            expected += ends.get(End(int(ended)), 0.0)
             assert after["reward"][0, n] == pytest.approx(expected)
 
 
@@ -218,6 +223,7 @@ def test_an_ended_agent_stays_ended_and_every_end_has_its_cause(scenario, floorp
         if after["step"][0] >= scenario.budget:
             assert (now != End.FLYING).all()
         assert ((now == End.BUDGET) & fresh).any() <= (after["step"][0] >= scenario.budget)
+        assert not (now == End.STOPPED).any() or scenario.failures.hazard
 
 
 def test_same_seed_same_episode_in_any_batch():

@@ -1,0 +1,67 @@
+"""Failures: UAVs that stop, and radios that are silent for a while.
+
+A UAV that stops is gone like one that has crashed. What it alone knew is lost to the team: coverage is what the UAVs
+that did not stop know together. Draws depend on seed, step and UAV alone, so policies on one task meet the same ones.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.compiled import inner
+from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.simulation.state import End, Rules, State
+
+FLYING, STOPPED = int(End.FLYING), int(End.STOPPED)
+#: What is drawn for each UAV in each step.
+UAV, RADIO, KINDS = 0, 1, 2
+
+
+@inner()
+def _happens(state: State, b: int, agent: int, kind: int, hazard: float) -> bool:
+    """Draw whether a failure of one kind happens to an agent in this step."""
+    if hazard <= 0.0:
+        return False
+    number = np.uint64((state.step[b] * state.end.shape[1] + agent) * KINDS + kind)
+    return bool((draw(state.failure_key[b], number) >> np.uint64(11)) * 2.0**-53 < hazard)
+
+
+@inner()
+def silence_radios(rules: Rules, state: State, b: int) -> None:
+    """Let the radios that fail in this step be silent from now on, for as many steps as the rules say."""
+    for n in range(state.end.shape[1]):
+        silent = state.step[b] < state.silent_until[b, n]
+        if not silent and _happens(state, b, n, RADIO, rules.radio_hazard):
+            state.silent_until[b, n] = state.step[b] + rules.radio_outage
+
+
+@inner()
+def stop_uavs(rules: Rules, state: State, b: int) -> None:
+    """Stop the UAVs that fail in this step; the team loses what they alone knew."""
+    for n in range(state.end.shape[1]):
+        listed = rules.stop_step[n] == state.step[b]
+        if state.end[b, n] == FLYING and (listed or _happens(state, b, n, UAV, rules.hazard)):
+            state.end[b, n] = STOPPED
+            state.reward[b, n] += rules.reward_stopped
+            _forget(state, b, n)
+
+
+@inner()
+def _forget(state: State, b: int, agent: int) -> None:
+    """Take out of the team's union what no other agent knows that has not stopped."""
+    union, counts = state.union[b].flat, state.counts[b].flat
+    for k in range(state.known[b, agent]):
+        cell = state.discovery_log[b, agent, k]
+        if union[cell] != UNKNOWN and not _is_held(state, b, cell):
+            union[cell] = UNKNOWN
+            state.team_covered[b] -= counts[cell]
+
+
+@inner()
+def _is_held(state: State, b: int, cell: int) -> bool:
+    """Tell whether an agent that has not stopped knows a flat cell."""
+    for n in range(state.end.shape[1]):
+        if state.end[b, n] != STOPPED and state.belief[b, n].flat[cell] != UNKNOWN:
+            return True
+    return False
