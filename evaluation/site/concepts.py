@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import io
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -21,7 +18,7 @@ from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rol
 from indoor_explorers.env.simulation.state import rules_of
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.style.print_style import print_style
+from indoor_explorers.evaluation.site.drawing import svg
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 
 #: Colours of unknown, free, occupied, marked and lost cells.
@@ -35,18 +32,7 @@ UAV = {"marker": "o", "color": "#d1495b", "markersize": 6, "linestyle": ""}
 def concept_pictures() -> dict[str, bytes]:
     """Return the SVG files of the page by name."""
     drawn = {"lidar": _lidar, "radio": _radio, "belief": _belief, "coverage": _coverage, "pairs": _pairs}
-    return {f"concept-{name}.svg": _svg(draw) for name, draw in drawn.items()}
-
-
-def _svg(draw: Callable[[Figure], None]) -> bytes:
-    with print_style():
-        figure = Figure(layout="constrained")
-        figure.set_facecolor("white")
-        FigureCanvasSVG(figure)
-        draw(figure)
-        file = io.BytesIO()
-        figure.savefig(file, format="svg", metadata={"Date": None})
-    return file.getvalue()
+    return {f"concept-{name}.svg": svg(draw) for name, draw in drawn.items()}
 
 
 def _cells(axes: Any, cells: NDArray[Any], title: str, uavs: Any = ()) -> None:

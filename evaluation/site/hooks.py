@@ -25,6 +25,7 @@ from indoor_explorers.evaluation.site.reference import (
     python_page,
     settings_page,
 )
+from indoor_explorers.evaluation.site.statistics_pictures import statistics_pictures
 
 ROOT = Path(__file__).resolve().parents[2]
 #: The folder of the pages in the repository.
@@ -73,7 +74,7 @@ def on_files(files: Any, config: Any) -> Any:
     files.append(File.generated(config, "reports/index.md", content=reports_page(reports)))
     files.append(File.generated(config, "example-report.html", content=example_report()))
     files.append(File.generated(config, "playground.html", content=playground()))
-    for name, picture in {**pictures(), **concept_pictures()}.items():
+    for name, picture in {**pictures(), **concept_pictures(), **statistics_pictures()}.items():
         files.append(File.generated(config, f"gallery/{name}", content=picture))
     for page in list(files.documentation_pages()):
         for target in _linked(page.src_uri, page.content_string):
