@@ -59,7 +59,7 @@ def digest_of(view: View) -> bytes:
     seen = hashlib.blake2b(digest_size=16)
     for array in (view.belief, view.legal, view.visited):
         seen.update(array.tobytes())
-    seen.update(repr((view.cell, view.step, view.budget, view.mates)).encode())
+    seen.update(repr((view.cell, view.step, view.budget, view.mates, view.base_age)).encode())
     return seen.digest()
 
 

@@ -67,6 +67,8 @@ class View(NamedTuple):
     """All teammates heard so far, by number."""
     visited: Mask
     """(H, W) bool: cells the UAV itself has been in, its own included. Read-only and live."""
+    base_age: int | None = None
+    """Steps since the last contact with the home base, directly or through teammates; None for never, or no base."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,6 +91,8 @@ class Briefing:
     """The true map (H, W) uint8, for privileged policies; None for other policies."""
     starts: tuple[Cell, ...] | None = field(default=None, repr=False)
     """Where all UAVs start, by number, for privileged policies; None for other policies."""
+    base: Cell | None = None
+    """The home base's (row, column); None where there is none."""
 
     @property
     def generator(self) -> MapSource | None:

@@ -29,7 +29,7 @@ LEAST_BUDGET = 200
 #: Settings of comparisons: episodes go on to full team coverage or the budget, and no UAV is ended as stuck.
 COMPARED: Mapping[str, Any] = {"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"}
 #: Settings that older fingerprints do not know; they count where they are not at their defaults.
-LATER = ("failures",)
+LATER = ("failures", "base")
 
 
 class _Part(BaseModel):
@@ -144,6 +144,26 @@ class Failures(_Part):
         return self.hazard > 0.0 or self.radio_hazard > 0.0 or bool(self.stops)
 
 
+class Base(_Part):
+    """The home base, where reports count; none by default.
+
+    It has a radio like the UAVs' and stays where it is. UAVs in contact with it, directly or through teammates, report
+    what they know and learn what others have reported.
+    """
+
+    at: Literal["none", "start"] | tuple[int, int] = "none"
+    """Its cell: where UAV 0 starts, or a listed (row, column)."""
+    radius: float = Field(1.5, ge=0.0)
+    """Distance in cells within which a UAV is in contact whatever the radio."""
+    must_return: bool = False
+    """Whether only what the base knows counts: coverage, and the goal."""
+
+    @property
+    def exists(self) -> bool:
+        """Whether there is one."""
+        return self.at != "none"
+
+
 class Scenario(_Part):
     """Describe one task completely; equal scenarios have equal fingerprints."""
 
@@ -161,6 +181,7 @@ class Scenario(_Part):
     rewards: Rewards = Rewards()
     stuck: Stuck = Stuck()
     failures: Failures = Failures()
+    base: Base = Base()
     on_collision: Literal["end", "block"] = "end"
     """What a move into an obstacle or off the map does to the agent: ends it (the thesis) or costs the step."""
     goal: float = Field(0.9, gt=0.0, le=1.0)
@@ -193,6 +214,8 @@ class Scenario(_Part):
             raise ValueError(f"failures.stops is about UAVs {agents}; list each once, from 0 to {self.team - 1}")
         if any(step < 1 for _, step in self.failures.stops):
             raise ValueError("failures.stops has a step before the first one; steps count from 1")
+        if self.base.must_return and not self.base.exists:
+            raise ValueError("base.must_return needs a base; set base.at = 'start', or a [row, column]")
         return self
 
     @cached_property

@@ -1,7 +1,8 @@
 """Failures: UAVs that stop, and radios that are silent for a while.
 
 A UAV that stops is gone like one that has crashed. What it alone knew is lost to the team: coverage is what the UAVs
-that did not stop know together. Draws depend on seed, step and UAV alone, so policies on one task meet the same ones.
+that did not stop, and the base, know together. Draws depend on seed, step and UAV alone, so policies on one task meet
+the same ones.
 """
 
 from __future__ import annotations
@@ -44,23 +45,25 @@ def stop_uavs(rules: Rules, state: State, b: int) -> None:
         if state.end[b, n] == FLYING and (listed or _happens(state, b, n, UAV, rules.hazard)):
             state.end[b, n] = STOPPED
             state.reward[b, n] += rules.reward_stopped
-            _forget(state, b, n)
+            _forget(rules, state, b, n)
 
 
 @inner()
-def _forget(state: State, b: int, agent: int) -> None:
-    """Take out of the team's union what no other agent knows that has not stopped."""
+def _forget(rules: Rules, state: State, b: int, agent: int) -> None:
+    """Take out of the team's union what neither the base nor another agent knows that has not stopped."""
     union, counts = state.union[b].flat, state.counts[b].flat
     for k in range(state.known[b, agent]):
         cell = state.discovery_log[b, agent, k]
-        if union[cell] != UNKNOWN and not _is_held(state, b, cell):
+        if union[cell] != UNKNOWN and not _is_held(rules, state, b, cell):
             union[cell] = UNKNOWN
             state.team_covered[b] -= counts[cell]
 
 
 @inner()
-def _is_held(state: State, b: int, cell: int) -> bool:
-    """Tell whether an agent that has not stopped knows a flat cell."""
+def _is_held(rules: Rules, state: State, b: int, cell: int) -> bool:
+    """Tell whether the base, or an agent that has not stopped, knows a flat cell."""
+    if rules.base and state.base_belief[b].flat[cell] != UNKNOWN:
+        return True
     for n in range(state.end.shape[1]):
         if state.end[b, n] != STOPPED and state.belief[b, n].flat[cell] != UNKNOWN:
             return True

@@ -131,6 +131,9 @@ class Preparation:
         for k, plan in enumerate(plans):
             starts.truth[k], starts.cell[k] = plan.truth, cells[k]
         mark_reachable(self._scratch_for(plans[0].shape)[0], starts)
+        if not isinstance(self._scenario.base.at, str):
+            for plan, reachable in zip(plans, starts.reachable, strict=True):
+                _check_base(self._scenario.base.at, plan, reachable)
         return Prepared(episodes, seeds, starts, plans)
 
     def _scratch_for(self, shape: tuple[int, int]) -> list[FloodScratch]:
@@ -141,11 +144,23 @@ class Preparation:
 
 
 def _room_task(scenario: Scenario) -> RoomTask | None:
-    """Return the task of rooms that compiled code can draw; None for other maps, and for listed spawns."""
-    if not isinstance(scenario.map, ThesisMaps) or not isinstance(scenario.spawn, str):
+    """Return the task of rooms that compiled code can draw; None for other maps, and for listed spawns or bases."""
+    if not (
+        isinstance(scenario.map, ThesisMaps) and isinstance(scenario.spawn, str) and isinstance(scenario.base.at, str)
+    ):
         return None
     rules = rules_of(scenario)
     return RoomTask(scenario.map.room, scenario.spawn == "clustered", rules.count_all_cells, rules.goal)
+
+
+def _check_base(base: Cell, plan: Floorplan, reachable: NDArray[np.bool_]) -> None:
+    """Refuse a base in a cell that no UAV can reach."""
+    (row, col), (height, width) = base, plan.shape
+    if not (0 <= row < height and 0 <= col < width and reachable[row, col]):
+        raise InputError(
+            f"{plan.name}: base.at ({row}, {col}) is no cell of this {height} x {width} map that can be reached from "
+            "the spawns; list another one, or use 'start'"
+        )
 
 
 def _check_shape(found: tuple[int, int], shape: Shape, name: str) -> None:

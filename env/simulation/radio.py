@@ -79,8 +79,8 @@ def in_reach(rules: Rules, occupancy: np.ndarray, row: int, col: int, to_row: in
 
 
 @inner()
-def _is_lost(rules: Rules, state: State, b: int, i: int, j: int) -> bool:
-    """Draw whether the contact of two agents fails in this step."""
+def is_lost(rules: Rules, state: State, b: int, i: int, j: int) -> bool:
+    """Draw whether the contact of two agents fails in this step; that with the base, where both are the same one."""
     if rules.radio_loss <= 0.0:
         return False
     team = state.end.shape[1]
@@ -97,6 +97,7 @@ def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
     team, any_link = state.end.shape[1], False
     for i in range(team):
         component[i] = i
+    for i in range(team):
         for j in range(i):
             together = (
                 state.end[b, i] == 0
@@ -115,22 +116,22 @@ def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
                         state.cell[b, j, 1],
                     )
                 )
-                and not _is_lost(rules, state, b, i, j)
+                and not is_lost(rules, state, b, i, j)
             )
             state.linked[b, i, j] = state.linked[b, j, i] = together
             if together:
                 any_link = True
-                _join(component, i, j)
+                join(component, i, j)
     return any_link
 
 
 @inner()
-def _join(component: np.ndarray, i: int, j: int) -> None:
-    """Give the components of ``j`` and of ``i``, the highest agent so far, the smaller of their numbers."""
+def join(component: np.ndarray, i: int, j: int) -> None:
+    """Give the components (N,) of two agents the smaller of their numbers."""
     if component[i] == component[j]:
         return
     kept, gone = min(component[i], component[j]), max(component[i], component[j])
-    for k in range(i + 1):
+    for k in range(component.shape[0]):
         if component[k] == gone:
             component[k] = kept
 

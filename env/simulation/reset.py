@@ -16,6 +16,7 @@ from indoor_explorers.env.grid.randomness import Stream, below, stream_key
 from indoor_explorers.env.maps.generators.thesis import Room, draw_room
 from indoor_explorers.env.search.connected_parts import label_part, mark_largest_part
 from indoor_explorers.env.simulation.engine import Engine
+from indoor_explorers.env.simulation.home_base import place_base
 from indoor_explorers.env.simulation.state import Rules, State
 from indoor_explorers.env.simulation.step import begin
 
@@ -172,6 +173,7 @@ def start_episodes(
         _clear(state, b)
         _place(state, starts, k, b)
         _count(rules, state, starts, k, b)
+        place_base(rules, state, b)
         state.order_key[b] = stream_key(seeds[k], ORDER, 0)
         state.radio_key[b] = stream_key(seeds[k], RADIO, 0)
         state.failure_key[b] = stream_key(seeds[k], FAILURE, 0)

@@ -66,6 +66,14 @@ class Rules(NamedTuple):
     last_word: bool
     radio_hazard: float
     radio_outage: int
+    base: bool
+    """Whether there is a home base."""
+    base_row: int
+    """Its row; -1: it is where agent 0 starts."""
+    base_col: int
+    base_radius: float
+    goal_of_base: bool
+    """Whether the goal is what the base knows."""
 
 
 def rules_of(scenario: Scenario) -> Rules:
@@ -99,6 +107,11 @@ def rules_of(scenario: Scenario) -> Rules:
         last_word=scenario.failures.last_word,
         radio_hazard=scenario.failures.radio_hazard,
         radio_outage=scenario.failures.radio_outage,
+        base=scenario.base.exists,
+        base_row=-1 if isinstance(scenario.base.at, str) else scenario.base.at[0],
+        base_col=-1 if isinstance(scenario.base.at, str) else scenario.base.at[1],
+        base_radius=scenario.base.radius,
+        goal_of_base=scenario.base.must_return,
     )
 
 
@@ -143,7 +156,7 @@ class State(NamedTuple):
     visited: NDArray[np.bool_]
     """(B, N, H, W) cells the agent has been in."""
     union: NDArray[np.uint8]
-    """(B, H, W) union of the beliefs of the agents that have not stopped."""
+    """(B, H, W) union of the beliefs of the agents that have not stopped, and of the base."""
     covered: NDArray[np.int64]
     """(B, N) counted cells in the agent's belief."""
     team_covered: NDArray[np.int64]
@@ -190,11 +203,30 @@ class State(NamedTuple):
     """(B, N) moves blocked by a teammate."""
     sent_bytes: NDArray[np.int64]
     """(B, N) bytes the agent's radio sent: see :mod:`indoor_explorers.env.simulation.radio`."""
+    base_cell: NDArray[np.int64]
+    """(B, 2) row and column of the home base."""
+    base_belief: NDArray[np.uint8]
+    """(B, H, W) what the base knows; (B, 0, 0) where there is no base."""
+    base_log: NDArray[np.int32]
+    """(B, H*W) flat indices of the cells that the base knows in the order it learned them; (B, 0) without a base."""
+    base_known: NDArray[np.int64]
+    """(B,) length of that log."""
+    base_covered: NDArray[np.int64]
+    """(B,) counted cells that the base knows."""
+    base_merged: NDArray[np.int64]
+    """(B, N) entries of an agent's discovery log that the base has."""
+    base_sent: NDArray[np.int64]
+    """(B, N) entries of the base's log that an agent has."""
+    base_contact: NDArray[np.bool_]
+    """(B, N) in contact with the base after this step, directly or through others."""
+    base_step: NDArray[np.int64]
+    """(B, N) step of the last such contact, -1 for never."""
 
 
-def empty_state(batch: int, team: int, shape: tuple[int, int], window: int) -> State:
-    """Allocate the state of ``batch`` episodes."""
+def empty_state(batch: int, team: int, shape: tuple[int, int], window: int, base: bool = False) -> State:
+    """Allocate the state of ``batch`` episodes; ``base``: with a home base."""
     b, n, (h, w) = batch, team, shape
+    base_h, base_w = shape if base else (0, 0)
 
     def zeros(kind: type, *axes: int) -> NDArray:  # type: ignore[type-arg]
         return np.zeros((b, *axes), kind)
@@ -240,4 +272,13 @@ def empty_state(batch: int, team: int, shape: tuple[int, int], window: int) -> S
         collisions=zeros(i8, n),
         blocked=zeros(i8, n),
         sent_bytes=zeros(i8, n),
+        base_cell=zeros(i8, 2),
+        base_belief=zeros(np.uint8, base_h, base_w),
+        base_log=zeros(np.int32, base_h * base_w),
+        base_known=zeros(i8),
+        base_covered=zeros(i8),
+        base_merged=zeros(i8, n),
+        base_sent=zeros(i8, n),
+        base_contact=zeros(np.bool_, n),
+        base_step=zeros(i8, n),
     )

@@ -11,6 +11,7 @@ from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, visible_cells
 from indoor_explorers.env.simulation.engine import Engine, Work
 from indoor_explorers.env.simulation.failures import silence_radios, stop_uavs
+from indoor_explorers.env.simulation.home_base import link_base, report
 from indoor_explorers.env.simulation.radio import exchange, learn, link
 from indoor_explorers.env.simulation.state import End, Rules, State
 
@@ -94,6 +95,8 @@ def _is_stuck(rules: Rules, state: State, b: int, agent: int) -> bool:
 def _settle(rules: Rules, state: State, b: int) -> None:
     """Compute the flying agents' rewards of the step, and end those that are done."""
     team_done = rules.goal_of_team and state.team_covered[b] >= state.needed[b]
+    if rules.goal_of_base:
+        team_done = state.base_covered[b] >= state.needed[b]
     width, window = state.truth.shape[2], state.history.shape[2]
     for n in range(state.end.shape[1]):
         if state.end[b, n] != FLYING:
@@ -103,7 +106,8 @@ def _settle(rules: Rules, state: State, b: int) -> None:
         )
         state.idle[b, n] = 0 if state.discovered[b, n] + state.received[b, n] else state.idle[b, n] + 1
         state.history[b, n, state.step[b] % window] = state.cell[b, n, 0] * width + state.cell[b, n, 1]
-        if team_done or (not rules.goal_of_team and state.covered[b, n] >= state.needed[b]):
+        own_goal = not rules.goal_of_team and not rules.goal_of_base
+        if team_done or (own_goal and state.covered[b, n] >= state.needed[b]):
             state.end[b, n] = GOAL
             state.reward[b, n] += rules.reward_goal
         elif _is_stuck(rules, state, b, n):
@@ -133,9 +137,19 @@ def begin(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int) -> 
         if not rules.custom_lidar:
             sense(state, lidar, b, n, work.scan)
         _update_legal(state, b, n)
-    custom = rules.custom_lidar or rules.radio_model == CUSTOM_RADIO
-    if not custom and link(rules, state, b, work.component):
+    if not (rules.custom_lidar or rules.radio_model == CUSTOM_RADIO):
+        _contact(rules, state, work, b)
+
+
+@inner()
+def _contact(rules: Rules, state: State, work: Work, b: int) -> None:
+    """Exchange what linked agents, and the base, know."""
+    linked = link(rules, state, b, work.component)
+    based = rules.base and link_base(rules, state, b, work.component)
+    if linked or based:
         exchange(state, b, work.component, work.before)
+    if based:
+        report(state, b)
 
 
 @inner()
@@ -172,8 +186,8 @@ def _contact_and_settle(rules: Rules, state: State, work: Work, b: int) -> None:
         silence_radios(rules, state, b)
         if not rules.last_word:
             stop_uavs(rules, state, b)
-    if state.end.shape[1] > 1 and rules.radio_model != NO_RADIO and link(rules, state, b, work.component):
-        exchange(state, b, work.component, work.before)
+    if rules.base or (state.end.shape[1] > 1 and rules.radio_model != NO_RADIO):
+        _contact(rules, state, work, b)
     if rules.failures and rules.last_word:
         stop_uavs(rules, state, b)
     _settle(rules, state, b)
@@ -215,8 +229,7 @@ def end_step(engine: Engine, flying: np.ndarray, first: int, last: int) -> None:
 @kernel()
 def first_contacts(engine: Engine, b: int) -> None:
     """Make the radio contacts of an episode that has just begun."""
-    if link(engine.rules, engine.state, b, engine.work.component):
-        exchange(engine.state, b, engine.work.component, engine.work.before)
+    _contact(engine.rules, engine.state, engine.work, b)
 
 
 @leaf()

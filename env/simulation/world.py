@@ -127,7 +127,7 @@ class World:
 
     def _allocate(self, shape: tuple[int, int]) -> None:
         window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
-        self._state = empty_state(self.batch, self.scenario.team, shape, window)
+        self._state = empty_state(self.batch, self.scenario.team, shape, window, self.scenario.base.exists)
         rules, lidar = rules_of(self.scenario), lidar_model(self.scenario.lidar.range, self.scenario.lidar.model)
         self._engines = [
             bind(rules, self._state, lidar, new_work(lidar, self.scenario.team)) for _ in range(self._threads.count)
@@ -193,7 +193,15 @@ class World:
             budget=state.budget.item(episode),
             mates=self._mates(episode, agent) if self.scenario.team > 1 else (),
             visited=visited,
+            base_age=self._base_age(episode, agent),
         )
+
+    def _base_age(self, episode: int, agent: int) -> int | None:
+        """Return the steps since an agent's last contact with the base; None for never."""
+        if not self.scenario.base.exists:
+            return None
+        when = self.state.base_step.item(episode, agent)
+        return None if when < 0 else self.state.step.item(episode) - when
 
     def _show(self, episode: int, agent: int) -> tuple[Belief, Mask, Mask]:
         """Make the arrays of an agent's views, each with a window of its own: their ``base`` is never the batch."""
@@ -226,6 +234,7 @@ class World:
             rng=generator(self.seeds[episode], Stream.PILOT, agent),
             truth=read_only(self.state.truth[episode]) if privileged else None,
             starts=tuple((row, col) for row, col in self.state.cell[episode].tolist()) if privileged else None,
+            base=tuple(self.state.base_cell[episode].tolist()) if self.scenario.base.exists else None,
         )
 
     @property
@@ -237,6 +246,11 @@ class World:
     def team_coverage(self) -> NDArray[np.float64]:
         """(B,) coverage of the union of the team's maps, as a share of the denominator."""
         return np.asarray(self.state.team_covered / self.state.total)
+
+    @property
+    def base_coverage(self) -> NDArray[np.float64]:
+        """(B,) coverage of what the home base knows, as a share of the denominator; 0 where there is none."""
+        return np.asarray(self.state.base_covered / self.state.total)
 
     @property
     def coverage(self) -> NDArray[np.float64]:

@@ -29,8 +29,8 @@ from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
 
 #: What is timed when a policy is loaded.
 LOADING = "importing and making it"
-#: What is shown of a UAV besides the arrays: (who, cell, step, budget, mates).
-Shown = tuple[Uav, Cell, int, int, tuple[Mate, ...]]
+#: What is shown of a UAV besides the arrays: (who, cell, step, budget, mates, age of the contact with the base).
+Shown = tuple[Uav, Cell, int, int, tuple[Mate, ...], int | None]
 
 
 def serve_policy(connection: Connection, views: SharedViews, parent: int) -> None:
@@ -119,9 +119,11 @@ class PolicyServer:
         assert self._pilots is not None
         return list(self._pilots.tally(episodes).items())
 
-    def _view(self, uav: Uav, cell: Cell, step: int, budget: int, mates: tuple[Mate, ...]) -> View:
+    def _view(
+        self, uav: Uav, cell: Cell, step: int, budget: int, mates: tuple[Mate, ...], base_age: int | None
+    ) -> View:
         belief, legal, visited = self._views.arrays(uav)
-        return View(belief, cell, legal, step, budget, mates, visited)
+        return View(belief, cell, legal, step, budget, mates, visited, base_age)
 
 
 def _not_loaded(choice: PolicyChoice, error: BaseException) -> str:

@@ -55,7 +55,7 @@ class RemotePilots:
         shown: list[Shown] = []
         for uav, view in views.items():
             self._process.views.write(uav, view)
-            shown.append((uav, view.cell, view.step, view.budget, view.mates))
+            shown.append((uav, view.cell, view.step, view.budget, view.mates, view.base_age))
         if not shown:
             return {}
         with self._checking():

@@ -106,7 +106,7 @@ class Supervisor:
             while isinstance(message := worker.receive(), FlownEpisode):
                 records.append(message)
             if isinstance(message, ProcessExit) and not self._closed.is_set():
-                steps = worker.steps(job.scenario.team)
+                steps = worker.steps(job.scenario.team, job.scenario.base.exists)
                 if worker.ended:
                     self._discard(worker)
                 return _Attempt(records, message, steps)

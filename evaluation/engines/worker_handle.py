@@ -36,6 +36,6 @@ class WorkerHandle(ProcessHandle):
         except (EOFError, ConnectionResetError):
             return self._exit()
 
-    def steps(self, team: int) -> Steps:
-        """Return the steps of the single episode that it flies or flew last."""
-        return self._buffer.steps(team)
+    def steps(self, team: int, base: bool = False) -> Steps:
+        """Return the steps of the single episode that it flies or flew last, with a home base or not."""
+        return self._buffer.steps(team, base)

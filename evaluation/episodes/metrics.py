@@ -50,6 +50,11 @@ MEASURES: dict[str, Measure] = {
         "",
         "T99 / T99 of the policy that knows the map, a good tour but no bound, on the same map, spawns and seed",
     ),
+    "auc_base": Measure("AUC, home base", "", "the same as AUC for what the home base knows", False),
+    "t90_base": Measure("T90, home base", "steps", "first step at which the home base knows 90%; if never, the budget"),
+    "t99_base": Measure("T99, home base", "steps", "first step at which the home base knows 99%; if never, the budget"),
+    "auc_seen": Measure("AUC, seen", "", "the same as AUC for what any UAV or the home base knows", False),
+    "unreported": Measure("unreported", "", "coverage at the end that the home base does not know"),
     "path_length": Measure("path length", "cells", "cells flown by all UAVs together"),
     "path_max": Measure("longest path", "cells", "cells flown by the UAV that flew farthest"),
     "overlap": Measure("overlap", "", "(sum of cells each lidar saw - cells the team saw) / cells the team saw"),
@@ -93,6 +98,9 @@ MEASURES: dict[str, Measure] = {
     "latency_p99_us": Measure("latency p99", "us", "99th percentile of the same"),
 }
 
+#: The times to what a home base knows, and all measures of episodes with one.
+TIMES_OF_BASE = ("t90_base", "t99_base")
+OF_BASE = ("auc_base", *TIMES_OF_BASE, "auc_seen", "unreported")
 #: The measures of wasted steps in a row.
 WASTED = ("longest_idle", "longest_dither")
 #: Metrics that depend on the machine: they differ between runs.
@@ -127,13 +135,36 @@ def area_under_curve(curve: NDArray[np.floating], budget: int) -> float:
     return (flown + float(curve[-1]) * max(0, budget + 1 - len(curve))) / budget
 
 
-def team_metrics(covered: NDArray[np.integer], reachable: int, budget: int) -> dict[str, float | None]:
-    """Return the metrics of (S + 1, 1 + N) covered cells: those of the team's curve, and AUC of worst and mean UAV."""
-    own = covered[:, 1:]
+def team_metrics(covered: NDArray[np.integer], team: int, reachable: int, budget: int) -> dict[str, float | None]:
+    """Return the metrics of the covered cells of an episode.
+
+    Args:
+        covered: see :attr:`~indoor_explorers.evaluation.episodes.steps.Steps.covered`.
+        team: UAVs.
+        reachable: the denominator of coverage, in cells.
+        budget: steps.
+
+    """
+    own = covered[:, 1 : 1 + team]
     return {
         **curve_metrics(covered[:, 0] / reachable, budget),
         "auc_worst": area_under_curve(own.min(axis=1) / reachable, budget),
         "auc_mean": area_under_curve(own.mean(axis=1) / reachable, budget),
+        **_base_metrics(covered[:, 1 + team :] / reachable, budget),
+    }
+
+
+def _base_metrics(curves: NDArray[np.floating], budget: int) -> dict[str, float | None]:
+    """Return the metrics of the coverage (S + 1, 2) that the base and that anybody knows; none without a base."""
+    if curves.shape[1] == 0:
+        return {}
+    base, seen = curves.T
+    return {
+        "auc_base": area_under_curve(base, budget),
+        "t90_base": first_step(base, LEVELS["t90"]),
+        "t99_base": first_step(base, LEVELS["t99"]),
+        "auc_seen": area_under_curve(seen, budget),
+        "unreported": float(seen[-1] - base[-1]),
     }
 
 

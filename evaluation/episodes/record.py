@@ -72,15 +72,23 @@ class FlownEpisode(Steps):
         """(S + 1,) team coverage after each step."""
         return self.coverage()
 
+    @property
+    def seen(self) -> NDArray[np.int32]:
+        """(S + 1,) counted cells that any UAV, or the home base, knows after each step."""
+        return self.covered[:, 0 if self.covered.shape[1] == 1 + self.team else 2 + self.team]
+
     def coverage(self, who: str = "team", steps: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
         """Return (T,) coverage after each of T ``steps``, of all S + 1 by default.
 
-        ``who`` is ``team`` (the union of what the UAVs know), ``mean`` or ``worst`` (over the UAVs' own maps).
+        ``who`` is ``team`` (the union of what the UAVs know, or where only reports count what the home base knows),
+        ``mean`` or ``worst`` (over the UAVs' own maps), or, with a base, ``base`` (what it knows) or ``seen`` (what
+        anybody knows).
         """
         rows = self.covered if steps is None else self.covered[steps]
-        if who == "team":
-            return np.asarray(rows[:, 0] / self.reachable)
-        own = rows[:, 1:]
+        place = {"team": 0, "base": 1 + self.team, "seen": 2 + self.team}.get(who)
+        if place is not None:
+            return np.asarray(rows[:, place] / self.reachable)
+        own = rows[:, 1 : 1 + self.team]
         return np.asarray({"worst": own.min(axis=1), "mean": own.mean(axis=1)}[who] / self.reachable)
 
     @cached_property

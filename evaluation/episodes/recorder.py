@@ -20,7 +20,7 @@ class Log:
         self._world = world
         self._team = team
         self._step = 0
-        self._rows = np.zeros((batch, CAPACITY), step_type(team))
+        self._rows = np.zeros((batch, CAPACITY), step_type(team, world.scenario.base.exists))
         self.flown_steps = np.zeros((batch, team), np.int64)
         """(B, N) steps that each UAV flew."""
         self._ages = np.zeros(batch)
@@ -45,8 +45,12 @@ class Log:
 
     def _log_state(self) -> None:
         state, rows, t = self._world.state, self.latest, self._step
-        rows["covered"][:, 0] = state.team_covered
-        rows["covered"][:, 1:] = state.covered
+        scenario = self._world.scenario
+        rows["covered"][:, 0] = state.base_covered if scenario.base.must_return else state.team_covered
+        rows["covered"][:, 1 : 1 + self._team] = state.covered
+        if scenario.base.exists:
+            rows["covered"][:, 1 + self._team] = state.base_covered
+            rows["covered"][:, 2 + self._team] = state.team_covered
         rows["cells"] = state.cell
         if self._team > 1:
             rows["sent"] = state.sent_bytes.sum(axis=1)

@@ -69,8 +69,8 @@ class RunningEpisode:
     def _metrics(self, world: World, log: Log, steps: Steps) -> dict[str, float | None]:
         state, b = world.state, self.place
         sensed, total, budget = state.sensed_count[b], int(state.total[b]), int(state.budget[b])
-        covered = int(steps.covered[-1, 0])
-        of_team = team_metrics(steps.covered, total, budget)
+        covered = int(state.team_covered[b])
+        of_team = team_metrics(steps.covered, world.scenario.team, total, budget)
         late = of_team["t99"] if of_team["t99"] is not None else budget
         return {
             **of_team,
@@ -81,7 +81,7 @@ class RunningEpisode:
             "balance": float((sensed / total).std()),
             "collisions": float(state.collisions[b].sum()),
             "blocked": float(state.blocked[b].sum()),
-            "stopped": float((state.end[b] == End.STOPPED).sum()) if world.scenario.failures.any else None,
+            **({"stopped": float((state.end[b] == End.STOPPED).sum())} if world.scenario.failures.any else {}),
             **behaviour_metrics(world, b, steps, log.flown_steps[b]),
             "messages_bytes": float(steps.sent[-1]),
             "age_of_information": log.age(b),

@@ -25,8 +25,8 @@ class SharedStepBuffer(SharedClock):
         """Append a row of :func:`~indoor_explorers.evaluation.episodes.steps.step_type`; the first is the start."""
         os.pwrite(self._file, row.tobytes(), os.fstat(self._file).st_size)
 
-    def steps(self, team: int) -> Steps:
-        """Return the complete steps of an episode of ``team`` UAVs."""
-        kind = step_type(team)
+    def steps(self, team: int, base: bool = False) -> Steps:
+        """Return the complete steps of an episode of ``team`` UAVs, with a home base or not."""
+        kind = step_type(team, base)
         held = os.fstat(self._file).st_size - mmap.PAGESIZE
         return Steps.of(np.frombuffer(os.pread(self._file, held - held % kind.itemsize, mmap.PAGESIZE), kind))

@@ -8,12 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+#: Columns of covered cells that only episodes with a home base have: what it knows, and what anybody knows.
+OF_BASE = 2
 
-def step_type(team: int) -> np.dtype[Any]:
-    """Return the type of a log row: the facts after a step of N UAVs; row 0 is the start."""
+
+def step_type(team: int, base: bool = False) -> np.dtype[Any]:
+    """Return the type of a log row: the facts after a step of N UAVs, with a home base or not; row 0 is the start."""
     return np.dtype(
         [
-            ("covered", np.int32, (1 + team,)),
+            ("covered", np.int32, (1 + team + (OF_BASE if base else 0),)),
             ("cells", np.int16, (team, 2)),
             ("actions", np.uint8, (team,)),
             ("seconds", np.float32),
@@ -27,7 +30,9 @@ class Steps:
     """The S steps of an episode by N UAVs."""
 
     covered: NDArray[np.int32] = field(repr=False)
-    """(S + 1, 1 + N) cells covered after each step: by the team together, then by each UAV's own map."""
+    """(S + 1, 1 + N) cells covered after each step: by the team together, then by each UAV's own map.
+
+    With a home base (S + 1, 1 + N + 2): what counts, the UAVs' own maps, what the base knows, what anybody knows."""
     cells: NDArray[np.int16] = field(repr=False)
     """(S + 1, N, 2) row and column of each UAV after each step."""
     actions: NDArray[np.uint8] = field(repr=False)

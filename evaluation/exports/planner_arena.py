@@ -22,7 +22,6 @@ from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
 from indoor_explorers.evaluation.episodes.record import Outcome
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, sampled_steps
-from indoor_explorers.evaluation.report.charts.interactive import WHO
 from indoor_explorers.evaluation.report.summary.facts import denominator, setting_rows
 from indoor_explorers.evaluation.results.results import Results
 
@@ -44,6 +43,8 @@ CREATE TABLE progress (
     FOREIGN KEY (runid) REFERENCES runs (id) ON DELETE CASCADE
 );
 """
+#: Whose coverage is told.
+OF_TEAMS = ("team", "worst", "mean")
 #: The texts of ``status``, by the outcome of the episode.
 STATUSES = {
     Outcome.COMPLETE: "Goal coverage reached",
@@ -162,5 +163,5 @@ def _progress(comparison: Comparison, before: int) -> Iterator[tuple[Any, ...]]:
         for record in records:
             run += 1
             kept = steps[steps <= record.budget]
-            curves = [coverage_at([record], kept, who)[0].tolist() for who in WHO]
+            curves = [coverage_at([record], kept, who)[0].tolist() for who in OF_TEAMS]
             yield from zip((run for _ in kept), kept.tolist(), *curves, strict=True)

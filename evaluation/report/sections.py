@@ -10,7 +10,7 @@ from markupsafe import Markup
 from indoor_explorers.evaluation.episodes.record import AXES, Record
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed_or_ended
-from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, times_data
+from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, times_data, whose
 from indoor_explorers.evaluation.report.charts.small_multiples import SmallMultiples, map_multiples
 from indoor_explorers.evaluation.report.panels import ScenarioPanels, scenario_panels
 from indoor_explorers.evaluation.report.replay.selection import replay_data
@@ -64,7 +64,7 @@ class SectionCharts:
     """The data of the section's charts; None where nothing was flown."""
 
     coverage: dict[str, Any] | None
-    who: tuple[str, ...]
+    who: list[tuple[str, str]]
     """Whose coverage can be shown: team, worst or mean UAV."""
     axes: list[tuple[str, str]]
     """Key and title of each axis that coverage is drawn against."""
@@ -153,7 +153,7 @@ def _sample(comparison: Comparison) -> Sample:
 
 
 def _charts(comparison: Comparison, styles: Styles) -> SectionCharts:
-    who = WHO if comparison.results.scenarios[comparison.scenario]["team"] > 1 else WHO[:1]
+    who = [(each, WHO[each]) for each in whose(comparison.results.scenarios[comparison.scenario])]
     if not comparison.records:
         return SectionCharts(None, who, [], None, [], None)
     coverage, times = chart_data(comparison, styles, _points(comparison.results)), times_data(comparison, styles)
@@ -185,6 +185,6 @@ def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
 
 def _points(results: Results) -> int:
     """Return the number of points of a curve for which all charts stay within their limit."""
-    who = len(WHO) if any(settings["team"] > 1 for settings in results.scenarios.values()) else 1
+    who = max(len(whose(settings)) for settings in results.scenarios.values())
     curves = max(1, len(results.groups)) * who * 3 * (1 + (len(AXES) - 1) / 2)
     return int(min(400, max(60, CHART_BYTES / (curves * 2.7))))

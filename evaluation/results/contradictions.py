@@ -23,10 +23,15 @@ def contradictions(records: Sequence[Record]) -> dict[tuple[str, Task], str]:
     """Return what is wrong with records, by their policies and tasks."""
     found = {(record.policy, record.task): why for record in records if (why := _out_of_range(record))}
     sound = [record for record in records if (record.policy, record.task) not in found]
-    for team in {record.team for record in sound}:
-        alike = [record for record in sound if record.team == team]
+    for kind in {_columns(record) for record in sound}:
+        alike = [record for record in sound if _columns(record) == kind]
         found |= {(alike[n].policy, alike[n].task): why for n, why in _contradicting(alike).items()}
     return found
+
+
+def _columns(record: Record) -> tuple[int, int]:
+    """Return what the arrays of records must have in common to be checked together: UAVs and columns of coverage."""
+    return record.team, record.covered.shape[1]
 
 
 def _out_of_range(record: Record) -> str:
@@ -63,7 +68,7 @@ def _team_metrics(
 ) -> dict[str, NDArray[np.float64]]:
     """Return what :func:`~indoor_explorers.evaluation.episodes.metrics.team_metrics` says of each record."""
     covered = np.concatenate([record.covered for record in records])
-    own, budget = covered[:, 1:], np.array([[record.budget] for record in records])
+    own, budget = covered[:, 1 : 1 + records[0].team], np.array([[record.budget] for record in records])
     reachable = np.array([record.reachable for record in records])
     curves = np.stack([covered[:, 0], own.min(axis=1), own.mean(axis=1)], axis=1)
     curves /= np.repeat(reachable, steps + 1)[:, None]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import InputError
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.suites.catalogue import buildings
-from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, Measure, extended
+from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, TIMES_OF_BASE, Measure, extended
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
@@ -259,7 +259,8 @@ def _can_change_results(key: str) -> bool:
 def _value(record: Record, metric: str) -> float:
     value = record.metrics.get(metric)
     if value is None:
-        return float(record.budget) if metric in LEVELS else np.nan
+        never = metric in LEVELS or (metric in TIMES_OF_BASE and record.metrics.get("auc_base") is not None)
+        return float(record.budget) if never else np.nan
     return value
 
 

@@ -114,7 +114,7 @@ def record_of(row: Row, plans: Mapping[str, Floorplan]) -> Record:
         outcome=Outcome(outcome),
         reason=reason,
         metrics=json.loads(metrics),
-        covered=unpacked(covered, np.int32, steps + 1, 1 + team),
+        covered=unpacked(covered, np.int32, steps + 1, -1),
         cells=unpacked(cells, np.int16, steps + 1, team, 2),
         actions=unpacked(actions, np.uint8, steps, team),
         seconds=unpacked(seconds, np.float32, steps + 1),

@@ -41,6 +41,11 @@ def scenarios(draw, /, most=5, **fixed):
             st.sampled_from([{}, {}, {"hazard": 0.05}, {"hazard": 0.1, "last_word": True, "reward": -3.0}])
         )
         | draw(st.sampled_from([{}, {}, {"radio_hazard": 0.2, "radio_outage": 3}])),
+        "base": draw(
+            st.sampled_from(
+                [{}, {}, {"at": "start"}, {"at": "start", "radius": 0.0}, {"at": "start", "must_return": True}]
+            )
+        ),
         "on_collision": draw(st.sampled_from(["end", "block"])),
         "goal": draw(st.sampled_from([0.5, 0.9, 1.0])),
         "goal_of": draw(st.sampled_from(["agent", "team"])),

@@ -44,6 +44,27 @@ class Wander(Policy):
         return Wanderer(briefing)
 
 
+class NotesTheBase(Wanderer):
+    def __init__(self, briefing):
+        super().__init__(briefing)
+        self.base, self.ages = briefing.base, [0]
+
+    def act(self, view):
+        assert view.base_age is None or self.base is not None
+        self.ages.append(view.base_age or 0)
+        return super().act(view)
+
+    def tally(self):
+        return {"base_age": float(np.mean(self.ages))}
+
+
+class ToldOfTheBase(Wander):
+    """Tell how long ago the contacts with the base were."""
+
+    def pilot(self, briefing):
+        return NotesTheBase(briefing)
+
+
 class Batched(Wander):
     """Choose for all UAVs in one call."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,8 @@ from indoor_explorers.evaluation.report.style.packing import shares
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles, crowded
 from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_times
 
-#: Whose coverage a chart can show: the team's, the worst UAV's, or the mean of the UAVs'.
-WHO = ("team", "worst", "mean")
+#: Whose coverage a chart can show, with the words for it.
+WHO = {"team": "Team", "worst": "Worst UAV", "mean": "Mean UAV", "base": "Home base", "seen": "Anybody"}
 #: Times that are drawn if they are not above the goal of the scenario; the first one is shown at first.
 TIMES = ("t99", "t95", "t90")
 #: Share of successful episodes from which a policy counts for the range of steps that is shown at first.
@@ -33,11 +34,10 @@ def _about(comparison: Comparison, policy: str, style: PolicyStyle) -> dict[str,
 def chart_data(comparison: Comparison, styles: Styles, points: int = 360) -> dict[str, Any]:
     """Return the coverage chart of a scenario as JSON data."""
     axes = axes_of(comparison, points)
-    team = max(record.team for record in comparison.records)
-    who = WHO if team > 1 else WHO[:1]
+    who = whose(comparison.results.scenarios[comparison.scenario])
     return {
         "axes": [_axis_data(axis) for axis in axes],
-        "who": list(who),
+        "who": who,
         "bands": "hidden" if crowded(len(comparison.groups)) else "shown",
         "policies": [
             _about(comparison, policy, styles[policy])
@@ -45,6 +45,13 @@ def chart_data(comparison: Comparison, styles: Styles, points: int = 360) -> dic
             for policy in comparison.groups
         ],
     }
+
+
+def whose(settings: Mapping[str, Any]) -> list[str]:
+    """Return whose coverage the chart of a scenario can show; where only reports count, the team's is the base's."""
+    base = settings.get("base") or {"at": "none"}
+    of_base = [] if base["at"] == "none" else ["seen"] if base["must_return"] else ["base"]
+    return ["team", *(["worst", "mean"] if settings["team"] > 1 else []), *of_base]
 
 
 def _axis_data(axis: CoverageAxis) -> dict[str, Any]:

@@ -43,11 +43,11 @@ def resimulated(record: Record, scenario: Scenario) -> ReplayEpisode:
     read = [0] * record.team
     for step, world in enumerate(resimulate(record, scenario)):
         state = world.state
-        linked[step] = state.linked[0]
+        linked[step] = state.linked[0] | np.outer(state.base_contact[0], state.base_contact[0])
         for agent, length in enumerate(state.known[0].tolist()):
             known[agent, state.discovery_log[0, agent, read[agent] : length]] = step
             read[agent] = length
-    faithful = np.array_equal(state.cell[0], record.cells[-1]) and state.team_covered[0] == record.covered[-1, 0]
+    faithful = np.array_equal(state.cell[0], record.cells[-1]) and state.team_covered[0] == record.seen[-1]
     return ReplayEpisode(record, state.counts[0].ravel().copy(), known, linked, bool(faithful))
 
 

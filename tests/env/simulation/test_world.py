@@ -53,7 +53,10 @@ def test_beliefs_never_contradict_the_truth_and_never_shrink(scenario, floorplan
         assert (known | (before["belief"][0] == UNKNOWN)).all()
         stopped = after["end"][0] == End.STOPPED
         assert (after["team_covered"] >= before["team_covered"]).all() or (stopped & (before["end"][0] == 0)).any()
-        assert ((after["union"][0] != UNKNOWN) == known[~stopped].any(axis=0)).all()
+        held = known[~stopped].any(axis=0)
+        if scenario.base.exists:
+            held |= after["base_belief"][0] != UNKNOWN
+        assert ((after["union"][0] != UNKNOWN) == held).all()
 
 
 @examples
@@ -88,9 +91,10 @@ def test_nobody_enters_a_wall_or_a_mate_and_moves_are_one_cell(scenario, floorpl
 @examples
 @given(scenarios(), floorplans(), seeds)
 def test_knowledge_is_own_scans_and_the_union_within_each_radio_component(scenario, floorplan, seed):
-    """The whole of sensing and merging against sets and networkx."""
+    """The whole of sensing and merging, the home base's too, against sets and networkx."""
     world = begun(scenario, floorplan, seed)
     truth, known = floorplan.truth, [set() for _ in range(scenario.team)]
+    reported, base = set(), tuple(world.state.base_cell[0].tolist())
 
     def sense_and_merge(state, flew):
         cells = [tuple(cell) for cell in state["cell"][0].tolist()]
@@ -99,21 +103,41 @@ def test_knowledge_is_own_scans_and_the_union_within_each_radio_component(scenar
             known[n] |= set(np.flatnonzero(belief != UNKNOWN).tolist())
         crashed = np.isin(state["end"][0], [End.COLLISION, End.OUT_OF_BOUNDS])
         silent = state["step"][0] < state["silent_until"][0]
-        if not scenario.failures.last_word:
-            silent |= state["end"][0] == End.STOPPED
+        stopped = (state["end"][0] == End.STOPPED) & (not scenario.failures.last_word)
         graph = nx.Graph()
-        graph.add_nodes_from(np.flatnonzero(flew & ~crashed & ~silent).tolist())
-        reach = [(i, j) for i in graph for j in graph if i < j and linked(scenario.radio, truth, cells[i], cells[j])]
+        graph.add_nodes_from(np.flatnonzero(flew & ~crashed & ~stopped).tolist())
+        heard = [n for n in graph if not silent[n]]
+        reach = [(i, j) for i in heard for j in heard if i < j and linked(scenario.radio, truth, cells[i], cells[j])]
         links = [(i, j) for i, j in reach if state["linked"][0, i, j]]  # some may be lost
         assert len(links) * 2 == state["linked"].sum()
         assert links == reach or scenario.radio.loss > 0
         graph.add_edges_from(links)
+        if scenario.base.exists:
+            link_base(state, graph, cells, silent)
         for component in nx.connected_components(graph):
-            together = set.union(*(known[n] for n in component))
-            for n in component:
+            together = set.union(*(reported if n == "base" else known[n] for n in component))
+            for n in component - {"base"}:
                 known[n] = set(together)
+            if "base" in component:
+                reported.update(together)
+        if scenario.base.exists:
+            assert set(np.flatnonzero(state["base_belief"][0] != UNKNOWN).tolist()) == reported
+            counted = np.flatnonzero(state["counts"][0])
+            assert state["base_covered"][0] == len(reported & set(counted.tolist()))
         for n, belief in enumerate(state["belief"][0]):
             assert set(np.flatnonzero(belief != UNKNOWN).tolist()) == known[n]
+
+    def link_base(state, graph, cells, silent):
+        """Add the base and its contacts; with losses, those that the world says."""
+        near = {n for n in graph if np.hypot(*np.subtract(cells[n], base)) <= scenario.base.radius}
+        radio = {n for n in graph if not silent[n] and linked(scenario.radio, truth, cells[n], base)}
+        found = set(np.flatnonzero(state["base_contact"][0]).tolist())
+        graph.add_edges_from(("base", n) for n in near | radio)
+        expected = nx.node_connected_component(graph, "base") - {"base"} if near | radio else set()
+        if scenario.radio.loss > 0:
+            graph.remove_edges_from([("base", n) for n in graph if n != "base" and n not in found])
+        assert found == expected or (scenario.radio.loss > 0 and found <= expected)
+        assert near <= found
 
     sense_and_merge(snapshot(world), np.ones(scenario.team, bool))
     for before, _, after in flight(world, seed):
@@ -203,7 +227,7 @@ def test_own_and_received_discoveries_are_kept_apart(scenario, floorplan, seed):
     for before, _, after in flight(world, seed):
         grown = after["known"][0] - before["known"][0]
         assert (grown == after["discovered"][0] + after["received"][0]).all()
-        if scenario.radio.model == "none" or scenario.team == 1:
+        if (scenario.radio.model == "none" or scenario.team == 1) and not scenario.base.exists:
             assert not after["received"].any()
             assert not after["sent_bytes"].any()
 
@@ -216,6 +240,7 @@ def test_an_ended_agent_stays_ended_and_every_end_has_its_cause(scenario, floorp
         was, now = before["end"][0], after["end"][0]
         assert (now[was != End.FLYING] == was[was != End.FLYING]).all()
         covered = after["team_covered"][0] if scenario.goal_of == "team" else after["covered"][0]
+        covered = after["base_covered"][0] if scenario.base.must_return else covered
         reached = np.broadcast_to(covered >= after["needed"][0], now.shape)
         fresh = was == End.FLYING
         assert (reached[fresh & (now == End.GOAL)]).all()
