@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
     from indoor_explorers.evaluation.experiment.request import ComparisonRequest
     from indoor_explorers.evaluation.experiment.selection import DEFAULT_POLICIES
+    from indoor_explorers.evaluation.exports.episodes.export import export_episode
     from indoor_explorers.evaluation.results.custom_metrics import Metric
     from indoor_explorers.evaluation.results.results import Results
     from indoor_explorers.evaluation.results.store import Store
@@ -31,6 +32,7 @@ __all__ = [
     "Results",
     "Store",
     "compare",
+    "export_episode",
     "fly_job",
     "missing_jobs",
     "plan",
@@ -46,6 +48,7 @@ _MODULES = {
     "experiment.request": ("ComparisonRequest",),
     "experiment.selection": ("DEFAULT_POLICIES",),
     "episodes.record": ("Record",),
+    "exports.episodes.export": ("export_episode",),
     "results.custom_metrics": ("Metric",),
     "results.results": ("Results",),
     "results.store": ("Store",),

@@ -1,4 +1,4 @@
-"""The command line: ``indoor-explorers compare | watch | report | train | ablate | thesis | bench | ...``."""
+"""The command line: ``indoor-explorers compare | watch | report | export | train | ablate | thesis | bench | ...``."""
 
 from __future__ import annotations
 

@@ -1,0 +1,111 @@
+"""Which message of an episode goes to which topic, and when.
+
+Poses, frames, scans and coverage are written at every step; grids, frontiers and links when they change; paths, each of
+which repeats the one before, about a hundred times. UAVs that have ended are silent.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env import Scenario
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.rendering.palette import INK, uav_colours
+from indoor_explorers.env.search.frontiers import frontier_mask
+from indoor_explorers.env.sensing.rays import first_hits
+from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.exports.episodes.bags import Bag, new_bag
+from indoor_explorers.evaluation.exports.episodes.messages import (
+    CUBE_LIST,
+    LINE_LIST,
+    NANOSECONDS,
+    Messages,
+    uav_frame,
+)
+from indoor_explorers.evaluation.exports.episodes.moments import Moment, facts_of, frame_of, moments
+
+#: Nanoseconds at which every episode starts: time 0 means "the latest" in tf.
+START = NANOSECONDS
+#: Directions of the rays of a scan, in the frame of the UAV.
+RAYS = np.linspace(-math.pi, math.pi, 360, endpoint=False)
+#: Approximate number of paths of a UAV.
+PATHS = 100
+
+
+def write_bag(record: Record, scenario: Scenario, folder: Path, step_seconds: float, *, mcap: bool) -> None:
+    """Write an episode as a bag into ``folder``, which is made."""
+    with new_bag(folder, json.dumps(facts_of(record, step_seconds)), mcap=mcap) as bag:
+        topics = _Topics(bag, record, scenario, step_seconds)
+        for moment in moments(record, scenario):
+            topics.write(moment)
+
+
+class _Topics:
+    """The topics of one episode."""
+
+    def __init__(self, bag: Bag, record: Record, scenario: Scenario, step_seconds: float) -> None:
+        self._bag, self._record, self._lidar_range = bag, record, scenario.lidar.range
+        self._frame, self._step_seconds = frame_of(record), step_seconds
+        self._stamp, self._messages = START, Messages(self._frame, START)
+        self._poses: list[list[Any]] = [[] for _ in range(record.team)]
+        self._ranges: dict[Cell, NDArray[np.float64]] = {}
+
+    def write(self, moment: Moment) -> None:
+        """Write the messages of a moment."""
+        self._stamp = START + round(moment.step * self._step_seconds * NANOSECONDS)
+        messages = self._messages = Messages(self._frame, self._stamp)
+        flying = np.flatnonzero(moment.flew).tolist()
+        if moment.step == 0:
+            self._keep("/true_map", messages.grid(self._record.floorplan.truth))
+        self._put("/tf", messages.frames({uav: moment.cells[uav].tolist() for uav in flying}))
+        self._put("/coverage", messages.number(moment.coverage))
+        if self._bag.is_new("/map", moment.team):
+            self._keep("/map", messages.grid(moment.team))
+        ends = moment.cells[np.argwhere(np.triu(moment.linked))].reshape(-1, 2)
+        if self._bag.is_new("/links", ends):
+            self._keep("/links", messages.markers("links", LINE_LIST, ends, np.array(INK, np.uint8)))
+        for uav in flying:
+            self._write_uav(moment, uav)
+        for uav in range(self._record.team):
+            self._write_path(moment, uav)
+
+    def _write_uav(self, moment: Moment, uav: int) -> None:
+        """Write where a UAV is, whom it hears, what its lidar measures and what it knows."""
+        messages, name, belief = self._messages, f"/{uav_frame(uav)}", moment.beliefs[uav]
+        row, col = moment.cells[uav].tolist()
+        self._put(f"{name}/pose", messages.pose((row, col)))
+        for mate in np.flatnonzero(moment.heard[uav]).tolist():
+            self._put(f"{name}/heard/{uav_frame(mate)}", messages.pose(moment.cells[mate].tolist()))
+        ranges = self._scanned((row, col))
+        self._put(f"{name}/scan", messages.scan(uav, ranges, self._lidar_range, self._step_seconds))
+        if self._bag.is_new(f"{name}/map", belief):
+            self._keep(f"{name}/map", messages.grid(belief))
+            cells, colour = np.argwhere(frontier_mask(belief)), uav_colours(self._record.team)[uav]
+            self._keep(f"{name}/frontiers", messages.markers("frontiers", CUBE_LIST, cells, colour))
+
+    def _write_path(self, moment: Moment, uav: int) -> None:
+        """Write the path so far now and then, and at the end of the episode."""
+        name, steps = f"/{uav_frame(uav)}/path", self._record.steps
+        if self._bag.is_new(name, moment.cells[uav]):
+            self._poses[uav].append(self._messages.pose(moment.cells[uav].tolist()))
+        if moment.step % (1 + steps // PATHS) == 0 or moment.step == steps:
+            self._keep(name, self._messages.path(self._poses[uav]))
+
+    def _scanned(self, cell: Cell) -> NDArray[np.float64]:
+        """Return the ranges in cells that a lidar in a cell measures."""
+        if cell not in self._ranges:
+            self._ranges[cell] = first_hits(self._record.floorplan.truth, cell, self._lidar_range, RAYS)
+        return self._ranges[cell]
+
+    def _put(self, topic: str, message: Any) -> None:
+        self._bag.put(self._stamp, topic, message)
+
+    def _keep(self, topic: str, message: Any) -> None:
+        """Write a message that those who listen later are to have as well."""
+        self._bag.put(self._stamp, topic, message, latched=True)
