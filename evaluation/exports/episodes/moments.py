@@ -61,7 +61,7 @@ def moments(record: Record, scenario: Scenario) -> Iterator[Moment]:
     if not np.array_equal(state.cell[0], record.cells[-1]) or state.team_covered[0] != record.covered[-1, 0]:
         raise RunError(
             f"{record.policy} on {record.task.scenario}, seed {record.task.seed}: the episode is not as stored when it "
-            "is simulated again; another version of the software has flown it, which can export it"
+            "is simulated again; export it with the version of the software that has flown it"
         )
 
 
