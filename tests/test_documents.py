@@ -10,8 +10,10 @@ import sys
 import pytest
 
 from indoor_explorers.env import PRESETS, policy_names
+from indoor_explorers.evaluation.cli.commands import COMMANDS
 from indoor_explorers.evaluation.cli.parser import build_parser
-from indoor_explorers.evaluation.site.reference import public_modules
+from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS
+from indoor_explorers.evaluation.site.reference import command_line_page, files_page, public_modules
 from tests.documents import PAGES, ROOT, SITE, python_of
 
 DOCUMENTS = (*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "evaluation" / "CLUSTER.md")
@@ -61,6 +63,11 @@ def test_every_command_line_is_understood(path):
     assert not re.search(r"^ {0,3}indoor-explorers ", path.read_text(), re.MULTILINE)  # would be no code
     for line in re.findall(r"^    indoor-explorers (.*)$", path.read_text(), re.MULTILINE):
         build_parser().parse_args(line.replace("'", "").split())
+
+
+def test_the_references_know_every_command_and_what_it_exports():
+    assert all(f"\n## {command.name}\n" in command_line_page() for command in COMMANDS)
+    assert all(f"`{column}`" in files_page() for column in COLUMNS)
 
 
 def test_the_readme_is_short():

@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 from indoor_explorers.env import Scenario
 from indoor_explorers.evaluation.cli.parser import build_parser
 from indoor_explorers.evaluation.episodes.metrics import MEASURES
+from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS as STEP_COLUMNS
 from indoor_explorers.evaluation.results import rows
 from indoor_explorers.evaluation.results.differences import COLUMNS as DIFFERENCE_COLUMNS
 from indoor_explorers.evaluation.results.ratios import COLUMNS as RATIO_COLUMNS
@@ -28,6 +29,16 @@ STORE_NOTES = """
     and of each UAV, the cells of the UAVs, their actions, the seconds of their decisions and the bytes sent. Map, seed
     and actions determine an episode; `indoor_explorers.evaluation.Results.load(folder)` reads all of it. Every row has
     a checksum.
+    """
+#: The files of ``export``.
+EXPORT_NOTES = """
+    `indoor-explorers export` writes one episode as MCAP or as a ROS 2 bag, whose topics are in
+    [the guide](../guides/ros.md), or as a folder with two files. `steps.csv` has a row for each step and UAV:
+    {columns}.
+    `x` and `y` are metres from the lower left corner; `flew` is 0 once a UAV has ended; `action` led to the step and is
+    empty at the start; `discovered` and `received` count the cells that were new to the UAV, by its lidar and by radio;
+    `linked` are the UAVs in direct radio contact. `meta.json` has the task, its settings, the outcome, the metrics and
+    the seconds of a step.
     """
 #: How the bounds of a setting are written.
 SIGNS = {"ge": "\u2265", "gt": ">", "le": "\u2264", "lt": "<"}
@@ -83,6 +94,8 @@ def files_page() -> str:
         "",
     ]
     lines += ["```sql", rows.SCHEMA.strip(), "```", "", inspect.cleandoc(STORE_NOTES), ""]
+    told = ", ".join(f"`{column}`" for column in STEP_COLUMNS)
+    lines += ["## Exported episodes", "", inspect.cleandoc(EXPORT_NOTES).format(columns=told), ""]
     return "\n".join(lines)
 
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -15,23 +16,13 @@ from indoor_explorers.evaluation.episodes.resimulate import resimulate
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.exports.episodes.topics import write_bag
+from tests.documents import SITE
 from tests.evaluation.exports.episodes.conftest import RESOLUTION, SECOND, SHAPE, by_step, latest, messages, record_of
 from tests.evaluation.plugins import Wander, Wanderer
 
 CHOICE = {"policy": "frontier", "map": "hall", "seed": 1}
-KINDS = {
-    "/map": "nav_msgs/msg/OccupancyGrid",
-    "/true_map": "nav_msgs/msg/OccupancyGrid",
-    "/tf": "tf2_msgs/msg/TFMessage",
-    "/coverage": "std_msgs/msg/Float64",
-    "/links": "visualization_msgs/msg/MarkerArray",
-    "/uav_0/map": "nav_msgs/msg/OccupancyGrid",
-    "/uav_0/pose": "geometry_msgs/msg/PoseStamped",
-    "/uav_0/path": "nav_msgs/msg/Path",
-    "/uav_0/scan": "sensor_msgs/msg/LaserScan",
-    "/uav_0/frontiers": "visualization_msgs/msg/MarkerArray",
-    "/uav_0/heard/uav_1": "geometry_msgs/msg/PoseStamped",
-}
+#: The topics of the guide with their types.
+TOLD = dict(re.findall(r"^\| `(/\S+)` \| `(\S+)` \|", (SITE / "pages/guides/ros.md").read_text(), re.MULTILINE))
 
 
 @pytest.fixture(scope="module")
@@ -85,10 +76,11 @@ def place(point):
     return point.x, point.y
 
 
-def test_topics_have_their_types(found):
-    kinds = {message.topic: message.kind for message in found}
-    assert KINDS.items() <= kinds.items()
-    assert {name for name in kinds if not name.startswith("/uav_")} == {n for n in KINDS if not n.startswith("/uav_")}
+def test_topics_and_their_types_are_those_of_the_guide(found):
+    numbers = {f"/uav_{uav}/heard/uav_{mate}": "/uav_N/heard/uav_M" for uav in range(3) for mate in range(3)}
+    kinds = {(numbers.get(m.topic) or re.sub(r"uav_\d", "uav_N", m.topic), m.kind) for m in found}
+    assert kinds == set(TOLD.items())
+    assert {m.topic for m in found if "heard" in m.topic} == {name for name in numbers if name[5] != name[-1]}
 
 
 def test_both_storages_hold_the_same_messages(folder, found, tmp_path, record):
