@@ -17,7 +17,7 @@ from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.exports.episodes.topics import write_bag
 from tests.documents import SITE
-from tests.evaluation.exports.episodes.conftest import RESOLUTION, SECOND, SHAPE, by_step, latest, messages, record_of
+from tests.evaluation.exports.episodes.reading import RESOLUTION, SECOND, SHAPE, by_step, latest, messages, record_of
 from tests.evaluation.plugins import Wander, Wanderer
 
 CHOICE = {"policy": "frontier", "map": "hall", "seed": 1}

@@ -9,7 +9,7 @@ import pytest
 from indoor_explorers.evaluation import export_episode
 from indoor_explorers.evaluation.episodes.resimulate import resimulate
 from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS
-from tests.evaluation.exports.episodes.conftest import RESOLUTION, SHAPE, record_of
+from tests.evaluation.exports.episodes.reading import RESOLUTION, SHAPE, record_of
 
 CHOICE = {"policy": "frontier-nearest", "map": "hall", "seed": 0}
 

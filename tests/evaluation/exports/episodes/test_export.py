@@ -12,7 +12,7 @@ from indoor_explorers.evaluation import export_episode
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.exports.episodes import csv_tables, topics
 from indoor_explorers.evaluation.exports.episodes.moments import moments
-from tests.evaluation.exports.episodes.conftest import SECOND, messages, record_of
+from tests.evaluation.exports.episodes.reading import SECOND, messages, record_of
 
 WORDS = ("--policy", "frontier", "--map", "hall", "--seed", "1")
 CHOICE = {"policy": "frontier", "map": "hall", "seed": 1}

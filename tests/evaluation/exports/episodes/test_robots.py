@@ -7,7 +7,7 @@ from indoor_explorers.env import World, make_policy
 from indoor_explorers.env.interfaces import GridFrame, Robot
 from indoor_explorers.env.simulation.rollout import make_pilots
 from indoor_explorers.evaluation import export_episode
-from tests.evaluation.exports.episodes.conftest import POLICIES, RESOLUTION, SHAPE, by_step, latest, messages, record_of
+from tests.evaluation.exports.episodes.reading import POLICIES, RESOLUTION, SHAPE, by_step, latest, messages, record_of
 
 
 @pytest.mark.parametrize("policy", POLICIES)
