@@ -1,4 +1,4 @@
-"""ROS 2 bags: a folder with a ``.db3`` that every distribution plays, or a packed ``.mcap``."""
+"""ROS 2 bags: a folder with an SQLite file, or a packed ``.mcap``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 
 from indoor_explorers.evaluation.exports.episodes.messages import STORE
 
-#: The version of the metadata, which all distributions since Humble read.
+#: The version of the metadata. From 9 on they name qualities of service, which Humble cannot read.
 VERSION: Literal[8, 9] = 8
 #: No limit of time.
 UNLIMITED = QosTime(0, 0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -44,8 +45,8 @@ def export_episode(
         scenario: the scenario.
         map: the name of the map.
         seed: the seed of the episode.
-        format: ``mcap``, one file for Foxglove and for ROS 2; ``rosbag2``, a folder with an SQLite file that
-            ``ros2 bag play`` of every distribution opens; ``csv``, ``steps.csv`` and ``meta.json``.
+        format: ``mcap``, one file for Foxglove and for ROS 2; ``rosbag2``, a folder with an SQLite file
+            for ``ros2 bag play``, in the format of Humble; ``csv``, ``steps.csv`` and ``meta.json``.
         step_seconds: seconds of a step; 1 if neither this nor the speed is given.
         speed: metres per second, instead: a step is then the time to fly one cell.
 
@@ -63,8 +64,9 @@ def export_episode(
     seconds = _step_seconds(record, step_seconds, speed)
     try:
         WRITERS[format](record, settings, target, seconds)
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written: {error.strerror or error}; choose another --out") from error
+    except (OSError, sqlite3.Error) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"{target}: cannot be written: {why}; choose another --out") from error
     return target
 
 

@@ -120,6 +120,23 @@ def test_a_place_that_cannot_be_written_is_told_in_a_line(folder, tmp_path, caps
     assert "cannot be written: Not a directory; choose another --out" in errors
 
 
+@pytest.mark.parametrize("format", ["mcap", "rosbag2"])
+def test_a_full_disk_is_told_in_a_line(format, folder, tmp_path):
+    name = "a.mcap" if format == "mcap" else "a"
+    code = f"""
+import resource, signal
+from indoor_explorers.evaluation.cli.parser import main
+from indoor_explorers.evaluation.exports.episodes import topics
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+print(main(["export", {str(folder)!r}, *{WORDS!r}, "--format", {format!r}, "--out", {name!r}]))
+"""
+    done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, cwd=tmp_path)
+    assert done.stdout.splitlines()[-1:] == ["2"], done.stderr
+    assert "cannot be written" in done.stderr.splitlines()[-1]
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_an_episode_that_the_world_does_not_give_again_is_refused(results):
     record, scenario = record_of(results, *CHOICE.values())
     with pytest.raises(RunError, match=r"frontier on .*, seed 1: the episode is not as stored"):
