@@ -73,6 +73,11 @@ class Navigator:
         """Whether a useful goal may be replaced: not after an oscillation, until the next goal is set."""
         return not self._settled
 
+    @property
+    def path(self) -> list[Cell]:
+        """The cells that are left of the path to the goal, from the UAV's on; empty without a goal."""
+        return self._path[self._at :]
+
     def observe(self, view: View) -> None:
         """Update the state from this step's view."""
         known = count_known(view.belief)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -18,33 +17,14 @@ from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rol
 from indoor_explorers.env.simulation.state import rules_of
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.site.drawing import svg
+from indoor_explorers.evaluation.site.drawing import LOST, MARKED, UAV, cells, svg
 from indoor_explorers.evaluation.statistics import bootstrap_mean
-
-#: Colours of unknown, free, occupied, marked and lost cells.
-COLOURS = ListedColormap(["#9aa0a6", "#f4f4f4", "#30343b", "#8fbce6", "#e0a458"])
-MARKED, LOST = 3, 4
-#: Cells of a side up to which the grid is drawn.
-MOST_LINES = 24
-UAV = {"marker": "o", "color": "#d1495b", "markersize": 6, "linestyle": ""}
 
 
 def concept_pictures() -> dict[str, bytes]:
     """Return the SVG files of the page by name."""
     drawn = {"lidar": _lidar, "radio": _radio, "belief": _belief, "coverage": _coverage, "pairs": _pairs}
     return {f"concept-{name}.svg": svg(draw) for name, draw in drawn.items()}
-
-
-def _cells(axes: Any, cells: NDArray[Any], title: str, uavs: Any = ()) -> None:
-    """Draw (H, W) codes of :data:`COLOURS` as a grid, with UAVs in some cells."""
-    axes.imshow(cells, cmap=COLOURS, vmin=0, vmax=LOST, interpolation="nearest")
-    for row, col in uavs:
-        axes.plot(col, row, **UAV)
-    if max(cells.shape) <= MOST_LINES:
-        axes.hlines(np.arange(len(cells) + 1) - 0.5, -0.5, cells.shape[1] - 0.5, color="#c8ccd1", linewidth=0.4)
-        axes.vlines(np.arange(cells.shape[1] + 1) - 0.5, -0.5, len(cells) - 0.5, color="#c8ccd1", linewidth=0.4)
-    axes.set_axis_off()
-    axes.set_title(title)
 
 
 def _lidar(figure: Figure) -> None:
@@ -55,7 +35,7 @@ def _lidar(figure: Figure) -> None:
         figure.subplots(1, 2), ("exact", "marsexplorer"), ("exact", "rays of MarsExplorer"), strict=True
     ):
         seen = scan(truth, (7, 7), 6.0, model) != UNKNOWN
-        _cells(axes, np.where(seen & (truth == FREE), MARKED, truth), title, [(7, 7)])
+        cells(axes, np.where(seen & (truth == FREE), MARKED, truth), title, [(7, 7)])
 
 
 def _radio(figure: Figure) -> None:
@@ -68,7 +48,7 @@ def _radio(figure: Figure) -> None:
         radio = {"radio.model": model, "radio.range": 8.0}
         rules = rules_of(scenario("thesis-team-2").with_settings(radio))
         linked = np.array([[_in_contact(rules, truth, here, (r, c)) for c in range(21)] for r in range(21)])
-        _cells(axes, np.where(linked & (truth == FREE), MARKED, truth), model, [here])
+        cells(axes, np.where(linked & (truth == FREE), MARKED, truth), model, [here])
 
 
 def _in_contact(rules: Any, truth: NDArray[np.uint8], one: tuple[int, int], other: tuple[int, int]) -> bool:
@@ -88,10 +68,10 @@ def _belief(figure: Figure) -> None:
     uavs = state.cell[0].tolist()
     shown = (state.truth[0], state.belief[0, 0], state.belief[0, 1], state.union[0])
     titles = ("true map", "UAV 0 knows", "UAV 1 knows", "the team knows")
-    for axes, cells, title, who in zip(
+    for axes, codes, title, who in zip(
         figure.subplots(1, 4), shown, titles, (uavs, uavs[:1], uavs[1:], uavs), strict=True
     ):
-        _cells(axes, cells, title, who)
+        cells(axes, codes, title, who)
 
 
 def _coverage(figure: Figure) -> None:
@@ -108,7 +88,7 @@ def _coverage(figure: Figure) -> None:
         for row, col in np.argwhere(free & ~_closed(free)).tolist():
             seeable |= scan(truth, (row, col), 3.0) != UNKNOWN
         codes = np.where(counts, np.where(seeable, MARKED, LOST), truth)
-        _cells(axes, codes, f'denominator = "{counted}"', [(2, 3)])
+        cells(axes, codes, f'denominator = "{counted}"', [(2, 3)])
 
 
 def _closed(free: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -14,7 +14,7 @@ from indoor_explorers.env.navigation.goal_pilot import GoalPilot
 from indoor_explorers.env.navigation.teammates import ranks, remembered
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.routing.min_latency import costs_of_first
+from indoor_explorers.env.routing.min_latency import best_orders
 from indoor_explorers.env.search.clusters import (
     Clusters,
     cluster_viewpoints,
@@ -115,8 +115,14 @@ class LatencyPilot(GoalPilot):
         places = self._places(view)
         if len(places.cells) == 0:
             return None
-        costs = self._costs(view, places) - self._policy.hold * places.kept
+        costs = self._orders(view, places)[0] - self._policy.hold * places.kept
         return divmod(int(places.cells[np.argmin(costs)]), self.paths.width)
+
+    def order(self, view: View) -> list[Cell]:
+        """Return the places of the order of lowest cost, in turn; it does not count which one the UAV flies to now."""
+        places = self._places(view)
+        positions = self._orders(view, places)[1]
+        return [divmod(int(cell), self.paths.width) for cell in places.cells[np.argsort(positions)]]
 
     def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
         """Return what to expect of K clusters, ``away`` (K,) steps from the UAV: here, the same of all."""
@@ -153,13 +159,16 @@ class LatencyPilot(GoalPilot):
         best = best[np.argsort(-scores[best], kind="stable")][: self._policy.clusters]
         return Places(cells[best], steps[best], gains[best], kept[best])
 
-    def _costs(self, view: View, places: Places) -> NDArray[np.float64]:
-        """Return, for each place, the cost of the best order that begins there, in lidar ranges, (K,)."""
-        if len(places.cells) == 1:
-            return np.zeros(1)
+    def _orders(self, view: View, places: Places) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Return the costs of the best orders that begin at each place, in lidar ranges, (K,).
+
+        The second array has each place's position in the best of these orders, (K,).
+        """
+        if len(places.cells) <= 1:
+            return np.zeros(len(places.cells)), np.zeros(len(places.cells), np.int64)
         worth = np.maximum(places.gains, 1e-9) ** self._policy.worth
         between = self.paths.matrix(view.belief, places.cells) / self._range
-        return costs_of_first(places.steps / self._range, between, worth / worth.sum(), self._policy.latency)
+        return best_orders(places.steps / self._range, between, worth / worth.sum(), self._policy.latency)
 
     def _near_goal(self, cells: NDArray[np.int32]) -> NDArray[np.bool_]:
         if self.goal is None:

@@ -18,7 +18,7 @@ from indoor_explorers.env.search.view_gain import unclaimed_gains
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.sampling.samples import box_around, merged, tree_samples
 from indoor_explorers.planners.sampling.segments import entries
-from indoor_explorers.planners.sampling.trees import grow_tree
+from indoor_explorers.planners.sampling.trees import Tree, grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy
 
 #: Doublings of the samples of a tree without a frontier, before the nearest frontier is searched exactly.
@@ -88,6 +88,13 @@ class RrtFrontierPilot(ViewpointPilot):
         super().__init__(briefing, policy)
         self._policy = policy
         self._candidates = np.empty(0, np.int32)
+        self.tree: Tree | None = None
+        """The tree that was grown last."""
+
+    @property
+    def frontier(self) -> NDArray[np.int32]:
+        """The frontier cells that the trees have found, (K,) flat."""
+        return self._candidates
 
     def on_map_growth(self, view: View) -> None:
         """Grow a local tree and add its candidates."""
@@ -137,8 +144,8 @@ class RrtFrontierPilot(ViewpointPilot):
         """Grow a tree in a square around the UAV, and update the candidates."""
         low, high = box_around(view.cell, half, view.belief.shape)
         points = tree_samples(view.belief, low, high, samples, self._policy.bias, self.rng)
-        tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), points, self._policy.edge)
-        found = np.union1d(self._candidates, entries(view.belief, *tree))
+        self.tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), points, self._policy.edge)
+        found = np.union1d(self._candidates, entries(view.belief, *self.tree))
         self._candidates = found[frontier_cells(view.belief, found)]
 
     def _revenue(self, view: View, cells: NDArray[np.int32], field: NDArray[np.int32]) -> NDArray[np.float64]:

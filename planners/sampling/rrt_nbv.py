@@ -60,25 +60,29 @@ class RrtNbvPilot(ViewpointPilot):
     def __init__(self, briefing: Briefing, policy: TreePolicy) -> None:
         super().__init__(briefing, policy)
         self._policy = policy
-        self._branch: Points = np.empty((0, 2))
+        self._remainder: Points = np.empty((0, 2))
+        self.tree: Tree | None = None
+        """The tree that was grown last."""
+        self.branch = np.empty(0, np.int64)
+        """The vertices of its best branch, from the root on."""
 
     def viewpoint(self, view: View) -> Cell | None:
         """Return the first cell of the best branch that the UAV has not visited."""
         tree = self.grow(view)
         cells = known_cells(view.belief, tree.vertices)
         viewpoints = self.judged(view, np.unique(cells[cells >= 0]))
-        branch = best_branch(tree, self._values(tree, cells, viewpoints))
-        self._branch = tree.vertices[branch[1:]]
-        new = [cell for cell in cells[branch].tolist() if cell in viewpoints.cells]
+        self.tree, self.branch = tree, best_branch(tree, self._values(tree, cells, viewpoints))
+        self._remainder = tree.vertices[self.branch[1:]]
+        new = [cell for cell in cells[self.branch].tolist() if cell in viewpoints.cells]
         return divmod(new[0], self.paths.width) if new else None
 
     def grow(self, view: View) -> Tree:
         """Grow a tree near the UAV, first towards the remainder of the last best branch."""
         policy = self._policy
         low, high = box_around(view.cell, policy.local_ranges * self.briefing.lidar_range, view.belief.shape)
-        drawn = tree_samples(view.belief, low, high, policy.samples - len(self._branch), policy.bias, self.rng)
+        drawn = tree_samples(view.belief, low, high, policy.samples - len(self._remainder), policy.bias, self.rng)
         root = (view.cell[0] + 0.5, view.cell[1] + 0.5)
-        return grow_tree(view.belief, root, np.concatenate([self._branch, drawn]), policy.edge, into_unknown=False)
+        return grow_tree(view.belief, root, np.concatenate([self._remainder, drawn]), policy.edge, into_unknown=False)
 
     def _values(self, tree: Tree, cells: NDArray[np.int32], viewpoints: Viewpoints) -> NDArray[np.float64]:
         """Return the discounted gain of each of (K,) vertices in known free cells, 0 for the others."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,7 @@ from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
     AssignmentProblem,
+    Plan,
     by_greed,
     by_hungarian,
     by_minpos,
@@ -114,6 +115,20 @@ class Pso(Policy):
         return PsoPilot(briefing, self)
 
 
+class JointPlan(NamedTuple):
+    """A joint plan of N UAVs, and what it was made from."""
+
+    problem: AssignmentProblem
+    cells: Assignment
+    """(K,) flat cells of the candidates."""
+    members: list[LinkedMember]
+    """The N UAVs."""
+    initial: list[Assignment]
+    """First goals of the initial plans, (N,) each: greedy, Hungarian, MinPos and the current goals."""
+    best: Plan
+    """(N, L)."""
+
+
 class PsoPilot(CandidatePilot):
     """Take part in the joint plans of the linked group."""
 
@@ -159,15 +174,24 @@ class PsoPilot(CandidatePilot):
 
         Every member computes the same plan from common knowledge.
         """
+        joint = self.joint_plan(view, members)
+        if joint is None:
+            return {}
+        first: Assignment = joint.cells[joint.best[:, 0]]
+        return {
+            member.agent: divmod(int(cell), self.paths.width) for member, cell in zip(joint.members, first, strict=True)
+        }
+
+    def joint_plan(self, view: View, members: list[LinkedMember]) -> JointPlan | None:
+        """Return the joint plan of the members that can reach a candidate; None if no member can."""
         problem, cells, able = self.decision_problem(view, members)
         if problem is None:
-            return {}
+            return None
         held = np.where(problem.hysteresis.max(axis=1) > 1, problem.hysteresis.argmax(axis=1), -1)
         seeds = [by_greed(problem), by_hungarian(problem), by_minpos(problem), reachable_or_nearest(problem, held)]
         shared = np.random.default_rng([view.step, *self.paths.flat(member.cell for member in able).tolist()])
         best = optimise(problem, self._policy.length, self._swarm, seeds, shared)
-        first: Assignment = cells[best[:, 0]]
-        return {member.agent: divmod(int(cell), self.paths.width) for member, cell in zip(able, first, strict=True)}
+        return JointPlan(problem, cells, able, seeds, best)
 
     def chances(self, view: View, cells: Cells, field: Distances) -> NDArray[np.float64]:
         """Return factors on the gains of (K,) flat cells by what they lead to, (K,); cells with 0 can wait.
