@@ -114,7 +114,7 @@ class JointPilot(CandidatePilot):
         self._parameters = parameters
         self._range = float(briefing.lidar_range)
         self._utility = Utility(parameters.power, parameters.rate, parameters.trust)
-        self._out_of_contact = OutOfContact(briefing)
+        self.out_of_contact = OutOfContact(briefing)
         self._is_due = True
         self._next_choice = 0
 
@@ -129,9 +129,8 @@ class JointPilot(CandidatePilot):
     def choose(self, view: View) -> Cell | None:
         """Return the place that this UAV gets in its turn."""
         self._is_due, self._next_choice = False, view.step + max(1, round(self._parameters.period * self._range))
-        own = GroupMember(self.briefing.agent, view.cell, self.goal)
-        members = sorted([own, *map(member_of, linked(view))], key=lambda member: member.agent)
-        me = members.index(own)
+        members = self.members(view)
+        me = next(k for k, member in enumerate(members) if member.agent == self.briefing.agent)
         problem = self.decision_problem(view, members)
         goal = None
         if (problem.away[me] < UNREACHABLE).any():
@@ -140,6 +139,11 @@ class JointPilot(CandidatePilot):
             )
         self.message = message_of(goal)
         return goal
+
+    def members(self, view: View) -> list[GroupMember]:
+        """Return this UAV and its linked teammates, by number."""
+        own = GroupMember(self.briefing.agent, view.cell, self.goal)
+        return sorted([own, *map(member_of, linked(view))], key=lambda member: member.agent)
 
     def first(self, problem: DecisionProblem, me: int, factors: NDArray[np.float64]) -> int:
         """Return the place that UAV ``me`` gets, after the turns of all UAVs with a better choice."""
@@ -204,7 +208,7 @@ class JointPilot(CandidatePilot):
             return np.ones(len(problem.cells))
         points = np.stack(np.divmod(problem.cells, self.paths.width), axis=1).astype(np.float64)
         steps = self.steps_from(view, view.cell).ravel()[problem.cells]
-        return self._out_of_contact.factors(
+        return self.out_of_contact.factors(
             view, points, steps, lambda cell: self.steps_from(view, cell).ravel()[problem.cells]
         )
 

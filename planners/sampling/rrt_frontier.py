@@ -88,8 +88,8 @@ class RrtFrontierPilot(ViewpointPilot):
         super().__init__(briefing, policy)
         self._policy = policy
         self._candidates = np.empty(0, np.int32)
-        self.tree: Tree | None = None
-        """The tree that was grown last."""
+        self.trees: list[Tree] = []
+        """The trees that were grown since the map has changed, the local one first."""
 
     @property
     def frontier(self) -> NDArray[np.int32]:
@@ -99,6 +99,7 @@ class RrtFrontierPilot(ViewpointPilot):
     def on_map_growth(self, view: View) -> None:
         """Grow a local tree and add its candidates."""
         super().on_map_growth(view)
+        self.trees = []
         half = self._policy.local_ranges * self.briefing.lidar_range
         self._grow(view, half, self._policy.local_samples)
 
@@ -144,8 +145,9 @@ class RrtFrontierPilot(ViewpointPilot):
         """Grow a tree in a square around the UAV, and update the candidates."""
         low, high = box_around(view.cell, half, view.belief.shape)
         points = tree_samples(view.belief, low, high, samples, self._policy.bias, self.rng)
-        self.tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), points, self._policy.edge)
-        found = np.union1d(self._candidates, entries(view.belief, *self.tree))
+        tree = grow_tree(view.belief, (view.cell[0] + 0.5, view.cell[1] + 0.5), points, self._policy.edge)
+        self.trees.append(tree)
+        found = np.union1d(self._candidates, entries(view.belief, *tree))
         self._candidates = found[frontier_cells(view.belief, found)]
 
     def _revenue(self, view: View, cells: NDArray[np.int32], field: NDArray[np.int32]) -> NDArray[np.float64]:

@@ -154,20 +154,24 @@ class PsoPilot(CandidatePilot):
             return True
         if not any(mate.age == 0 for mate in view.mates):
             return False
-        members = [member for member in linked_members(view, self.briefing, self.message) if member.goal]
+        members = [member for member in self.members(view) if member.goal]
         return any(member.plan != self._plan for member in members) or any(
             self.is_spent(view, member.goal) for member in members if member.goal
         )
 
     def choose(self, view: View) -> Cell | None:
         """Return this UAV's goal in the joint plan, or its nearest frontier cell if it has none."""
-        members = linked_members(view, self.briefing, self.message)
+        members = self.members(view)
         self._plan = (float(view.step), float(members[0].agent))
         self._planned_on = self.navigator.known
         goal = self.plan(view, members).get(self.briefing.agent)
         if goal is None or goal in self.visited or self.near_banned(view, self.paths.flat([goal])).any():
             goal = self.nearest_frontier(view)
         return goal
+
+    def members(self, view: View) -> list[LinkedMember]:
+        """Return the members of the linked group, by number."""
+        return linked_members(view, self.briefing, self.message)
 
     def plan(self, view: View, members: list[LinkedMember]) -> dict[int, Cell]:
         """Return the next goal of every UAV of the group that can reach a candidate, by number.
