@@ -7,6 +7,8 @@ ROOT = Path(__file__).resolve().parent.parent
 SITE = ROOT / "evaluation" / "site"
 #: The README and the pages of the site.
 PAGES = (ROOT / "README.md", *sorted((SITE / "pages").rglob("*.md")))
+#: The documents on planners and bounds.
+PLANNERS, BOUNDS = ROOT / "planners" / "PLANNERS.md", ROOT / "evaluation" / "BOUNDS.md"
 
 
 def python_of(path: Path) -> list[str]:

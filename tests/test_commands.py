@@ -11,10 +11,10 @@ import pytest
 from PIL import Image
 
 from indoor_explorers.evaluation.cli.parser import main
-from tests.documents import PAGES, ROOT
+from tests.documents import BOUNDS, PAGES, PLANNERS, ROOT
 from tests.test_plugin import BLOCK
 
-DOCUMENTS = (*PAGES, *sorted((ROOT / "learners").rglob("*.md")))
+DOCUMENTS = (*PAGES, PLANNERS, BOUNDS, *sorted((ROOT / "learners").rglob("*.md")))
 #: Words of commands that stand for something of the reader's, or that take days or have tests of their own.
 PLACEHOLDERS = re.compile(
     r"\b(LEARNER|DIR|FILE|MODULE|my_planner)\b|^(bench|ablate|check)\b|results/thesis\b|--engine ray|\*|sb3:sb3-"

@@ -14,7 +14,7 @@ from indoor_explorers.evaluation.cli.commands import COMMANDS
 from indoor_explorers.evaluation.cli.parser import build_parser
 from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS
 from indoor_explorers.evaluation.site.reference import command_line_page, files_page, public_modules
-from tests.documents import PAGES, ROOT, SITE, python_of
+from tests.documents import BOUNDS, PAGES, PLANNERS, ROOT, SITE, python_of
 
 DOCUMENTS = (*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "evaluation" / "CLUSTER.md")
 #: What needs Ray is run in tests/env/interfaces/test_rllib.py, where Ray is started once and with little.
@@ -58,7 +58,7 @@ def test_every_policy_and_scenario_is_in_its_table():
         assert f"`{name}`" in scenarios
 
 
-@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [*PAGES, PLANNERS, BOUNDS], ids=lambda path: path.stem)
 def test_every_command_line_is_understood(path):
     assert not re.search(r"^ {0,3}indoor-explorers ", path.read_text(), re.MULTILINE)  # would be no code
     for line in re.findall(r"^    indoor-explorers (.*)$", path.read_text(), re.MULTILINE):
@@ -85,9 +85,11 @@ def test_documents_import_public_names_alone():
                     assert {alias.name for alias in node.names} <= set(names), (path, node.module)
 
 
-@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [*DOCUMENTS, PLANNERS, BOUNDS], ids=lambda path: path.stem)
 def test_links_lead_somewhere(path):
     for target, anchor in re.findall(r"\]\((?!http)([^)#]+)#?([^)]*)\)", path.read_text()):
+        if "/pages/gallery/" in target:  # drawn when the site is built
+            continue
         found = path.parent / target
         assert found.exists(), target
         headings = re.findall(r"^#+ (.+)$", found.read_text(), re.MULTILINE) if anchor else [""]
@@ -101,14 +103,24 @@ def test_the_site_is_built_and_fetches_nothing(tmp_path):
     done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, timeout=300, env=few)
     assert done.returncode == 0, done.stderr
     pages = {str(path.relative_to(tmp_path / "site")): path.read_text() for path in (tmp_path / "site").rglob("*.html")}
-    made = {"index.html", "methods/planners.html", "reference/python.html", "reference/settings.html"}
-    assert made | {"reports/index.html", "reports/families.html"} <= pages.keys()
+    made = {"index.html", "methods/planners.html", "methods/bounds.html", "reference/python.html"}
+    assert made | {"reference/settings.html", "reports/index.html", "reports/families.html"} <= pages.keys()
     for name, text in pages.items():
         assert not re.search(r"<(script|img|link)[^>]* (src|href)=\"https?://", text), name
     for name in policy_names():
         assert (tmp_path / "site" / "gallery" / f"policy-{name}.png").stat().st_size > 1000
     assert "lidar.range" in pages["reference/settings.html"]
     assert "--ratio-to" in pages["reference/command-line.html"]
+
+
+def test_the_script_of_the_lower_bounds_prints_a_line_for_each_scenario(capsys):
+    (script,) = python_of(BOUNDS)
+    script = changed(
+        script, "thesis-open thesis-obstacles thesis-team-2 thesis-team-4 office", "thesis-open thesis-team-2"
+    )
+    script = changed(changed(script, " offices rooms cave floors maze", ""), "1_000_030", "1_000_002")
+    exec(compile(script, "bounds", "exec"), {"__name__": "__main__"})
+    assert re.fullmatch(r"(thesis-\S+ \[[\d.]+, [\d.]+\]\n){2}", capsys.readouterr().out)
 
 
 @pytest.mark.slow  # guarded by the imports above

@@ -17,6 +17,7 @@ from mkdocs.structure.files import File
 from indoor_explorers.evaluation.playground.page import playground
 from indoor_explorers.evaluation.site.concepts import concept_pictures
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
+from indoor_explorers.evaluation.site.planner_pictures import planner_pictures
 from indoor_explorers.evaluation.site.published import published, reports_page
 from indoor_explorers.evaluation.site.reference import (
     command_line_page,
@@ -39,6 +40,7 @@ DOCUMENTS = {
     "evaluation/CLUSTER.md": "guides/cluster.md",
     "evaluation/SUITES.md": "reference/suites.md",
     "evaluation/STATISTICS.md": "methods/statistics.md",
+    "evaluation/BOUNDS.md": "methods/bounds.md",
     "planners/PLANNERS.md": "methods/planners.md",
     "learners/DDDQN.md": "methods/dddqn.md",
     "learners/BASELINES.md": "methods/baselines.md",
@@ -74,7 +76,12 @@ def on_files(files: Any, config: Any) -> Any:
     files.append(File.generated(config, "reports/index.md", content=reports_page(reports)))
     files.append(File.generated(config, "example-report.html", content=example_report()))
     files.append(File.generated(config, "playground.html", content=playground()))
-    for name, picture in {**pictures(), **concept_pictures(), **statistics_pictures()}.items():
+    for name, picture in {
+        **pictures(),
+        **concept_pictures(),
+        **planner_pictures(),
+        **statistics_pictures(),
+    }.items():
         files.append(File.generated(config, f"gallery/{name}", content=picture))
     for page in list(files.documentation_pages()):
         for target in _linked(page.src_uri, page.content_string):

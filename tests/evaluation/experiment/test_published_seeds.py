@@ -12,11 +12,12 @@ from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 ROOT = Path(__file__).parents[3]
 DOCUMENTS = (
     "evaluation/site/pages/results.md",
+    "evaluation/site/pages/results-planners.md",
     "learners/DDDQN.md",
     "learners/places/PLACES.md",
     "learners/BASELINES.md",
     "learners/THESIS.md",
-    "planners/PLANNERS.md",
+    "evaluation/BOUNDS.md",
 )
 #: The experiments by which something was, or might have been, chosen: words of their commands.
 CHOICES = {"lidar-ranges", "tours-delay"}

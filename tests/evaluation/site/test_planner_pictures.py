@@ -1,0 +1,33 @@
+"""The pictures of the page on planners are made, and show what the planners decide."""
+
+import re
+
+import pytest
+
+from indoor_explorers.evaluation.site import planner_pictures as pictures
+from tests.documents import ROOT
+
+
+def test_every_picture_of_the_page_is_made():
+    page = (ROOT / "planners" / "PLANNERS.md").read_text("utf-8")
+    made = pictures.planner_pictures()
+    assert set(re.findall(r"gallery/(planner-[\w-]+\.svg)", page)) == made.keys()
+    for name, picture in made.items():
+        assert picture.startswith(b"<?xml"), name
+        assert len(picture) > 10_000, name
+
+
+@pytest.mark.parametrize("name", ["frontier-latency", "frontier"])
+def test_the_first_place_of_a_plan_is_the_goal(name):
+    pilot, view = pictures._pilot(name, pictures.DECISIONS)
+    first, *others = pictures._planned(pilot, view)
+    pilot.act(view)
+    assert pilot.goal == first
+    assert others
+
+
+def test_a_joint_plan_leads_to_the_goals_of_the_uavs():
+    joint, view = pictures._joint_plan()
+    first = [pictures._cell(joint.cells[k], view) for k in joint.best[:, 0]]
+    assert len(joint.members) == len(set(first)) == 2
+    assert len(joint.initial) == len(pictures.INITIAL)
