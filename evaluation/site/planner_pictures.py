@@ -5,14 +5,12 @@ Evaluation imports no planner, so pilots come from the registry, and what they d
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from string import ascii_uppercase
 from typing import Any
 
 import numpy as np
-from matplotlib import patheffects
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -26,18 +24,35 @@ from indoor_explorers.env.search.clusters import frontier_clusters, middles, nea
 from indoor_explorers.env.search.pockets.labels import true_pockets
 from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_cells
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.report.style.palette import COLOURS
-from indoor_explorers.evaluation.site.drawing import UAV, cells, svg
+from indoor_explorers.evaluation.site.drawing import cells, svg
+from indoor_explorers.evaluation.site.map_marks import (
+    BLUE,
+    GOAL_MARK,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    UAV_MARK,
+    UNKNOWN_PATCH,
+    VERMILLION,
+    WALL_PATCH,
+    goal_at,
+    label_at,
+    legend,
+    line,
+    mark,
+    tint,
+    uav_at,
+)
 
-BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (on_white for on_white, _ in COLOURS[:6])
 #: The offices of all pictures but one, and the floor of that, which is like those that the estimates were learned from.
 OFFICE: dict[str, Any] = {"map.height": 22, "map.width": 32, "lidar.range": 6.0}
 FLOOR: dict[str, Any] = {"map.height": 80, "map.width": 112, "map.area": [400.0, 2000.0]}
 #: Seed of a floor and steps that were flown there before what is shown: for decisions, trees, estimates and swarm, and
 #: for the flight in sectors.
 DECISIONS, TREES, ESTIMATES, SWARM, SECTORS = (29, 81), (36, 81), (4, 426), (30, 69), (42, 60)
-#: A white rim, so that lines are seen on every ground.
-RIM = [patheffects.withStroke(linewidth=2.6, foreground="white")]
+#: Names of the initial plans of a swarm.
+INITIAL = ("greedy", "Hungarian", "MinPos", "current goals")
 
 
 def planner_pictures() -> dict[str, bytes]:
@@ -74,9 +89,7 @@ def _flown(
 def _explored(place: tuple[int, int]) -> World:
     """Return a floor that one UAV has explored by flying to nearest frontiers."""
     settings, name = (FLOOR, "floors") if place == ESTIMATES else (OFFICE, "small-offices")
-    return _flown("frontier-nearest" if name != "floors" else "frontier-latency", place, settings | {"team": 1}, name)[
-        0
-    ]
+    return _flown("frontier-nearest", place, settings | {"team": 1}, name)[0]
 
 
 def _pilot(policy: str, place: tuple[int, int]) -> tuple[Any, View]:
@@ -86,50 +99,9 @@ def _pilot(policy: str, place: tuple[int, int]) -> tuple[Any, View]:
 
 
 def _cell(flat: Any, view: View) -> Cell:
-    return divmod(int(flat), view.belief.shape[1])
-
-
-def _line(axes: Any, points: Sequence[Any], **look: Any) -> None:
-    """Draw a line through rows and columns."""
-    axes.plot([col for _, col in points], [row for row, _ in points], **{"linewidth": 1.8, "path_effects": RIM} | look)
-
-
-def _uav(axes: Any, cell: Cell, **look: Any) -> None:
-    axes.plot(cell[1], cell[0], **UAV | {"markeredgecolor": "white", "markeredgewidth": 0.8, "zorder": 5} | look)
-
-
-def _goal(axes: Any, cell: Cell, **look: Any) -> None:
-    style = {"marker": "*", "markersize": 11, "color": VERMILLION, "markeredgecolor": "white", "zorder": 6}
-    axes.plot(cell[1], cell[0], **style | look)
-
-
-def _label(axes: Any, cell: tuple[float, float], text: str, **look: Any) -> None:
-    style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 7.5, "zorder": 7, "path_effects": RIM}
-    axes.text(cell[1], cell[0], text, **style | look)
-
-
-def _tint(axes: Any, mask: NDArray[np.bool_], colour: str, alpha: float) -> None:
-    """Colour the cells of a (H, W) mask."""
-    shades = np.zeros((*mask.shape, 4))
-    shades[mask] = to_rgba(colour, alpha)
-    axes.imshow(shades, interpolation="nearest")
-
-
-def _map(axes: Any, belief: NDArray[np.uint8], title: str) -> None:
-    cells(axes, belief, title)
-
-
-def _legend(figure: Figure, handles: Sequence[Any], columns: int) -> None:
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns, handlelength=1.8, columnspacing=1.4)
-
-
-def _mark(label: str, **look: Any) -> Line2D:
-    return Line2D([], [], **{"linestyle": "", "color": "#444444"} | look, label=label)
-
-
-UAV_MARK = _mark("UAV", **UAV)
-GOAL_MARK = _mark("goal", marker="*", markersize=9, color=VERMILLION)
-UNKNOWN_PATCH, WALL_PATCH = Patch(color="#9aa0a6", label="unknown"), Patch(color="#30343b", label="wall")
+    """Return the row and column of a flat cell."""
+    row, col = divmod(int(flat), view.belief.shape[1])
+    return row, col
 
 
 def _clusters(figure: Figure) -> None:
@@ -138,27 +110,27 @@ def _clusters(figure: Figure) -> None:
     problem = pilot.decision_problem(view, pilot.members(view))
     figure.set_size_inches(7.0, 3.0)
     left, right = figure.subplots(1, 2)
-    _map(left, view.belief, f"{clusters.size} frontier clusters")
+    cells(left, view.belief, f"{clusters.size} frontier clusters")
     for k in range(clusters.size):
         member = np.zeros(view.belief.size, np.bool_)
         member[clusters.cells[clusters.ends[k] : clusters.ends[k + 1]]] = True
-        _tint(left, member.reshape(view.belief.shape), (BLUE, ORANGE, GREEN, PURPLE, SKY)[k % 5], 1.0)
-    _uav(left, view.cell)
-    _map(right, view.belief, "view gains of their nearest cells")
+        tint(left, member.reshape(view.belief.shape), (BLUE, ORANGE, GREEN, PURPLE, SKY)[k % 5], 1.0)
+    uav_at(left, view.cell)
+    cells(right, view.belief, "view gains of their nearest cells")
     best = int(problem.gains.argmax())
-    _tint(right, _in_view(view, _cell(problem.cells[best], view)), ORANGE, 0.55)
+    tint(right, _in_view(view, _cell(problem.cells[best], view)), ORANGE, 0.55)
     rows, cols = np.divmod(problem.cells, view.belief.shape[1])
     right.scatter(cols, rows, 130 * problem.gains / problem.gains.max(), c=BLUE, edgecolors="white", lw=0.6)
-    _label(right, _cell(problem.cells[best], view), f"{problem.gains[best]:.0f}", color="white", path_effects=[])
-    _uav(right, view.cell)
+    label_at(right, _cell(problem.cells[best], view), f"{problem.gains[best]:.0f}", color="white", path_effects=[])
+    uav_at(right, view.cell)
     handles = [
         UAV_MARK,
-        _mark("its area is the view gain", marker="o", color=BLUE),
+        mark("its area is the view gain", marker="o", color=BLUE),
         Patch(color=to_rgba(ORANGE, 0.55), label="unknown cells in view from the largest one"),
         UNKNOWN_PATCH,
         WALL_PATCH,
     ]
-    _legend(figure, handles, 5)
+    legend(figure, handles, 5)
 
 
 def _in_view(view: View, cell: Cell) -> NDArray[np.bool_]:
@@ -175,22 +147,22 @@ def _decisions(figure: Figure) -> None:
         pilot, view = _pilot(name, DECISIONS)
         stops = _planned(pilot, view)
         pilot.act(view)
-        _map(axes, view.belief, name)
+        cells(axes, view.belief, name)
         for one, other in pairwise(stops):
             way = straight_path(view.belief, one, other)
-            _line(axes, way, color=GREEN, linewidth=1.2, linestyle=(0, (3, 1.5)))
-        _line(axes, pilot.navigator.path, color=BLUE)
+            line(axes, way, color=GREEN, linewidth=1.2, linestyle=(0, (3, 1.5)))
+        line(axes, pilot.navigator.path, color=BLUE)
         for number, stop in enumerate(stops[1:], start=2):
-            _label(axes, stop, str(number))
-        _goal(axes, pilot.goal)
-        _uav(axes, view.cell)
+            label_at(axes, stop, str(number))
+        goal_at(axes, pilot.goal)
+        uav_at(axes, view.cell)
     handles = [
         UAV_MARK,
         GOAL_MARK,
         Line2D([], [], color=BLUE, linewidth=1.8, label="path to the goal"),
         Line2D([], [], color=GREEN, linewidth=1.2, linestyle=(0, (3, 1.5)), label="planned after it: 2, 3, ..."),
     ]
-    _legend(figure, handles, 4)
+    legend(figure, handles, 4)
 
 
 def _planned(pilot: Any, view: View) -> list[Cell]:
@@ -210,38 +182,36 @@ def _trees(figure: Figure) -> None:
     left, right = figure.subplots(1, 2)
     pilot, view = _pilot("rrt-nbv", TREES)
     pilot.act(view)
-    _map(left, view.belief, "rrt-nbv: a tree in known space")
+    cells(left, view.belief, "rrt-nbv: a tree in known space")
     _edges(left, pilot.tree)
-    _line(left, pilot.tree.vertices[pilot.branch] - 0.5, color=BLUE)
+    line(left, pilot.tree.vertices[pilot.branch] - 0.5, color=BLUE)
     pilots = [(left, pilot)]
     pilot, view = _pilot("rrt-frontier", TREES)
     pilot.act(view)
-    _map(right, view.belief, "rrt-frontier: trees into unknown space")
+    cells(right, view.belief, "rrt-frontier: trees into unknown space")
     for tree in pilot.trees:
         _edges(right, tree)
     rows, cols = np.divmod(pilot.frontier, view.belief.shape[1])
     right.plot(cols, rows, linestyle="", marker="s", markersize=3.6, color=ORANGE, markeredgecolor="black", mew=0.4)
-    _line(right, pilot.navigator.path, color=BLUE)
+    line(right, pilot.navigator.path, color=BLUE)
     for axes, each in [*pilots, (right, pilot)]:
-        _goal(axes, each.goal)
-        _uav(axes, view.cell)
+        goal_at(axes, each.goal)
+        uav_at(axes, view.cell)
         axes.set(xlim=(-0.5, view.belief.shape[1] - 0.5), ylim=(view.belief.shape[0] - 0.5, -0.5))
     handles = [
         UAV_MARK,
         GOAL_MARK,
         Line2D([], [], color=PURPLE, linewidth=1.0, label="tree"),
         Line2D([], [], color=BLUE, linewidth=1.8, label="best branch; path to the goal"),
-        _mark(
-            "where edges leave known space", marker="s", markersize=4, color=ORANGE, markeredgecolor="black", mew=0.4
-        ),
+        mark("where edges leave known space", marker="s", markersize=4, color=ORANGE, markeredgecolor="black", mew=0.4),
     ]
-    _legend(figure, handles, 5)
+    legend(figure, handles, 5)
 
 
 def _edges(axes: Any, tree: Any) -> None:
     for vertex, parent in enumerate(tree.parents.tolist()):
         if parent >= 0:
-            _line(axes, tree.vertices[[vertex, parent]] - 0.5, color=PURPLE, linewidth=1.0, path_effects=None)
+            line(axes, tree.vertices[[vertex, parent]] - 0.5, color=PURPLE, linewidth=1.0, path_effects=None)
 
 
 def _swarm(figure: Figure) -> None:
@@ -250,29 +220,25 @@ def _swarm(figure: Figure) -> None:
     plans = [(name, goals[:, None]) for name, goals in zip(INITIAL, joint.initial, strict=True)]
     panels = figure.subplots(2, 3).ravel()
     for axes, (name, plan) in zip(panels, [*plans, ("joint plan of the swarm", joint.best)], strict=False):
-        _map(axes, view.belief, name)
+        cells(axes, view.belief, name)
         for member, goals, colour, dashes in zip(
             joint.members, plan, (BLUE, VERMILLION), ("-", (0, (3, 1.2))), strict=True
         ):
             stops = [member.cell, *(_cell(joint.cells[k], view) for k in goals if k >= 0)]
             for one, other in pairwise(stops):
-                _line(axes, straight_path(view.belief, one, other), color=colour, linestyle=dashes, linewidth=1.6)
+                line(axes, straight_path(view.belief, one, other), color=colour, linestyle=dashes, linewidth=1.6)
             for number, stop in enumerate(stops[1:], start=1):
-                _label(axes, stop, str(number), color=colour, fontweight="bold")
-            _uav(axes, member.cell, color=colour)
+                label_at(axes, stop, str(number), color=colour, fontweight="bold")
+            uav_at(axes, member.cell, color=colour)
     panels[-1].set_axis_off()
     handles = [
         Line2D([], [], marker="o", color=BLUE, label="UAV 0 and its paths"),
         Line2D([], [], marker="o", color=VERMILLION, linestyle=(0, (3, 1.2)), label="UAV 1 and its paths"),
-        _mark("goals in the order of the plan", marker="$1$"),
+        mark("goals in the order of the plan", marker="$1$"),
         UNKNOWN_PATCH,
         WALL_PATCH,
     ]
     panels[-1].legend(handles=handles, loc="center")
-
-
-#: Names of the initial plans of a swarm.
-INITIAL = ("greedy", "Hungarian", "MinPos", "current goals")
 
 
 def _joint_plan() -> tuple[Any, View]:
@@ -299,23 +265,23 @@ def _estimates(figure: Figure) -> None:
     deferred = pilot.outlook(view, clusters, away).deferred
     figure.set_size_inches(7.0, 3.0)
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
-    _map(left, view.belief, "frontier clusters")
-    _tint(left, (view.belief == UNKNOWN) & (truth == FREE), SKY, 0.45)
-    _tint(left, np.isin(np.arange(truth.size), clusters.cells).reshape(truth.shape), ORANGE, 0.9)
+    cells(left, view.belief, "frontier clusters")
+    tint(left, (view.belief == UNKNOWN) & (truth == FREE), SKY, 0.45)
+    tint(left, np.isin(np.arange(truth.size), clusters.cells).reshape(truth.shape), ORANGE, 0.9)
     names = ascii_uppercase[: clusters.size]
     for name, flat in zip(names, middles(clusters, truth.shape[1]), strict=True):
-        _label(left, _cell(flat, view), name, fontweight="bold", fontsize=6.5)
-    _uav(left, view.cell)
+        label_at(left, _cell(flat, view), name, fontweight="bold", fontsize=6.5)
+    uav_at(left, view.cell)
     places = np.arange(clusters.size)
     right.bar(places - 0.2, true, 0.36, color=SKY, label="true")
     right.bar(places + 0.2, estimated, 0.36, color="white", edgecolor=BLUE, hatch="////", label="estimated")
     right.set(ylabel="unknown free cells behind", title="sizes of the pockets", yscale="symlog")
     right.set_yticks([0, 1, 10, 100, 1000], ["0", "1", "10", "100", "1,000"])
     right.set_xticks(places, [f"{name}*" if late else name for name, late in zip(names, deferred, strict=True)])
-    handles = [UAV_MARK, _mark("frontier cluster", marker="s", color=ORANGE), *right.get_legend_handles_labels()[0]]
-    handles.append(_mark("deferred", marker="$*$"))
+    handles = [UAV_MARK, mark("frontier cluster", marker="s", color=ORANGE), *right.get_legend_handles_labels()[0]]
+    handles.append(mark("deferred", marker="$*$"))
     handles.insert(2, Patch(color=to_rgba(SKY, 0.6), label="free, not seen yet"))
-    _legend(figure, handles, 6)
+    legend(figure, handles, 6)
 
 
 def _sectors(figure: Figure) -> None:
@@ -332,17 +298,17 @@ def _sectors(figure: Figure) -> None:
     left.set_axis_off()
     left.set_title("factor of UAV 0 on gains")
     figure.colorbar(shown, ax=left, shrink=0.7)
-    _map(right, world.state.union[0], f"{SECTORS[1]} steps of frontier, no radio")
+    cells(right, world.state.union[0], f"{SECTORS[1]} steps of frontier, no radio")
     hues, ends = (BLUE, ORANGE, GREEN, PURPLE), ("o", "s", "^", "D")
     for uav, (colour, end, trail) in enumerate(zip(hues, ends, trails, strict=True)):
-        _tint(right, np.argmax(factors, axis=0) == uav, colour, 0.3)
-        _line(right, trail, color=colour)
-        _uav(right, trail[-1], color=colour, marker=end)
+        tint(right, np.argmax(factors, axis=0) == uav, colour, 0.3)
+        line(right, trail, color=colour)
+        uav_at(right, trail[-1], color=colour, marker=end)
     for axes in (left, right):
-        _goal(axes, trails[0][0], color="white", markeredgecolor="black")
+        goal_at(axes, trails[0][0], color="white", markeredgecolor="black")
     handles = [
         Line2D([], [], color=colour, marker=end, label=f"UAV {uav}: sector, flight")
         for uav, (colour, end) in enumerate(zip(hues, ends, strict=True))
     ]
-    start = _mark("start", marker="*", markersize=9, color="white", markeredgecolor="black")
-    _legend(figure, [*handles, start], 5)
+    start = mark("start", marker="*", markersize=9, color="white", markeredgecolor="black")
+    legend(figure, [*handles, start], 5)
