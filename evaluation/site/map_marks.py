@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib import patheffects
-from matplotlib.colors import to_hex, to_rgba
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -62,8 +62,12 @@ def mark(label: str, **look: Any) -> Line2D:
     return Line2D([], [], **{"linestyle": "", "color": "#444444"} | look, label=label)
 
 
+def patch(code: int, label: str) -> Patch:
+    """Return cells of a code for a legend."""
+    colour: Any = COLOURS(code)
+    return Patch(color=colour, label=label)
+
+
 UAV_MARK = mark("UAV", **UAV)
 GOAL_MARK = mark("goal", marker="*", markersize=9, color=VERMILLION)
-UNKNOWN_PATCH, WALL_PATCH = (
-    Patch(color=to_hex(COLOURS(code)), label=name) for code, name in ((UNKNOWN, "unknown"), (OCCUPIED, "wall"))
-)
+UNKNOWN_PATCH, WALL_PATCH = patch(UNKNOWN, "unknown"), patch(OCCUPIED, "wall")
