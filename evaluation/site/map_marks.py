@@ -62,9 +62,9 @@ def mark(label: str, **look: Any) -> Line2D:
     return Line2D([], [], **{"linestyle": "", "color": "#444444"} | look, label=label)
 
 
-def patch(code: int, label: str) -> Patch:
+def patch(code: np.integer[Any], label: str) -> Patch:
     """Return cells of a code for a legend."""
-    colour: Any = COLOURS(code)
+    colour: Any = COLOURS(int(code))
     return Patch(color=colour, label=label)
 
 
