@@ -17,6 +17,7 @@ from mkdocs.structure.files import File
 from indoor_explorers.evaluation.playground.page import playground
 from indoor_explorers.evaluation.site.concepts import concept_pictures
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
+from indoor_explorers.evaluation.site.learner_pictures import learner_pictures
 from indoor_explorers.evaluation.site.planner_pictures import planner_pictures
 from indoor_explorers.evaluation.site.published import published, reports_page
 from indoor_explorers.evaluation.site.reference import (
@@ -79,6 +80,7 @@ def on_files(files: Any, config: Any) -> Any:
     for name, picture in {
         **pictures(),
         **concept_pictures(),
+        **learner_pictures(),
         **planner_pictures(),
         **statistics_pictures(),
     }.items():
