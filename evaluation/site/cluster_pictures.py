@@ -32,7 +32,7 @@ CHOICE, BELIEF = (14, 56), (100, 200)
 MOST = (1.5, 4.0)
 #: The generated floors that estimates are compared with the truth on, and bins of probabilities.
 FLOORS = FloorsMaps(height=96, width=120, area=(300.0, 1000.0))
-SEEDS, BINS = range(100, 130), 5
+SEEDS, BINS = range(100, 120), 5
 #: Colours and markers of the thresholds; the colour of a chosen place; what texts stand on.
 CURVES = (("#0072b2", "o"), ("#d55e00", "s"), ("#008f68", "D"))
 CHOSEN = "#d55e00"
@@ -61,7 +61,8 @@ def choice() -> Choice:
     world.reset([CHOICE[0]])
     _fly(world, "dddqn-places", CHOICE[1])
     view, briefing, policy = world.view(0, 0), world.briefing(0, 0), DddqnPlaces()
-    pilot, other = policy.pilot(briefing), make_policy("frontier-predictive").pilot(briefing)
+    pilot: Any = policy.pilot(briefing)
+    other: Any = make_policy("frontier-predictive").pilot(briefing)
     pilot.navigator.observe(view)
     scene: Any = Observer(pilot).observe(view)
     values = network.values(scene, network.load_weights(policy.path))

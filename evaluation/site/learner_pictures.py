@@ -54,7 +54,7 @@ class Moment(NamedTuple):
     q: NDArray[np.float32]
     """(4,) the values of the moves."""
     terms: list[NDArray[np.float32]]
-    """(4,) the part of the values for each of ``TERMS``; with V they add up to ``q``."""
+    """(4,) the part of the values for each of ``TERMS``, less its mean; with V they add up to ``q``."""
     rule: NDArray[np.float32]
     """(4,) the values by the rule of ``tours``."""
 
@@ -79,13 +79,14 @@ def moment() -> Moment:
     for step, _ in enumerate(rollout(world, ask_pilots(policy, pilots, world)), start=1):
         if step == STEP:
             break
-    view, pilot = world.view(0, 0), pilots[0, 0]
+    view = world.view(0, 0)
+    pilot: Any = pilots[0, 0]
     pilot.act(view)
 
     def value(weights: NetworkWeights) -> NDArray[np.float32]:
-        q = np.zeros((1, 4), np.float32)
-        q_values(pilot.scenes, pilot.moves, weights, q)
-        return q[0]
+        q = np.zeros(4, np.float32)
+        q_values(pilot.scenes, pilot.moves, weights, q[None])
+        return q
 
     parts = {part for _, _, parts in TERMS for part in parts} | {"value", "value_bias"}
     terms = [value(_silent(loaded.weights, parts.difference(kept))) for _, _, kept in TERMS]
@@ -102,11 +103,12 @@ def _sees(figure: Figure) -> None:
     seen, loaded = moment(), _loaded()
     layout, layers = loaded.layout, loaded.observation.layers
     figure.set_size_inches(7.0, 4.5)
-    left, right = figure.subfigures(1, 2, width_ratios=(1.0, 1.12))
+    halves: Any = figure.subfigures(1, 2, width_ratios=(1.0, 1.12))
+    left, right = halves
     axes = left.subplots(3, 2).ravel()
     cells(axes[0], seen.belief, "", [seen.cell])
-    for k, name in enumerate(layers):
-        _plane(axes[1 + k], seen, int(layout.layers[layout.layers >= 0][k]), layout.crop, 1, name)
+    for k, layer in enumerate(layers):
+        _plane(axes[1 + k], seen, int(layout.layers[layout.layers >= 0][k]), layout.crop, 1, layer)
     for k, name in enumerate(("unknown", "free")):
         at = layout.coarse_at + k * layout.coarse**2
         _plane(axes[1 + len(layers) + k], seen, at, layout.coarse, 3, f"coarse: {name}")
@@ -170,7 +172,7 @@ def _network(figure: Figure) -> None:
     figure.set_size_inches(7.0, 2.6)
     axes = figure.subplots()
     for x, y, face, edge, text in boxes.values():
-        look = {"facecolor": face, "edgecolor": edge, "linewidth": 0.8 if edge == LINE else 2.0}
+        look: dict[str, Any] = {"facecolor": face, "edgecolor": edge, "linewidth": 0.8 if edge == LINE else 2.0}
         axes.add_patch(FancyBboxPatch((x, y - HEIGHT / 2), WIDTH, HEIGHT, boxstyle="round,pad=0.08", **look))
         axes.text(x + WIDTH / 2, y, text, ha="center", va="center", fontsize=6.6)
     ends = {name: (x - 0.1, y) for name, (x, y, *_) in boxes.items()}
@@ -198,7 +200,7 @@ def _values(figure: Figure) -> None:
     wide = 0.8 / len(TERMS)
     for n, (name, colour, _) in enumerate(TERMS):
         right.bar(np.arange(4) + (n - 1) * wide, seen.terms[n], wide, color=colour, label=name)
-    right.plot(range(4), np.sum(seen.terms, axis=0), "D", color="#1b1f24", markersize=4, label="their sum, A")
+    right.plot(range(4), np.sum(seen.terms, axis=0), "D", color="#1b1f24", markersize=4, label="their sum, Q - V")
     right.axhline(0, color=LINE, linewidth=0.8)
     beyond = [
         BEYOND * seen.moves[:, layout.tours_at + TOURS.index(f"its steps beyond the shortest{mark}")]
@@ -208,6 +210,6 @@ def _values(figure: Figure) -> None:
     right.set_xticks(
         range(4), [f"{name}\nQ {q:.2f}\n{goal:+.1f} / {mark:+.1f}" for name, q, goal, mark in labels], fontsize=7.5
     )
-    right.set(ylabel="part of Q")
+    right.set(ylabel="part of Q - V")
     right.set_xlabel("below Q: steps beyond the shortest tour to 99 % / 90 %", fontsize=7.5)
     figure.legend(loc="outside upper center", ncols=4, fontsize=7.5, handlelength=1.4)
