@@ -19,7 +19,7 @@ from indoor_explorers.env.maps.sources import (
     RoomsMaps,
 )
 from indoor_explorers.env.scenarios.codes import StuckRuleName
-from indoor_explorers.env.scenarios.scenario import Lidar, Radio, Rewards, Scenario, Stuck
+from indoor_explorers.env.scenarios.scenario import Base, Lidar, Radio, Rewards, Scenario, Stuck
 
 
 def _old_rewards(step: float, cell: float, crash: float, stuck: float, goal: float) -> Rewards:
@@ -97,9 +97,17 @@ def _small(preset: Scenario, maps: MapSource) -> Scenario:
     )
 
 
+def _with_base(preset: Scenario, team: int, budget: int) -> Scenario:
+    """Return a building in which only what the UAVs have reported home by the deadline counts."""
+    base = Base(at="start", must_return=True)
+    name = f"{preset.name}-base-{team}"
+    return preset.model_copy(update={"name": name, "team": team, "base": base, "budget": budget})
+
+
 def _buildings() -> Iterator[Scenario]:
     """Yield the bundled office and generated buildings, each kind also small."""
-    yield _building("office", OfficeMap(), 1500)
+    office = _building("office", OfficeMap(), 1500)
+    yield from (office, _with_base(office, 2, 900), _with_base(office, 4, 500))
     offices = OfficesMaps(height=40, width=40, corridor=2, room_depth=(3, 5), room_width=(3, 6), crossing=24)
     for name, maps, budget, small in (
         ("rooms", RoomsMaps(), 1000, RoomsMaps(height=40, width=40, room_size=(3, 6), corridor=1)),

@@ -1,0 +1,156 @@
+"""Reports to a home base: explore as another policy does, and fly home, or let a teammate do it, when it is time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal, get_args
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.cells import UNREACHABLE, Action
+from indoor_explorers.env.navigation.navigator import Navigator
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.registry import make_policy
+from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, View
+from indoor_explorers.planners.parameters import at_least
+
+When = Literal["trips", "every", "deadline", "never"]
+#: Numbers that are added to each message: steps home, and whether the sender flies there.
+ADDED = 2
+#: Steps to spare before the deadline: this many, and one more for each of that many steps of the way.
+SPARE, SPARE_EVERY = 3, 8
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReturnToBase(Policy):
+    """Explore as another policy does, and bring home what was seen.
+
+    Where there is no base, UAVs fly as that policy. Of UAVs in contact only the one nearest to the base flies home: it
+    has what the others know, which counts for them as reported. At the latest a UAV leaves when the remaining steps
+    just suffice, or when nothing is left that it could explore. UAVs with the roles of explorers and relays are those
+    of J. de Hoog, S. Cameron, A. Visser, "Role-based autonomous multi-robot exploration", ComputationWorld 2009,
+    doi:10.1109/ComputationWorld.2009.14; here the roles follow from the distances home, step by step.
+    """
+
+    plans_for: ClassVar[str] = ALL_CELLS
+
+    explorer: str = "frontier"
+    """Registry name of the policy that explores."""
+    when: When = "trips"
+    """When to fly home before the end: ``trips``: when the last contact with the base is older than some flights home
+    and back take; ``every``: after a fixed number of steps; ``deadline``: at the end alone; ``never``."""
+    trips: float = 2.0
+    """``trips``: how many such flights."""
+    every: int = 100
+    """``every``: steps since the last contact."""
+
+    def __post_init__(self) -> None:
+        """Refuse parameters that make no sense, and take over what the explorer declares."""
+        at_least(self, 0.0, "trips")
+        at_least(self, 1, "every")
+        if self.when not in get_args(When):
+            raise InputError(f"ReturnToBase: expected when to be one of {', '.join(get_args(When))}, got {self.when!r}")
+        explorer = make_policy(self.explorer)
+        if explorer.privileged:
+            raise InputError(f"ReturnToBase: expected an explorer that is not given the map, got {self.explorer!r}")
+        object.__setattr__(self, "uses_generator", explorer.uses_generator)
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the pilot of one UAV."""
+        explorer = make_policy(self.explorer)
+        return ReturnPilot(briefing, self, explorer, explorer.pilot(briefing))
+
+
+class ReturnPilot(Pilot):
+    """Let another pilot explore, and fly home in between."""
+
+    def __init__(self, briefing: Briefing, policy: ReturnToBase, explorer: Policy, pilot: Pilot) -> None:
+        self._policy, self._explorer, self._pilot = policy, explorer, pilot
+        self._briefing = briefing
+        # draws of its own, so that the explorer's are those that it makes alone
+        self._navigator = Navigator(replace(briefing, rng=briefing.rng.spawn(1)[0]))
+        self._rng = briefing.rng.spawn(1)[0]
+        self._returning = False
+        self._reported = 0
+        """Cells that were known when the base, or a teammate that flies there, last had all of them."""
+        self._home = int(UNREACHABLE)
+        """Steps home."""
+        self._explored = False
+        self._trips = self._handed_over = 0
+
+    def act(self, view: View) -> int:
+        """Explore, or fly home."""
+        if self._briefing.base is None or self._policy.when == "never":
+            action = self._explorer.act([self._pilot], [view])[0]
+            self.message = self._pilot.message
+            return action
+        self._observe(view)
+        self._decide(view)
+        if view.base_age == 0 and self._is_late(view):
+            action = int(Action.STAY)  # what it could see now it could not report
+        elif self._returning:
+            action = self._fly_home(view)
+        else:
+            action = self._explorer.act([self._pilot], [view._replace(mates=_explorers(view.mates))])[0]
+        own = None if self._returning else self._pilot.message
+        kept = own if own and len(own) + ADDED <= MESSAGE_LIMIT else ()
+        self.message = (*kept, float(self._home), float(self._returning))
+        return action
+
+    def _observe(self, view: View) -> None:
+        """Note what is known, what of it has been reported, and the way home."""
+        base = self._briefing.base
+        assert base is not None
+        self._navigator.observe(view)
+        if self._navigator.map_grew:
+            self._field = self._navigator.paths.field(view.belief, base)
+            self._explored = not self._navigator.paths.to_frontier(view.belief, view.cell, self._rng)
+        self._home = int(self._field[view.cell])
+        if view.base_age == 0:
+            self._reported, self._returning = self._navigator.known, False
+
+    def _decide(self, view: View) -> None:
+        """Begin to fly home where it is time, or leave it to a teammate that is nearer."""
+        nothing_new = self._navigator.known == self._reported and not self._is_late(view)
+        if view.base_age == 0 or self._home >= UNREACHABLE or nothing_new:
+            self._returning = False
+            return
+        if not (self._returning or self._is_time(view)):
+            return
+        nearer = [mate for mate in view.mates if mate.age == 0 and _home_of(mate) < (self._home, self._briefing.agent)]
+        if nearer:
+            self._reported = self._navigator.known
+            self._handed_over += 1
+        elif not self._returning:
+            self._trips += 1
+        self._returning = not nearer
+
+    def _is_time(self, view: View) -> bool:
+        silent = view.step if view.base_age is None else view.base_age
+        due = {"trips": silent > self._policy.trips * 2 * self._home, "every": silent >= self._policy.every}
+        return self._explored or self._is_late(view) or due.get(self._policy.when, False)
+
+    def _is_late(self, view: View) -> bool:
+        """Tell whether the remaining steps just suffice for the flight home."""
+        return view.budget - view.step <= self._home + SPARE + self._home // SPARE_EVERY
+
+    def _fly_home(self, view: View) -> int:
+        navigator = self._navigator
+        if navigator.goal != self._briefing.base:
+            navigator.set_goal(view, self._briefing.base)
+        elif navigator.map_grew or navigator.is_off_path(view):
+            navigator.find_path(view)
+        return navigator.next_action(view)
+
+    def tally(self) -> dict[str, float]:
+        """Return the explorer's figures, the number of flights home, and of reports that a teammate carried."""
+        return self._pilot.tally() | {"flights_home": float(self._trips), "handed_over": float(self._handed_over)}
+
+
+def _home_of(mate: Mate) -> tuple[float, int]:
+    """Return the steps home that a teammate has told, with its number to break ties."""
+    return (mate.message[-ADDED] if mate.message and len(mate.message) >= ADDED else float(UNREACHABLE)), mate.agent
+
+
+def _explorers(mates: tuple[Mate, ...]) -> tuple[Mate, ...]:
+    """Return the teammates with the messages that their explorers sent."""
+    return tuple(mate._replace(message=(mate.message or ())[:-ADDED] or None) for mate in mates)
