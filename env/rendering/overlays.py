@@ -55,6 +55,14 @@ def uav(chart: Chart, cell: Cells, colour: Colour, agent: int) -> None:
     _number(chart.around, place, chart.radius, np.array(ink_on(colour), np.uint8), agent)
 
 
+def base(chart: Chart, cell: Cells) -> None:
+    """Mark the home base as a landing pad: an H in a ring."""
+    place, radius = chart.outer(cell), max(1.3 * chart.radius, 8.0)
+    disc(chart.around, place, radius, PAGE, 0.95)
+    ring(chart.around, place, radius - 1.0, INK, 2.0)
+    write(chart.around, place, "H", round(1.3 * radius), INK)
+
+
 def mate(chart: Chart, cell: Cells, colour: Colour, agent: int, age: int, *, small: bool) -> None:
     """Mark the last received cell of a teammate: a hollow disc that fades with age."""
     place, radius = chart.outer(cell), chart.radius * (0.6 if small else 1.0)

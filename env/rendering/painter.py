@@ -102,6 +102,8 @@ def _caption(canvas: Canvas, layout: FrameLayout, scene: Scene) -> None:
     ends = {End(int(end)) for end in scene.ends}
     over = "" if End.FLYING in ends else f"ended: {', '.join(ENDS[end] for end in sorted(ends))}  \u00b7  "
     facts = f"{over}step {scene.step:,} / {scene.budget:,}  \u00b7  coverage {percent(scene.coverage)}"
+    if scene.base is not None:
+        facts += f", at the base {percent(scene.base_coverage)}"
     line = MARGIN + 10
     write(canvas, (right, line), facts, 15, INK, anchor=1.0)
     room = right - left - text_width(facts, 15) - 24
@@ -119,6 +121,8 @@ def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]
     _tint(ground, scene, uav_colours(scene.team))
     chart = _lay(canvas, box, ground, 7.0 if scene.team > LABELLED else 9.0)
     flying = scene.ends == End.FLYING
+    if scene.base is not None:
+        overlays.base(chart, np.array(scene.base))
     if scene.team <= OUTLINED:
         for agent in np.flatnonzero(flying).tolist():
             overlays.lidar_reach(chart, scene.cells[agent], scene.lidar_range, colours[agent])
@@ -137,6 +141,8 @@ def _own_map(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray
     """Paint the knowledge of one UAV: only its own map, trail and received positions."""
     few = scene.team <= NUMBERED
     chart = _lay(canvas, box, np.take(KNOWN, scene.beliefs[agent], axis=0), 7.0 if few else 6.0)
+    if scene.base is not None:
+        overlays.base(chart, np.array(scene.base))
     overlays.trail(chart, scene.trails[:, agent], colour, _lane(scene, agent))
     ages = scene.heard_age[agent]
     for mate in np.argsort(-ages, kind="stable").tolist():  # the latest news last, on top

@@ -51,6 +51,10 @@ class Scene:
     """Lidar range in cells."""
     radio: tuple[str, float] = ("none", 0.0)
     """Radio model and range in cells; the reach of ``square`` and ``disc`` is drawn."""
+    base: tuple[int, int] | None = None
+    """(row, column) of the home base; None where there is none."""
+    base_coverage: float = 0.0
+    """Share of the cells to explore that the base knows."""
     title: str = ""
     """Stands in the caption."""
 
@@ -111,6 +115,8 @@ def scene_of(world: World, episode: int, trails: Trails | None = None, title: st
         coverage=float(world.team_coverage[episode]),
         lidar_range=scenario.lidar.range,
         radio=(scenario.radio.model, scenario.radio.range),
+        base=(state.base_cell.item(episode, 0), state.base_cell.item(episode, 1)) if scenario.base.exists else None,
+        base_coverage=float(world.base_coverage[episode]),
         title=scenario.name if title is None else title,
     )
 

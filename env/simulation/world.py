@@ -248,6 +248,11 @@ class World:
         return np.asarray(self.state.team_covered / self.state.total)
 
     @property
+    def counted_coverage(self) -> NDArray[np.float64]:
+        """(B,) the coverage that the goal is about: the base's where UAVs must return, else the team's."""
+        return self.base_coverage if self.scenario.base.must_return else self.team_coverage
+
+    @property
     def base_coverage(self) -> NDArray[np.float64]:
         """(B,) coverage of what the home base knows, as a share of the denominator; 0 where there is none."""
         return np.asarray(self.state.base_covered / self.state.total)

@@ -88,13 +88,13 @@ class Flight:
         """Fly; yield at the start and after every step whether the episode goes on."""
         for going in flight(self._policy, self.world, self.last):
             self.trails.add(self.world.state.cell[0])
-            self.coverage.append(float(self.world.team_coverage[0]))
+            self.coverage.append(float(self.world.counted_coverage[0]))
             yield going
 
     def ending(self, seed: int) -> str:
         """Say in words how far the episode came."""
         state = self.world.state
-        facts = f"step {state.step[0]} of {state.budget[0]}, coverage {percent(self.world.team_coverage[0])}"
+        facts = f"step {state.step[0]} of {state.budget[0]}, coverage {percent(self.world.counted_coverage[0])}"
         return f"{self.world.scenario.name}, seed {seed}: {facts}"
 
 

@@ -38,11 +38,12 @@ def evaluate_world(world: World, act: Callable[[], None], steps: int) -> Evaluat
 
     """
     budget = world.state.budget
-    t90 = np.where(world.team_coverage >= T90, 0, budget)
+    t90 = np.where(world.counted_coverage >= T90, 0, budget)
     while world.flying.any():
         act()
-        t90 = np.where(world.team_coverage >= T90, np.minimum(t90, world.state.step), t90)
-    missed = world.state.team_covered < world.state.needed
+        t90 = np.where(world.counted_coverage >= T90, np.minimum(t90, world.state.step), t90)
+    counted = world.state.base_covered if world.scenario.base.must_return else world.state.team_covered
+    missed = counted < world.state.needed
     t_goal = np.where(missed, budget, world.state.step)
     score = ((t90 + t_goal) / budget).mean()
     return Evaluation(steps, float(t90.mean()), float(t_goal.mean()), float(missed.mean()), float(score))

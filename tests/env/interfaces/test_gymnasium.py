@@ -18,6 +18,7 @@ from indoor_explorers.env.rendering import Trails, paint, scene_of
 from indoor_explorers.env.rendering.window import Window, load_pygame
 from indoor_explorers.env.simulation.state import End
 from tests.env.arrays import assert_same
+from tests.env.interfaces.switches import SWITCHES
 
 ID = "indoor_explorers.env:IndoorExplorers-v0"
 
@@ -42,7 +43,15 @@ def make_vec(num_envs, **kwargs):
     ("observation", "render_mode"), [(each, None) for each in OBSERVATIONS] + [("channels", "rgb_array")], ids=str
 )
 def test_the_checker_has_nothing_to_say(observation, render_mode):
-    env = gymnasium.make(ID, observation=observation, render_mode=render_mode)
+    _check(gymnasium.make(ID, observation=observation, render_mode=render_mode))
+
+
+@pytest.mark.parametrize("settings", SWITCHES.values(), ids=SWITCHES)
+def test_the_checker_has_nothing_to_say_of_harder_tasks(settings):
+    _check(gymnasium.make(ID, scenario="thesis-obstacles", settings=settings))
+
+
+def _check(env):
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         check_env(env.unwrapped)

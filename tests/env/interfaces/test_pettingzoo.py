@@ -17,6 +17,7 @@ from indoor_explorers.env.rendering.palette import uav_colours
 from indoor_explorers.env.rendering.window import load_pygame
 from indoor_explorers.env.simulation.state import End
 from tests.env.arrays import assert_same
+from tests.env.interfaces.switches import SWITCHES
 
 SAFE = {"on_collision": "block", "stuck.rule": "off"}
 
@@ -39,6 +40,24 @@ def test_pettingzoo_s_parallel_checks(observation, settings):
 
     parallel_api_test(parallel_env(observation=observation, settings=settings), num_cycles=200)
     parallel_seed_test(lambda: parallel_env(observation=observation, settings=settings), num_cycles=50)
+
+
+@pytest.mark.parametrize("settings", SWITCHES.values(), ids=SWITCHES)
+def test_pettingzoo_s_parallel_checks_of_harder_tasks(settings):
+    from pettingzoo.test import parallel_api_test
+
+    parallel_api_test(parallel_env(scenario="thesis-team-4", settings=settings), num_cycles=200)
+
+
+def test_a_uav_that_stops_has_terminated():
+    env = parallel_env(scenario="thesis-team-2", settings={"failures.stops": ((1, 2),), "on_collision": "block"})
+    env.reset(seed=1)
+    env.step(dict.fromkeys(env.agents, 4))
+    _, rewards, terminated, truncated, _ = env.step(dict.fromkeys(env.agents, 4))
+    assert terminated == {"uav_0": False, "uav_1": True}
+    assert not any(truncated.values())
+    assert env.agents == ["uav_0"]
+    assert rewards["uav_1"] == -0.5
 
 
 @pytest.mark.parametrize("settings", [{}, SAFE | {"budget": 40}])

@@ -238,3 +238,17 @@ def test_a_caption_fits_over_the_narrowest_map(shape):
     assert not caption[:MARGIN].any()
     assert caption[MARGIN : MARGIN + 10].any()
     assert not caption[-MARGIN + 1 :].any()
+
+
+def test_the_home_base_is_a_landing_pad_on_every_map_and_its_coverage_is_told():
+    one = bare(scene(steps=0, floorplan=OPEN, team=2, **{"base.at": (4, 11)}))
+    none = dataclasses.replace(one, base=None)
+    changed = np.argwhere((paint(one) != paint(none)).any(axis=2))
+    layout = layout_of(one.shape, 2)
+    for box in (layout.main, *layout.panels):
+        cell = box.width / 16
+        middle = np.array([box.top + 4.5 * cell, box.left + 11.5 * cell])
+        here = changed[np.hypot(*(changed - middle).T) < 2 * cell]
+        assert len(here) > 100
+        assert np.abs(here.mean(axis=0) - middle).max() < 1.5
+    assert (changed[:, 0] < MARGIN + CAPTION).any()
