@@ -98,6 +98,7 @@ class GoalPilot(Pilot):
         if goal is None and self.navigator.lift_bans():
             goal = self.choose(view)
         self.navigator.set_goal(view, goal)
+        self.done = goal is None
 
     def tally(self) -> dict[str, float]:
         """Return the number of goals given up because teammates were in the way, and of goals chosen."""

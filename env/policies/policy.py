@@ -26,6 +26,10 @@ class Pilot(ABC):
     #: Sent to the teammates in radio range after the move: None or at most 16 numbers.
     message: Message = None
 
+    #: Whether this UAV would end its mission now, as the map seems complete enough to it. It flies on all the same;
+    #: results tell what stopping would have cost in coverage and saved in steps.
+    done: bool = False
+
     @abstractmethod
     def act(self, view: View) -> int:
         """Choose one of the five actions from what this UAV knows."""

@@ -98,13 +98,13 @@ def _line(text: str) -> str:
     return one_line(text, 3 * LONGEST)
 
 
-def _decision(seconds: float, action: object, message: Any, failure: str) -> Decision:
+def _decision(seconds: float, action: object, message: Any, failure: str, done: object) -> Decision:
     if failure:
         return Decision(0.0, failure=_line(failure))
     if not 0.0 <= seconds < math.inf:
         raise ValueError(f"expected the seconds of a decision, got {seconds!r}")
     try:
-        return Decision(float(seconds), checked_action(action), message_numbers(message))
+        return Decision(float(seconds), checked_action(action), message_numbers(message), done=done is True)
     except InputError as error:
         raise ValueError(str(error)) from error
 

@@ -55,6 +55,12 @@ MEASURES: dict[str, Measure] = {
     "t99_base": Measure("T99, home base", "steps", "first step at which the home base knows 99%; if never, the budget"),
     "auc_seen": Measure("AUC, seen", "", "the same as AUC for what any UAV or the home base knows", False),
     "unreported": Measure("unreported", "", "coverage at the end that the home base does not know"),
+    "done_step": Measure(
+        "declared done", "steps", "first step at which all UAVs that flew would have ended the mission; they flew on"
+    ),
+    "done_coverage": Measure("coverage when done", "", "coverage at that step", False),
+    "done_lost": Measure("lost by stopping", "", "coverage that was still gained after that step"),
+    "done_saved": Measure("saved by stopping", "steps", "steps that were flown after it", False),
     "path_length": Measure("path length", "cells", "cells flown by all UAVs together"),
     "path_max": Measure("longest path", "cells", "cells flown by the UAV that flew farthest"),
     "overlap": Measure("overlap", "", "(sum of cells each lidar saw - cells the team saw) / cells the team saw"),
@@ -151,6 +157,17 @@ def team_metrics(covered: NDArray[np.integer], team: int, reachable: int, budget
         "auc_worst": area_under_curve(own.min(axis=1) / reachable, budget),
         "auc_mean": area_under_curve(own.mean(axis=1) / reachable, budget),
         **_base_metrics(covered[:, 1 + team :] / reachable, budget),
+    }
+
+
+def stop_metrics(curve: NDArray[np.floating], done: int) -> dict[str, float | None]:
+    """Return what ending a mission at step ``done`` would have cost and saved, from its coverage curve (S + 1,)."""
+    reached = float(curve[done])
+    return {
+        "done_step": float(done),
+        "done_coverage": reached,
+        "done_lost": float(curve[-1]) - reached,
+        "done_saved": float(len(curve) - 1 - done),
     }
 
 

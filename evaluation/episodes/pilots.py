@@ -33,6 +33,8 @@ class Decision(NamedTuple):
     message: Message = None
     failure: str = ""
     """Why there is none; empty if there is one."""
+    done: bool = False
+    """Whether the UAV would end its mission now."""
 
 
 class Pilots(Protocol):
@@ -132,7 +134,7 @@ class LocalPilots:
 def _decision(answer: object, pilot: Pilot, seconds: float) -> Decision:
     """Return what a pilot has decided, as plain numbers that nobody can change any more."""
     try:
-        return Decision(seconds, checked_action(answer), message_numbers(pilot.message))
+        return Decision(seconds, checked_action(answer), message_numbers(pilot.message), done=bool(pilot.done))
     except (Exception, SystemExit) as error:
         return Decision(seconds, failure=describe_error(error))
 

@@ -138,12 +138,17 @@ class _Batch:
         """Ask the UAVs of the episodes that have not failed; those that fail now stay where they are."""
         self._seconds[:] = 0.0
         views = {uav: self._world.view(*uav) for uav in flying if self.log.running[uav[0]]}
+        going_on: set[int] = set()
         for uav, decision in self._pilots.decide(views).items():
             episode, agent = uav
             if decision.failure:
                 self._fail(episode, decision.failure)
                 continue
+            if not decision.done:
+                going_on.add(episode)
             self._flights[episode].latencies.append(decision.seconds)
             self._seconds[episode] += decision.seconds
             self._world.post(episode, agent, decision.message)
             yield uav, decision.action
+        for episode in {episode for episode, _ in views} - going_on:
+            self._flights[episode].declare_done(int(self._world.state.step[episode]))

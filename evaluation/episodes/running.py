@@ -10,7 +10,7 @@ from indoor_explorers.env import Scenario, World
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.episodes.lower_bounds import least_steps
-from indoor_explorers.evaluation.episodes.metrics import LEVELS, team_metrics
+from indoor_explorers.evaluation.episodes.metrics import LEVELS, stop_metrics, team_metrics
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.episodes.recorder import Log
 from indoor_explorers.evaluation.episodes.stalling import behaviour_metrics
@@ -32,6 +32,12 @@ class RunningEpisode:
     tallies: dict[str, float | None] = field(default_factory=dict)
     """Pilot statistics: means over the UAVs, with names prefixed by ``pilot_``."""
     failure: str = ""
+    done: int | None = None
+    """Step at which all UAVs that flew would first have ended the mission; None for never."""
+
+    def declare_done(self, step: int) -> None:
+        """Note that all UAVs that fly would end the mission at this step."""
+        self.done = step if self.done is None else self.done
 
     def begin(self, world: World) -> None:
         """Begin the episode in its place of the batch."""
@@ -88,6 +94,7 @@ class RunningEpisode:
             "latency_total_s": float(steps.seconds[-1]),
             "latency_p50_us": float(np.percentile(self.latencies, 50) * 1e6) if self.latencies else None,
             "latency_p99_us": float(np.percentile(self.latencies, 99) * 1e6) if self.latencies else None,
+            **({} if self.done is None else stop_metrics(steps.covered[:, 0] / total, self.done)),
             **self.tallies,
         }
 

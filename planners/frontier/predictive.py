@@ -23,7 +23,8 @@ class FrontierPredictive(EstimateUser, OutlookParameters, FrontierLatency):
 
     A network estimates from the map around each cluster how much unknown free space is behind it
     (:mod:`indoor_explorers.env.search.pockets`). What probably hides little, for its way, waits as far as the goal
-    allows (:mod:`indoor_explorers.env.search.pockets.outlook`).
+    allows (:mod:`indoor_explorers.env.search.pockets.outlook`). A UAV declares to be done when it expects to know
+    ``aim`` of all free cells.
     """
 
     worth: float = 0.8
@@ -45,6 +46,9 @@ class PredictivePilot(LatencyPilot):
         super().__init__(briefing, policy)
         self._estimator = PocketEstimator(briefing.lidar_range)
         self._judge = ClusterJudge(briefing, policy)
+        self._aim = policy.aim
+        self._expected = 0.0
+        """Share of all free cells that this UAV expects to know."""
 
     def estimates(self, view: View, clusters: Clusters) -> PocketEstimates:
         """Return what the network expects behind K clusters."""
@@ -53,4 +57,11 @@ class PredictivePilot(LatencyPilot):
     def outlook(self, view: View, clusters: Clusters, away: Distances) -> Outlook:
         """Return what to expect of K clusters, ``away`` (K,) steps from the UAV."""
         known = int(np.count_nonzero(view.belief == FREE))
-        return self._judge.outlook(self.estimates(view, clusters), known, away)
+        estimates = self.estimates(view, clusters)
+        self._expected = known / (known + float(estimates.sizes.sum()))
+        return self._judge.outlook(estimates, known, away)
+
+    def choose_goal(self, view: View) -> None:
+        """Choose a goal, and declare to be done where enough is known."""
+        super().choose_goal(view)
+        self.done = self.done or self._expected >= self._aim

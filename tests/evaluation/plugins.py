@@ -51,6 +51,7 @@ class NotesTheBase(Wanderer):
 
     def act(self, view):
         assert view.base_age is None or self.base is not None
+        self.done = view.step >= 7
         self.ages.append(view.base_age or 0)
         return super().act(view)
 
@@ -59,7 +60,7 @@ class NotesTheBase(Wanderer):
 
 
 class ToldOfTheBase(Wander):
-    """Tell how long ago the contacts with the base were."""
+    """Tell how long ago the contacts with the base were, and declare to be done at step 7."""
 
     def pilot(self, briefing):
         return NotesTheBase(briefing)

@@ -1,4 +1,4 @@
-"""A comparison with a home base, and what isolated policies are told of it."""
+"""A comparison with a home base: what isolated policies are told of it, and what they declare."""
 
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.leaderboard.verifying import mismatches
@@ -13,6 +13,8 @@ def test_a_comparison_shows_the_base_and_isolated_policies_know_it(tmp_path):
     assert list(mismatches(results)) == []
     told = [record.metrics["pilot_base_age"] for record in results.records if record.policy == policies[1]]
     assert min(told) > 0
+    done = [record.metrics.get("done_step") for record in results.records if record.policy == policies[1]]
+    assert done == [7.0, 7.0]
     page = (tmp_path / "report.html").read_text()
     assert "has been reported to the home base" in page
     assert "Anybody" in page
