@@ -1,0 +1,193 @@
+"""GSO: UAVs fly to the brighter ones of the glowworms in their decision range (Krishnanand & Ghose 2009)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.arrays import Cell, Distances
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.navigation.goal_pilot import GoalPilot
+from indoor_explorers.env.navigation.teammates import message_of
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.env.search.view_gain import WeightedGains
+from indoor_explorers.planners.coordination.goal_claims import goals_near
+from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
+from indoor_explorers.planners.parameters import at_least
+
+#: Distance, in lidar ranges, within which a frontier cluster is the same glowworm as one before the map grew.
+SAME = 0.5
+
+Numbers = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gso(Policy):
+    """Fly to a frontier cluster drawn by its light among the brighter ones in an adaptive decision range.
+
+    Frontier clusters are glowworms that stay, UAVs glowworms that move. Each time the map grows, a cluster's luciferin
+    becomes (1 - decay) l + enhancement J, J its view gain (equation 1 of the paper), in which near and isolated unknown
+    cells count more (:class:`WeightedGains`). A UAV needs a goal when its last one is explored. Its neighbours are the
+    clusters that are at most its decision range r away, as path lengths, and brighter than itself; it draws j with
+    probability proportional to (l_j - l_i)^sharpness (equation 2), and flies there. Then r becomes
+    r + adaption (wanted - number of neighbours), at least 0 and at most ``sensor`` (equation 4): few frontiers widen
+    the range, many narrow it. With no neighbours at all, where a glowworm of the paper would wait for its range to
+    grow, the range grows at once, and beyond the sensor range the UAV flies to its nearest frontier (``out_of_range``
+    in the tally). The light of a cluster in the lidar range of a linked teammate's goal is dimmed, and those near
+    teammates out of contact are left to them by :class:`OutOfContact`.
+
+    Differences: frontier clusters take the place of most of the swarm; a UAV flies the whole path to a neighbour, not
+    one step, since new draws at every step make it oscillate; UAVs do not attract each other, since what they would
+    meet at is known already; a new glowworm starts with the luciferin at which its update rests, not at a common l_0;
+    and the draw has a ``sharpness``, 1 in the paper. With ``wanted`` 5, ``adaption`` .08 and ``sharpness`` 1 it needs
+    more steps than nearest frontiers: it draws small clusters far away. Weakness: floors of rooms, where the light of a
+    cluster says little of what is behind it.
+
+    K. N. Krishnanand, D. Ghose, "Glowworm swarm optimization for simultaneous capture of multiple local optima of
+    multimodal functions", Swarm Intelligence 3(2), 2009, doi:10.1007/s11721-008-0021-5; first in SIS 2005,
+    doi:10.1109/SIS.2005.1501606. The clusters as glowworms are this project's.
+    """
+
+    plans_for: ClassVar[str] = ALL_CELLS
+
+    decay: float = 0.4
+    """Share of its luciferin that a glowworm loses each time the map grows, above 0 and at most 1 (paper: rho)."""
+    enhancement: float = 0.6
+    """Luciferin gained for each weighted cell in view (paper: gamma); it scales all luciferin alike."""
+    wanted: int = 1
+    """Neighbours that the decision range adapts to (paper: n_t, 5). With more, UAVs fly past what is near."""
+    adaption: float = 0.5
+    """Change of the decision range for each neighbour too many or too few, in lidar ranges (paper: beta, .08)."""
+    sensor: float = 8.0
+    """Largest decision range, in lidar ranges (paper: r_s)."""
+    start: float = 0.5
+    """Decision range at first, in lidar ranges (paper: the sensor range)."""
+    sharpness: float = 8.0
+    """Exponent of the luciferin difference in the draw: 1 is the paper's, large ones take the brightest neighbour."""
+    depth: float = 0.5
+    """Distance at which an unknown cell has 1 / e of the weight of a near one in a view gain, in lidar ranges."""
+    isolation: float = 8.0
+    """Additional weight of an unknown cell that is surrounded by known ones."""
+    dimming: float = 0.8
+    """Share of its view gain that a cluster loses for each linked teammate that flies near it, 0 to 1."""
+
+    def __post_init__(self) -> None:
+        """Refuse negative lengths and shares above 1."""
+        at_least(self, 0.0, "enhancement", "adaption", "sensor", "start", "sharpness", "isolation", "dimming")
+        at_least(self, 0.01, "decay", "depth")
+        at_least(self, 1, "wanted")
+        if self.decay > 1 or self.dimming > 1:
+            raise InputError(f"Gso: expected decay and dimming of at most 1, got {self.decay!r} and {self.dimming!r}")
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the pilot of one UAV."""
+        return GlowwormPilot(briefing, self)
+
+
+def brightened(luciferin: Numbers, fitness: Numbers, decay: float, enhancement: float) -> Numbers:
+    """Return the luciferin of (K,) glowworms after an update by their fitness, (K,)."""
+    return (1.0 - decay) * luciferin + enhancement * fitness
+
+
+def brighter(luciferin: Numbers, own: float, steps: Distances, reach: float) -> NDArray[np.int64]:
+    """Return the indices of the neighbours: glowworms at most ``reach`` steps away and brighter than ``own``."""
+    return np.flatnonzero((steps <= reach) & (luciferin > own))
+
+
+def adapted(reach: float, neighbours: int, wanted: int, change: float, largest: float) -> float:
+    """Return the next decision range, in cells, after a decision with so many neighbours."""
+    return min(largest, max(0.0, reach + change * (wanted - neighbours)))
+
+
+def drawn(weights: Numbers, rng: np.random.Generator) -> int:
+    """Return an index drawn in proportion to (K,) weights that are not all 0."""
+    return int(
+        np.searchsorted(np.cumsum(weights / weights.sum()), rng.random(), side="right").clip(0, len(weights) - 1)
+    )
+
+
+class GlowwormPilot(GoalPilot):
+    """Keep the luciferin of the frontier clusters, and draw one of the brighter neighbours."""
+
+    straight = True
+
+    def __init__(self, briefing: Briefing, policy: Gso) -> None:
+        super().__init__(briefing)
+        self._policy, self._lidar = policy, float(briefing.lidar_range)
+        self._gains = WeightedGains(briefing.shape, self._lidar, policy.depth, policy.isolation)
+        self._out_of_contact = OutOfContact(briefing)
+        self._cells = np.empty(0, np.int32)
+        self._luciferin = np.empty(0)
+        self._reach = min(policy.start, policy.sensor) * self._lidar
+        self._out_of_range = 0
+
+    def on_map_growth(self, view: View) -> None:
+        """Update the luciferin of all glowworms; new ones start with that at which the update rests."""
+        policy = self._policy
+        clusters = frontier_clusters(view.belief, self._lidar)
+        cells, steps = nearest_cells(self.steps_from(view, view.cell), clusters)
+        cells = cells[steps < UNREACHABLE]
+        fitness = self._fitness(view, cells)
+        before = self._before(cells, policy.enhancement / policy.decay * fitness)
+        self._cells, self._luciferin = cells, brightened(before, fitness, policy.decay, policy.enhancement)
+
+    def choose(self, view: View) -> Cell | None:
+        """Return a brighter neighbour, or the nearest frontier cell if there is none in the sensor range."""
+        goal = self._neighbour(view)
+        if goal is None:
+            goal = self.nearest_frontier(view)
+            self._out_of_range += goal is not None
+        self.message = message_of(goal)
+        return goal
+
+    def tally(self) -> dict[str, float]:
+        """Return also the number of goals that were nearest frontiers because no neighbour was in range."""
+        return {**super().tally(), "out_of_range": float(self._out_of_range)}
+
+    def _neighbour(self, view: View) -> Cell | None:
+        """Draw a neighbour, and adapt the decision range."""
+        policy, largest = self._policy, self._policy.sensor * self._lidar
+        steps = self.steps_from(view, view.cell).ravel()[self._cells]
+        light = self._luciferin * self._left_by_others(view, self._cells, steps)
+        own = policy.enhancement / policy.decay * self._gains.at(view.belief, self.paths.flat([view.cell]))[0]
+        light[self.near_banned(view, self._cells) | (steps == 0)] = -1.0
+        change = policy.adaption * self._lidar
+        near = brighter(light, own, steps, self._reach)
+        while len(near) == 0 and self._reach < largest and change > 0:
+            self._reach = adapted(self._reach, 0, policy.wanted, change, largest)
+            near = brighter(light, own, steps, self._reach)
+        self._reach = adapted(self._reach, len(near), policy.wanted, change, largest)
+        if len(near) == 0:
+            return None
+        difference = light[near] - own
+        chosen = near[drawn((difference / difference.max()) ** policy.sharpness, self.rng)]
+        return divmod(int(self._cells[chosen]), self.paths.width)
+
+    def _fitness(self, view: View, cells: NDArray[np.int32]) -> Numbers:
+        """Return the view gains of (K,) flat cells, dimmed near the goals of linked teammates, (K,)."""
+        near = goals_near(view, self._points(cells), self._lidar)
+        return np.asarray(self._gains.at(view.belief, cells) * (1.0 - self._policy.dimming) ** near)
+
+    def _left_by_others(self, view: View, cells: NDArray[np.int32], steps: Distances) -> Numbers:
+        return self._out_of_contact.factors(
+            view, self._points(cells), steps, lambda cell: self.steps_from(view, cell).ravel()[cells]
+        )
+
+    def _points(self, cells: NDArray[np.int32]) -> Numbers:
+        return np.stack(np.divmod(cells, self.paths.width), axis=1).astype(np.float64)
+
+    def _before(self, cells: NDArray[np.int32], at_rest: Numbers) -> Numbers:
+        """Return the luciferin of the glowworms that were at (K,) flat cells before, ``at_rest`` for new ones, (K,)."""
+        if len(self._cells) == 0 or len(cells) == 0:
+            return at_rest
+        apart = self._points(cells)[:, None, :] - self._points(self._cells)[None, :, :]
+        away = np.hypot(apart[..., 0], apart[..., 1])
+        nearest = away.argmin(axis=1)
+        known = away[np.arange(len(cells)), nearest] <= SAME * self._lidar
+        return np.where(known, self._luciferin[nearest], at_rest)
