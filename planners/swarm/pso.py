@@ -196,6 +196,13 @@ class PsoPilot(CandidatePilot):
         shared = np.random.default_rng([view.step, *self.paths.flat(member.cell for member in able).tolist()])
         best = optimise(problem, self._policy.length, self._swarm, seeds, shared)
         return JointPlan(problem, cells, able, seeds, best)
+        best = self.search(problem, seeds, shared)
+        first: Assignment = cells[best[:, 0]]
+        return {member.agent: divmod(int(cell), self.paths.width) for member, cell in zip(able, first, strict=True)}
+
+    def search(self, problem: AssignmentProblem, seeds: list[Assignment], rng: np.random.Generator) -> Plan:
+        """Return the best joint plan that a search from the initial assignments finds, (N, L)."""
+        return optimise(problem, self._policy.length, self._swarm, seeds, rng)
 
     def chances(self, view: View, cells: Cells, field: Distances) -> NDArray[np.float64]:
         """Return factors on the gains of (K,) flat cells by what they lead to, (K,); cells with 0 can wait.
