@@ -1,0 +1,201 @@
+"""ACO: UAVs lay pheromone that keeps ants away, and draw frontiers by it and by their worth (De Rango et al. 2017)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.env.navigation.goal_pilot import GoalPilot
+from indoor_explorers.env.navigation.teammates import linked, message_of, told_goal
+from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.env.search.view_gain import WeightedGains
+from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
+from indoor_explorers.planners.parameters import at_least
+
+#: Distance within which a cluster counts as at the current goal, in lidar ranges.
+SAME = 0.5
+
+Numbers = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Aco(Policy):
+    """Fly to a frontier cluster with much to see and little pheromone, by the transition rule of ant colonies.
+
+    Pheromone says where UAVs are and where they are about to be, and repels. At each step a UAV lays ``amount`` times
+    e^(-r / spread) on every cell r away and at most a lidar range away: around itself, around its goal, around the
+    linked teammates and around their goals, which they send. Then all pheromone evaporates by a share. When a goal is
+    explored or the map has grown for some time, the UAV chooses among the frontier clusters j with the weights
+
+        (1 + pheromone_j)^-repulsion * worth_j^attraction,    worth_j = sqrt(gain_j) e^(-rate d_j / R)
+
+    with R the lidar range and d_j the path length: with probability ``greed`` the one of largest weight, and otherwise
+    one drawn in proportion to them, the pseudo-random proportional rule of ant colony systems. In a gain, near and
+    isolated unknown cells count more (:class:`WeightedGains`). Each UAV keeps its own field of pheromone: what others
+    lay out of contact it never learns, and places near them are left to them by :class:`OutOfContact`. Nothing else is
+    agreed: linked teammates part because each knows where the others are and where they go.
+
+    The repelling pheromone is that of the exploration by De Rango et al., in which a robot lays it where it senses and
+    goes where there is least; in colonies that look for shortest paths it attracts. Differences: the choice is of
+    frontier clusters, by worth as well, not of a neighbouring cell, since pheromone alone does not lead a UAV to a
+    distant pocket; a UAV's own pheromone has a weight, ``own``, since its track leads along pockets that are worth
+    finishing; goals are marked as well.
+
+    F. De Rango, N. Palmieri, X.-S. Yang, S. Marano, "Swarm robotics in wireless distributed protocol design for
+    coordinating robots involved in cooperative tasks", Soft Computing 22, 2018, doi:10.1007/s00500-017-2819-9. The
+    transition rule: M. Dorigo, L. M. Gambardella, "Ant colony system", IEEE Transactions on Evolutionary Computation
+    1(1), 1997, doi:10.1109/4235.585892.
+    """
+
+    plans_for: ClassVar[str] = ALL_CELLS
+
+    amount: float = 1.0
+    """Pheromone that is laid at a place in a step."""
+    spread: float = 1.0
+    """Distance at which 1 / e of it is laid, in lidar ranges."""
+    evaporation: float = 0.1
+    """Share of the pheromone that evaporates in a step, 0 to 1."""
+    own: float = 0.1
+    """Weight of the pheromone that a UAV lays for itself, relative to that of teammates."""
+    repulsion: float = 4.0
+    """Exponent of the pheromone in the transition rule; 0 ignores it."""
+    attraction: float = 4.0
+    """Exponent of the worth in the transition rule (ant colony system: beta)."""
+    greed: float = 0.9
+    """Probability of taking the cluster of largest weight instead of a draw, 0 to 1 (ant colony system: q_0)."""
+    rate: float = 1.0
+    """Discount rate of view gains per lidar range of path length."""
+    depth: float = 0.5
+    """Distance at which an unknown cell has 1 / e of the weight of a near one in a view gain, in lidar ranges."""
+    isolation: float = 16.0
+    """Additional weight of an unknown cell that is surrounded by known ones."""
+    hold: float = 0.2
+    """Bonus, as a share, on the worth of the cluster that the UAV flies to."""
+    period: float = 0.3
+    """Steps after which a UAV chooses again if the map has grown, in lidar ranges."""
+
+    def __post_init__(self) -> None:
+        """Refuse negative amounts and shares above 1."""
+        at_least(self, 0.0, "amount", "evaporation", "own", "repulsion", "attraction", "greed", "rate")
+        at_least(self, 0.0, "isolation", "hold", "period")
+        at_least(self, 0.01, "spread", "depth")
+        if self.evaporation > 1 or self.greed > 1:
+            raise InputError(
+                f"Aco: expected evaporation and greed of at most 1, got {self.evaporation!r} and {self.greed!r}"
+            )
+
+    def pilot(self, briefing: Briefing) -> Pilot:
+        """Make the pilot of one UAV."""
+        return AntPilot(briefing, self)
+
+
+class Pheromone:
+    """The pheromone on a map as one UAV knows it, (H, W).
+
+    Args:
+        shape: (H, W) of the map.
+        radius: Distance up to which pheromone is laid around a place, in cells.
+        spread: Distance at which 1 / e of it is laid, in cells.
+
+    """
+
+    def __init__(self, shape: tuple[int, int], radius: float, spread: float) -> None:
+        self.field = np.zeros(shape)
+        self._reach = ceil(radius)
+        away = np.arange(-self._reach, self._reach + 1)
+        far = np.hypot(away[:, None], away)
+        self._stamp = np.where(far <= radius, np.exp(-far / spread), 0.0)
+
+    def lay(self, cell: Cell, amount: float) -> None:
+        """Lay pheromone around a cell."""
+        rows, cols = (slice(max(0, at - self._reach), at + self._reach + 1) for at in cell)
+        top, left = (max(0, self._reach - at) for at in cell)
+        part = self.field[rows, cols]
+        part += amount * self._stamp[top : top + part.shape[0], left : left + part.shape[1]]
+
+    def evaporate(self, share: float) -> None:
+        """Let a share of all pheromone evaporate."""
+        self.field *= 1.0 - share
+
+
+def preferences(pheromone: Numbers, worth: Numbers, repulsion: float, attraction: float) -> Numbers:
+    """Return the weights of the transition rule for (K,) places, (K,), the largest 1."""
+    logs = attraction * np.log(np.maximum(worth, 1e-300)) - repulsion * np.log1p(pheromone)
+    return np.asarray(np.exp(logs - logs.max()))
+
+
+def transition(weights: Numbers, greed: float, rng: np.random.Generator) -> int:
+    """Return the index of a place by the pseudo-random proportional rule from (K,) weights, the largest 1."""
+    if rng.random() < greed:
+        return int(weights.argmax())
+    return int(
+        np.searchsorted(np.cumsum(weights), rng.random() * weights.sum(), side="right").clip(0, len(weights) - 1)
+    )
+
+
+class AntPilot(GoalPilot):
+    """Lay pheromone at each step, and choose clusters by it."""
+
+    straight = True
+
+    def __init__(self, briefing: Briefing, policy: Aco) -> None:
+        super().__init__(briefing)
+        self._policy, self._lidar = policy, float(briefing.lidar_range)
+        self._gains = WeightedGains(briefing.shape, self._lidar, policy.depth, policy.isolation)
+        self._pheromone = Pheromone(briefing.shape, self._lidar, policy.spread * self._lidar)
+        self._out_of_contact = OutOfContact(briefing)
+        self._is_due, self._next_choice = True, 0
+
+    def act(self, view: View) -> int:
+        """Lay pheromone, then fly on or choose."""
+        policy = self._policy
+        self._pheromone.evaporate(policy.evaporation)
+        for cell in filter(None, (view.cell, self.goal)):
+            self._pheromone.lay(cell, policy.own * policy.amount)
+        for mate in linked(view):
+            for cell in filter(None, (mate.cell, told_goal(mate))):
+                self._pheromone.lay(cell, policy.amount)
+        return super().act(view)
+
+    def on_map_growth(self, view: View) -> None:
+        """Request a new choice."""
+        self._is_due = True
+
+    def wants_replan(self, view: View) -> bool:
+        """Tell whether the map has grown since the last choice, and that choice is old enough."""
+        return self._is_due and view.step >= self._next_choice
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the nearest cell of the cluster that the transition rule picks."""
+        self._is_due, self._next_choice = False, view.step + max(1, round(self._policy.period * self._lidar))
+        cells, steps = nearest_cells(self.steps_from(view, view.cell), frontier_clusters(view.belief, self._lidar))
+        fine = (steps < UNREACHABLE) & ~self.near_banned(view, cells)
+        cells, steps = cells[fine], steps[fine]
+        goal = None
+        if len(cells):
+            policy, smell = self._policy, self._pheromone.field.ravel()[cells]
+            weights = preferences(smell, self._worth(view, cells, steps), policy.repulsion, policy.attraction)
+            goal = divmod(int(cells[transition(weights, policy.greed, self.rng)]), self.paths.width)
+        self.message = message_of(goal)
+        return goal
+
+    def _worth(self, view: View, cells: NDArray[np.int32], steps: NDArray[np.int32]) -> Numbers:
+        """Return what (K,) flat cells, ``steps`` away, are worth, without pheromone, (K,)."""
+        points = np.stack(np.divmod(cells, self.paths.width), axis=1).astype(np.float64)
+        left = self._out_of_contact.factors(
+            view, points, steps, lambda cell: self.steps_from(view, cell).ravel()[cells]
+        )
+        worth = left * np.sqrt(self._gains.at(view.belief, cells)) * np.exp(-self._policy.rate / self._lidar * steps)
+        if self.goal is not None:
+            near = np.hypot(*(points - self.goal).T) <= SAME * self._lidar
+            worth = np.where(near, 1.0 + self._policy.hold, 1.0) * worth
+        return np.asarray(worth)
