@@ -38,6 +38,7 @@ SLOW_CONFORMANCE = [
     "pso-predictive",
     "tours",
     "dddqn-places",
+    "pomdp",
 ]
 #: The policies that fly the office in `make test`: one of each family; `make test-all` flies the others.
 OFFICE = ("frontier-nearest", "frontier-predictive", "pso", "dddqn")
