@@ -45,9 +45,9 @@ class Gso(Policy):
     Differences: frontier clusters take the place of most of the swarm; a UAV flies the whole path to a neighbour, not
     one step, since new draws at every step make it oscillate; UAVs do not attract each other, since what they would
     meet at is known already; a new glowworm starts with the luciferin at which its update rests, not at a common l_0;
-    and the draw has a ``sharpness``, 1 in the paper. With ``wanted`` 5, ``adaption`` .08 and ``sharpness`` 1 it needs
-    more steps than nearest frontiers: it draws small clusters far away. Weakness: floors of rooms, where the light of a
-    cluster says little of what is behind it.
+    and the draw has a ``sharpness``, 1 in the paper. With ``wanted`` 5, ``adaption`` .08, ``sharpness`` 1 and ``start``
+    2 it needs up to twice the steps of nearest frontiers: it draws small clusters far away. Weakness: floors of rooms,
+    where the light of a cluster says little of what is behind it.
 
     K. N. Krishnanand, D. Ghose, "Glowworm swarm optimization for simultaneous capture of multiple local optima of
     multimodal functions", Swarm Intelligence 3(2), 2009, doi:10.1007/s11721-008-0021-5; first in SIS 2005,
