@@ -14,3 +14,9 @@ PLANNERS, BOUNDS = ROOT / "planners" / "PLANNERS.md", ROOT / "evaluation" / "BOU
 def python_of(path: Path) -> list[str]:
     """The blocks of Python in a document."""
     return re.findall(r"```python\n(.*?)```", path.read_text("utf-8"), re.DOTALL)
+
+
+def printed_of(path: Path) -> list[str | None]:
+    """What a document says that each of its blocks of Python prints, None where it does not say."""
+    blocks = re.findall(r"```python\n.*?```(?:\n\nIt prints\n\n```text\n(.*?)```)?", path.read_text("utf-8"), re.DOTALL)
+    return [printed or None for printed in blocks]

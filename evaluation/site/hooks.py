@@ -28,6 +28,7 @@ from indoor_explorers.evaluation.site.reference import (
     settings_page,
 )
 from indoor_explorers.evaluation.site.statistics_pictures import statistics_pictures
+from indoor_explorers.evaluation.site.tabular_pictures import tabular_pictures
 
 ROOT = Path(__file__).resolve().parents[2]
 #: The folder of the pages in the repository.
@@ -83,6 +84,7 @@ def on_files(files: Any, config: Any) -> Any:
         **learner_pictures(),
         **planner_pictures(),
         **statistics_pictures(),
+        **tabular_pictures(),
     }.items():
         files.append(File.generated(config, f"gallery/{name}", content=picture))
     for page in list(files.documentation_pages()):
