@@ -20,6 +20,7 @@ from indoor_explorers.evaluation.site.gallery import example_report, gallery_pag
 from indoor_explorers.evaluation.site.learner_pictures import learner_pictures
 from indoor_explorers.evaluation.site.planner_pictures import planner_pictures
 from indoor_explorers.evaluation.site.published import published, reports_page
+from indoor_explorers.evaluation.site.radio_pictures import radio_pictures
 from indoor_explorers.evaluation.site.reference import (
     command_line_page,
     files_page,
@@ -61,7 +62,7 @@ MADE = {
     "reference/python.md": python_page,
 }
 #: Files that are no pages, which the site has a copy of: pictures and short texts.
-COPIED = (".svg", ".png", ".gif", ".cff", ".toml", ".py", "LICENSE")
+COPIED = (".svg", ".png", ".gif", ".cff", ".csv", ".toml", ".py", "LICENSE")
 _LINK = re.compile(r"\[([^\[\]]*)\]\((?!https?:|mailto:)([^)#\s]+)(#[^)\s]*)?\)")
 _CODE = re.compile(r"(^```.*?^```$|^ {4}[^\n]*$)", re.MULTILINE | re.DOTALL)
 
@@ -83,6 +84,7 @@ def on_files(files: Any, config: Any) -> Any:
         **concept_pictures(),
         **learner_pictures(),
         **planner_pictures(),
+        **radio_pictures(),
         **statistics_pictures(),
         **tabular_pictures(),
     }.items():
