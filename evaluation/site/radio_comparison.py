@@ -76,8 +76,8 @@ def pairs_of(seed: int, plan: Floorplan) -> Iterator[Pair]:
         metres = np.hypot(*(cells - cell).T) * (plan.resolution or 1.0)
         others = cells[(np.abs(metres - wanted) <= NEAR) & (metres >= METRES[0])]
         if len(others):
-            ends = (*cell.tolist(), *others[rng.integers(len(others))].tolist())
-            yield Pair(*ends, walls_between(plan.truth, *ends))
+            (row, col), (to_row, to_col) = cell.tolist(), others[rng.integers(len(others))].tolist()
+            yield Pair(row, col, to_row, to_col, walls_between(plan.truth, row, col, to_row, to_col))
             found += 1
 
 

@@ -31,22 +31,22 @@ class Buildings:
 
     def __init__(self, ns: Any) -> None:
         """Begin without any; ``ns`` is the namespace of ns-3."""
-        self._ns, self._number, self._kept = ns, 0, []
+        self._ns = ns
+        self._built: list[Any] = []
         self._model = ns.CreateObject[ns.HybridBuildingsPropagationLossModel]()
         self._model.SetAttribute("Frequency", ns.DoubleValue(FREQUENCY))
         self._one_metre = self.in_row_of_rooms(1.0, 0, beyond=0.0)
 
     def build(self, width: float, depth: float, across: int, down: int) -> float:
         """Add a building of so many metres and rooms; return the x of its corner, whose y is 0."""
-        ns, left = self._ns, self._number * APART
+        ns, left = self._ns, len(self._built) * APART
         building = ns.CreateObject[ns.Building]()
         building.SetBoundaries(ns.Box(left, left + width, 0.0, depth, 0.0, STOREY))
         building.SetBuildingType(ns.Building.Office)
         building.SetNFloors(1)
         building.SetNRoomsX(across)
         building.SetNRoomsY(down)
-        self._kept.append(building)
-        self._number += 1
+        self._built.append(building)
         return left
 
     def radio(self, x: float, y: float) -> tuple[Any, Any]:

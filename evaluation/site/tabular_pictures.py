@@ -21,7 +21,7 @@ PAGE = Path(__file__).parent / "pages" / "guides" / "tabular.md"
 SEEDS, SMOOTHED = (1, 2, 3), 50
 #: The states of the page and their colours, and the learners and their lines.
 STATES = {name: colour for name, (colour, *_) in zip(("near", "place", "whole"), COLOURS, strict=False)}
-LEARNERS = {"Q-learning": "-", "Sarsa": (0, (3, 1.5))}
+LEARNERS: dict[str, Any] = {"Q-learning": "-", "Sarsa": (0, (3, 1.5))}
 
 
 def tabular_pictures() -> dict[str, bytes]:
