@@ -16,6 +16,7 @@ from mkdocs.structure.files import File
 
 from indoor_explorers.evaluation.playground.page import playground
 from indoor_explorers.evaluation.site.concepts import concept_pictures
+from indoor_explorers.evaluation.site.dynamics_pictures import dynamics_pictures
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
 from indoor_explorers.evaluation.site.learner_pictures import learner_pictures
 from indoor_explorers.evaluation.site.planner_pictures import planner_pictures
@@ -61,6 +62,17 @@ MADE = {
     "reference/files.md": files_page,
     "reference/python.md": python_page,
 }
+#: What draws the pictures of the pages, by name.
+DRAWN = (
+    pictures,
+    concept_pictures,
+    dynamics_pictures,
+    learner_pictures,
+    planner_pictures,
+    radio_pictures,
+    statistics_pictures,
+    tabular_pictures,
+)
 #: Files that are no pages, which the site has a copy of: pictures and short texts.
 COPIED = (".svg", ".png", ".gif", ".cff", ".csv", ".toml", ".py", "LICENSE")
 _LINK = re.compile(r"\[([^\[\]]*)\]\((?!https?:|mailto:)([^)#\s]+)(#[^)\s]*)?\)")
@@ -79,16 +91,9 @@ def on_files(files: Any, config: Any) -> Any:
     files.append(File.generated(config, "reports/index.md", content=reports_page(reports)))
     files.append(File.generated(config, "example-report.html", content=example_report()))
     files.append(File.generated(config, "playground.html", content=playground()))
-    for name, picture in {
-        **pictures(),
-        **concept_pictures(),
-        **learner_pictures(),
-        **planner_pictures(),
-        **radio_pictures(),
-        **statistics_pictures(),
-        **tabular_pictures(),
-    }.items():
-        files.append(File.generated(config, f"gallery/{name}", content=picture))
+    for draw in DRAWN:
+        for name, picture in draw().items():
+            files.append(File.generated(config, f"gallery/{name}", content=picture))
     for page in list(files.documentation_pages()):
         for target in _linked(page.src_uri, page.content_string):
             uri = _uri(target)
