@@ -111,12 +111,12 @@ def flight_table() -> list[str]:
         )
         cells = (
             str(name),
-            f"{mean['step_s']:.2f} s",
-            f"{error:.2f} m, {flights['setpoint_max_m'].max():.2f} m",
-            f"{beside:.2f} m, {flights['path_max_m'].max():.2f} m",
-            f"{mean['joules_step']:.2f} J",
+            f"{mean['step_s']:.3g}",
+            f"{error:.2f}, {flights['setpoint_max_m'].max():.2f}",
+            f"{beside:.2f}, {flights['path_max_m'].max():.2f}",
+            f"{mean['joules_step']:.2f}",
             *(str(flights[column].sum()) for column in TOUCHES),
-            f"{flights['apart_m'].min():.2f} m",
+            f"{flights['apart_m'].min():.2f}",
         )
         rows.append(f"| {' | '.join(cells)} |")
     return rows
