@@ -61,7 +61,7 @@ def test_every_package_of_the_tree_is_listed(project):
 def test_every_module_has_a_package():
     for floor in FLOORS:
         for path in (ROOT / floor).rglob("*.py"):
-            assert path.parent == SITE or (path.parent / "__init__.py").exists(), path
+            assert SITE in path.parents or (path.parent / "__init__.py").exists(), path
 
 
 def test_every_data_file_of_the_tree_is_listed(project):

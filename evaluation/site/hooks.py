@@ -15,13 +15,15 @@ from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
 from indoor_explorers.evaluation.playground.page import playground
-from indoor_explorers.evaluation.site.concepts import concept_pictures
-from indoor_explorers.evaluation.site.dynamics_pictures import dynamics_pictures
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
-from indoor_explorers.evaluation.site.learner_pictures import learner_pictures
-from indoor_explorers.evaluation.site.planner_pictures import planner_pictures
+from indoor_explorers.evaluation.site.pictures.concepts import concept_pictures
+from indoor_explorers.evaluation.site.pictures.dynamics import dynamics_pictures
+from indoor_explorers.evaluation.site.pictures.learners import learner_pictures
+from indoor_explorers.evaluation.site.pictures.planners import planner_pictures
+from indoor_explorers.evaluation.site.pictures.radio import radio_pictures
+from indoor_explorers.evaluation.site.pictures.statistics import statistics_pictures
+from indoor_explorers.evaluation.site.pictures.tabular import tabular_pictures
 from indoor_explorers.evaluation.site.published import published, reports_page
-from indoor_explorers.evaluation.site.radio_pictures import radio_pictures
 from indoor_explorers.evaluation.site.reference import (
     command_line_page,
     files_page,
@@ -29,8 +31,6 @@ from indoor_explorers.evaluation.site.reference import (
     python_page,
     settings_page,
 )
-from indoor_explorers.evaluation.site.statistics_pictures import statistics_pictures
-from indoor_explorers.evaluation.site.tabular_pictures import tabular_pictures
 
 ROOT = Path(__file__).resolve().parents[2]
 #: The folder of the pages in the repository.

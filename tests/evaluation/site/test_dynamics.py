@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import FREE, OCCUPIED
-from indoor_explorers.evaluation.site.dynamics import (
+from indoor_explorers.evaluation.site.pictures.dynamics import dynamics_pictures
+from indoor_explorers.evaluation.site.studies.dynamics import (
     FLIGHTS,
     HOVER,
     SEEDS,
@@ -17,7 +18,6 @@ from indoor_explorers.evaluation.site.dynamics import (
     path_errors,
     touches,
 )
-from indoor_explorers.evaluation.site.dynamics_pictures import dynamics_pictures
 from tests.documents import SITE
 
 PAGE = (SITE / "pages" / "guides" / "dynamics.md").read_text("utf-8")
@@ -71,7 +71,7 @@ def test_a_touch_is_counted_once_however_long_it_lasts():
     importlib.util.find_spec("PyFlyt") is None, reason="needs PyFlyt, a tool beside the tests: pip install PyFlyt"
 )
 def test_a_team_flies_a_path_in_pyflyt():
-    from indoor_explorers.evaluation.site.dynamics_pyflyt import flown
+    from indoor_explorers.evaluation.site.studies.dynamics_pyflyt import flown
 
     path = np.repeat(CORNER, 2, axis=1) + np.array([[0.0, 0.0], [4.0, 0.0]])
     flight = flown(path, 2.5, seed=0)

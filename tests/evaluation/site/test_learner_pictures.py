@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from indoor_explorers.evaluation.site import cluster_pictures
-from indoor_explorers.evaluation.site.learner_pictures import learner_pictures, moment
+from indoor_explorers.evaluation.site.pictures import clusters as cluster_pictures
+from indoor_explorers.evaluation.site.pictures.learners import learner_pictures, moment
 from tests.documents import ROOT
 
 

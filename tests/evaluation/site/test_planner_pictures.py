@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from indoor_explorers.evaluation.site import planner_pictures as pictures
+from indoor_explorers.evaluation.site.pictures import planners as pictures
 from tests.documents import ROOT
 
 

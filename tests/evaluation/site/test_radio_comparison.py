@@ -11,7 +11,8 @@ import pytest
 from indoor_explorers.env import scenario
 from indoor_explorers.env.simulation.radio import in_reach
 from indoor_explorers.env.simulation.state import rules_of
-from indoor_explorers.evaluation.site.radio_comparison import (
+from indoor_explorers.evaluation.site.pictures.radio import RANGE, radio_pictures
+from indoor_explorers.evaluation.site.studies.radio_comparison import (
     DEFAULTS,
     MEASURED,
     OFFICE,
@@ -25,7 +26,6 @@ from indoor_explorers.evaluation.site.radio_comparison import (
     range_table,
     room_grid,
 )
-from indoor_explorers.evaluation.site.radio_pictures import RANGE, radio_pictures
 from tests.documents import SITE
 
 PAGE = (SITE / "pages" / "methods-radio.md").read_text("utf-8")
@@ -102,8 +102,7 @@ def test_contacts_are_those_of_the_world(model):
     importlib.util.find_spec("ns3") is None, reason="needs ns-3, a tool beside the tests: pip install ns3"
 )
 def test_ns3_gives_what_is_written(tmp_path):
-    code = (
-        "from pathlib import Path; from indoor_explorers.evaluation.site.radio_ns3 import main; main(Path('again.csv'))"
-    )
+    module = "indoor_explorers.evaluation.site.studies.radio_ns3"
+    code = f"from pathlib import Path; from {module} import main; main(Path('again.csv'))"
     subprocess.run([sys.executable, "-P", "-c", code], cwd=tmp_path, check=True, capture_output=True, timeout=300)
     assert (tmp_path / "again.csv").read_bytes() == MEASURED.read_bytes()

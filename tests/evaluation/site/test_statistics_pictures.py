@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from indoor_explorers.evaluation.site.statistics_pictures import (
+from indoor_explorers.evaluation.site.pictures.statistics import (
     DRAWN_EPISODES,
     hold,
     intervals_on_maps,

@@ -6,8 +6,8 @@ from statistics import mean
 
 import pytest
 
-from indoor_explorers.evaluation.site import tabular_pictures
-from indoor_explorers.evaluation.site.tabular_pictures import PAGE, SEEDS, page_functions, training
+from indoor_explorers.evaluation.site.pictures import tabular as tabular_pictures
+from indoor_explorers.evaluation.site.pictures.tabular import PAGE, SEEDS, page_functions, training
 
 TEXT = " ".join(PAGE.read_text("utf-8").split())
 

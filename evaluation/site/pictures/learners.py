@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env import Action, World, scenario
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.site.cluster_pictures import places, pockets
-from indoor_explorers.evaluation.site.drawing import UAV, cells, svg
+from indoor_explorers.evaluation.site.pictures.clusters import places, pockets
+from indoor_explorers.evaluation.site.pictures.drawing import UAV, cells, svg
 from indoor_explorers.learners.dddqn.network.inference import NetworkWeights, q_values, without_network
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND, BLOCKED, GAINS, TOURS, VISITS
 from indoor_explorers.learners.dddqn.policy import Dddqn

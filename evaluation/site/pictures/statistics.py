@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.report.analysis.ranks import Rank
 from indoor_explorers.evaluation.report.style.formatting import fixed, p_value, percent
 from indoor_explorers.evaluation.report.style.palette import COLOURS
-from indoor_explorers.evaluation.site.drawing import svg
+from indoor_explorers.evaluation.site.pictures.drawing import svg
 from indoor_explorers.evaluation.statistics import (
     CONFIDENCE,
     Estimate,

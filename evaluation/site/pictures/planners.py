@@ -24,8 +24,8 @@ from indoor_explorers.env.search.clusters import frontier_clusters, middles, nea
 from indoor_explorers.env.search.pockets.labels import true_pockets
 from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_cells
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.site.drawing import cells, svg
-from indoor_explorers.evaluation.site.map_marks import (
+from indoor_explorers.evaluation.site.pictures.drawing import cells, svg
+from indoor_explorers.evaluation.site.pictures.map_marks import (
     BLUE,
     GOAL_MARK,
     GREEN,

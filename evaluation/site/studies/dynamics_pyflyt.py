@@ -2,7 +2,7 @@
 
 Run by hand, in an environment that has the project and PyFlyt (``pip install -c constraints.txt -e . PyFlyt``)::
 
-    python -P -m indoor_explorers.evaluation.site.dynamics_pyflyt
+    python -P -m indoor_explorers.evaluation.site.studies.dynamics_pyflyt
 
 PyFlyt is a tool beside the tests here, and no dependency of the project. The UAVs of a team fly together, each through
 the centres of its cells, by PyFlyt's own position controller. Walls are no part of the physics: how often a UAV of a
@@ -24,7 +24,7 @@ from indoor_explorers.env import make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.site.dynamics import (
+from indoor_explorers.evaluation.site.studies.dynamics import (
     COLUMNS,
     DRAWN,
     DRAWN_STEPS,

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from indoor_explorers.env import OCCUPIED, scenario
 from indoor_explorers.evaluation.report.style.palette import COLOURS
-from indoor_explorers.evaluation.site.drawing import svg
-from indoor_explorers.evaluation.site.dynamics import DRAWN, FLIGHTS, SCENARIO, TRACKS
+from indoor_explorers.evaluation.site.pictures.drawing import svg
+from indoor_explorers.evaluation.site.studies.dynamics import DRAWN, FLIGHTS, SCENARIO, TRACKS
 
 #: Metres around the tracks.
 AROUND = 1.5

@@ -2,7 +2,7 @@
 
 Run by hand, in an environment that has the project and ns-3 (``pip install -c constraints.txt -e . ns3``)::
 
-    python -P -m indoor_explorers.evaluation.site.radio_ns3
+    python -P -m indoor_explorers.evaluation.site.studies.radio_ns3
 
 ns-3 is a tool beside the tests here, and no dependency of the project.
 """
@@ -15,7 +15,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from indoor_explorers.evaluation.site.radio_comparison import MEASURED, Pair, RoomGrid, floors, pairs_of, room_grid
+from indoor_explorers.evaluation.site.studies.radio_comparison import (
+    MEASURED,
+    Pair,
+    RoomGrid,
+    floors,
+    pairs_of,
+    room_grid,
+)
 
 #: Hertz; the 2.4 GHz band. It adds the same to all losses.
 FREQUENCY = 2.4e9

@@ -19,7 +19,7 @@ from indoor_explorers.env.search.pockets.estimates import PocketEstimator, estim
 from indoor_explorers.env.search.pockets.labels import true_pockets
 from indoor_explorers.env.search.pockets.network import THRESHOLDS, outputs
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.site.drawing import MARKED, cells
+from indoor_explorers.evaluation.site.pictures.drawing import MARKED, cells
 from indoor_explorers.learners.places import network
 from indoor_explorers.learners.places.policy import DddqnPlaces
 from indoor_explorers.learners.places.scene import Observer

@@ -17,7 +17,7 @@ from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rol
 from indoor_explorers.env.simulation.state import rules_of
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.site.drawing import LOST, MARKED, UAV, cells, svg
+from indoor_explorers.evaluation.site.pictures.drawing import LOST, MARKED, UAV, cells, svg
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 
 

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from indoor_explorers.env import OCCUPIED
 from indoor_explorers.evaluation.report.style.palette import COLOURS
-from indoor_explorers.evaluation.site.drawing import svg
-from indoor_explorers.evaluation.site.radio_comparison import (
+from indoor_explorers.evaluation.site.pictures.drawing import svg
+from indoor_explorers.evaluation.site.studies.radio_comparison import (
     DEFAULTS,
     METRES,
     contacts,

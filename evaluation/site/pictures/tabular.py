@@ -14,9 +14,9 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.report.style.palette import COLOURS
-from indoor_explorers.evaluation.site.drawing import svg
+from indoor_explorers.evaluation.site.pictures.drawing import svg
 
-PAGE = Path(__file__).parent / "pages" / "guides" / "tabular.md"
+PAGE = Path(__file__).resolve().parents[1] / "pages" / "guides" / "tabular.md"
 #: Seeds of the trainings that a line is the mean of, and the episodes that it is smoothed over.
 SEEDS, SMOOTHED = (1, 2, 3), 50
 #: The states of the page and their colours, and the learners and their lines.
