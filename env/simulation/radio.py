@@ -102,8 +102,7 @@ def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
             together = (
                 state.end[b, i] == 0
                 and state.end[b, j] == 0
-                and state.step[b] >= state.silent_until[b, i]
-                and state.step[b] >= state.silent_until[b, j]
+                and not (rules.failures and state.step[b] < max(state.silent_until[b, i], state.silent_until[b, j]))
                 and (
                     state.linked[b, i, j]
                     if rules.radio_model == CUSTOM
