@@ -194,11 +194,7 @@ class PsoPilot(CandidatePilot):
         held = np.where(problem.hysteresis.max(axis=1) > 1, problem.hysteresis.argmax(axis=1), -1)
         seeds = [by_greed(problem), by_hungarian(problem), by_minpos(problem), reachable_or_nearest(problem, held)]
         shared = np.random.default_rng([view.step, *self.paths.flat(member.cell for member in able).tolist()])
-        best = optimise(problem, self._policy.length, self._swarm, seeds, shared)
-        return JointPlan(problem, cells, able, seeds, best)
-        best = self.search(problem, seeds, shared)
-        first: Assignment = cells[best[:, 0]]
-        return {member.agent: divmod(int(cell), self.paths.width) for member, cell in zip(able, first, strict=True)}
+        return JointPlan(problem, cells, able, seeds, self.search(problem, seeds, shared))
 
     def search(self, problem: AssignmentProblem, seeds: list[Assignment], rng: np.random.Generator) -> Plan:
         """Return the best joint plan that a search from the initial assignments finds, (N, L)."""
