@@ -80,7 +80,7 @@ class CheckedFlight:
         Args:
             policy: The policy to check.
             scenario: The task.
-            setups: Seeds, maps and spawns, one for each episode.
+            setups: Seeds, maps, spawns and prior maps, one for each episode.
             ask: Divides the UAVs to be asked into calls.
             changed: A UAV whose actions are replaced.
             told: False source of maps in the briefings.
@@ -110,6 +110,8 @@ class CheckedFlight:
     def _pilot(self, trace: Trace, b: int, n: int) -> Pilot:
         briefing = self._world.briefing(b, n, privileged=is_privileged(self._policy))
         briefing = replace(briefing, scenario=self._told)
+        if trace.setup.prior is not None:
+            briefing = replace(briefing, prior=trace.setup.prior)
         self._briefings.append((trace, briefing, facts_of(briefing)))
         with calling("policy.pilot"):
             pilot = self._policy.pilot(briefing)

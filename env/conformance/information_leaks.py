@@ -38,16 +38,22 @@ TOLD: tuple[MapSource, ...] = (OfficeMap(), ThesisMaps(obstacles=0), ThesisMaps(
 DECLARE = "read briefing.generator alone and declare uses_generator = True, or do without briefing.scenario.map"
 #: The team without any radio.
 SILENT = TEAM.with_settings({"radio.model": "none"})
+#: One UAV with an outdated prior map.
+INFORMED = SOLO.with_settings({"prior.kind": "outdated"})
 #: The UAVs whose actions are replaced.
 REPLACED = (Changed(0, wanders=False), Changed(3, wanders=True))
 
 
 def check_unseen(harness: Harness) -> str:
-    """Change cells that no UAV has seen: while a UAV sees the same, it must choose the same."""
+    """Change cells that no UAV has seen: while a UAV sees the same, it must choose the same.
+
+    Its prior map stays the one of the map as it was: that is in its briefing, and all it may know of unseen cells.
+    """
     if is_privileged(harness.policy):
         return "not checked: the policy is privileged and knows the true map"
     changes = decisions = 0
-    for scenario, trace in zip((SOLO, TEAM), harness.alone, strict=True):
+    flown = [*zip((SOLO, TEAM), harness.alone, strict=True), *_informed(harness)]
+    for scenario, trace in flown:
         for step in MOMENTS:
             setup = changed_where_unseen(scenario, trace, step) if step < len(trace.steps) else None
             if setup is None:
@@ -64,8 +70,17 @@ def check_unseen(harness: Harness) -> str:
     return f"{changes} changes of unseen cells, {decisions} decisions: changed nothing"
 
 
+def _informed(harness: Harness) -> list[tuple[Scenario, Trace]]:
+    """Return the episode of one UAV with a prior map, if that makes a difference."""
+    (informed,) = harness.fly(INFORMED, [FIRST])
+    return [] if compare(informed, harness.alone[0], [0]).differs is None else [(INFORMED, informed)]
+
+
 def changed_where_unseen(scenario: Scenario, trace: Trace, step: int) -> Setup | None:
-    """Return the trace's start with half of the cells changed that are unseen at ``step``; None when there is none."""
+    """Return the trace's start with half of the cells changed that are unseen at ``step``; None when there is none.
+
+    The prior map is that of the cells as they were.
+    """
     world = World(scenario)
     world.begin(0, trace.setup.seed, floorplan=trace.setup.floorplan, spawns=trace.setup.spawns)
     plan = world.floorplan(0)
@@ -73,7 +88,8 @@ def changed_where_unseen(scenario: Scenario, trace: Trace, step: int) -> Setup |
     unseen = np.frombuffer(trace.unseen[step], np.bool_).reshape(plan.shape)
     flip = unseen & (np.random.default_rng(step).random(plan.shape) < 0.5)
     truth = np.where(flip, np.where(plan.truth == FREE, OCCUPIED, FREE), plan.truth).astype(np.uint8)
-    return Setup(trace.setup.seed, Floorplan(truth, "changed where unseen"), spawns) if flip.any() else None
+    plan = Floorplan(truth, "changed where unseen")
+    return Setup(trace.setup.seed, plan, spawns, world.prior(0)) if flip.any() else None
 
 
 def check_seed(harness: Harness) -> str:

@@ -8,17 +8,18 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from indoor_explorers.env.conformance.findings import Violation
-from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import Message, View
 
 
 class Setup(NamedTuple):
-    """Start of an episode: a seed, and a map and spawns that replace what it would draw."""
+    """Start of an episode: a seed, and a map, spawns and a prior map that replace what it would draw."""
 
     seed: int
     floorplan: Floorplan | None = None
     spawns: tuple[Cell, ...] | None = None
+    prior: Belief | None = None
 
 
 class Decision(NamedTuple):

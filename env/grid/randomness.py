@@ -30,6 +30,7 @@ class Stream(IntEnum):
     RADIO = 3
     PILOT = 4
     FAILURE = 5
+    PRIOR = 6
 
 
 def generator(seed: int, stream: Stream, index: int = 0) -> np.random.Generator:

@@ -93,6 +93,8 @@ class Briefing:
     """Where all UAVs start, by number, for privileged policies; None for other policies."""
     base: Cell | None = None
     """The home base's (row, column); None where there is none."""
+    prior: Belief | None = field(default=None, repr=False)
+    """The prior map (H, W) uint8, 1 free, 2 occupied, read-only; it may be wrong. None where there is none."""
 
     @property
     def generator(self) -> MapSource | None:

@@ -29,7 +29,7 @@ LEAST_BUDGET = 200
 #: Settings of comparisons: episodes go on to full team coverage or the budget, and no UAV is ended as stuck.
 COMPARED: Mapping[str, Any] = {"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"}
 #: Settings that older fingerprints do not know; they count where they are not at their defaults.
-LATER = ("failures", "base")
+LATER = ("failures", "base", "prior")
 
 
 class _Part(BaseModel):
@@ -164,6 +164,27 @@ class Base(_Part):
         return self.at != "none"
 
 
+class Prior(_Part):
+    """The prior map that all UAVs are given before the episode; none by default.
+
+    It is made of the true map and the episode's seed alone. An outdated one differs from the true map in some places,
+    each drawn by itself.
+    """
+
+    kind: Literal["none", "right", "outdated"] = "none"
+    """``none``; ``right``: the true map; ``outdated``: the true map with the changes below."""
+    doors: float = Field(0.1, ge=0.0, le=1.0)
+    """``outdated``: probability that a doorway, a gap of up to three cells in a wall, is shut in the prior."""
+    openings: float = Field(0.1, ge=0.0, le=1.0)
+    """``outdated``: probability that a straight wall between free cells has a doorway in the prior, and none in
+    truth."""
+    shift: float = Field(0.1, ge=0.0, le=1.0)
+    """``outdated``: probability that a straight wall between free cells is one cell beside its place in the prior."""
+    furniture: float = Field(0.5, ge=0.0, le=1.0)
+    """``outdated``: probability that a free-standing obstacle of up to four cells along each side is missing in the
+    prior."""
+
+
 class Scenario(_Part):
     """Describe one task completely; equal scenarios have equal fingerprints."""
 
@@ -182,6 +203,7 @@ class Scenario(_Part):
     stuck: Stuck = Stuck()
     failures: Failures = Failures()
     base: Base = Base()
+    prior: Prior = Prior()
     on_collision: Literal["end", "block"] = "end"
     """What a move into an obstacle or off the map does to the agent: ends it (the thesis) or costs the step."""
     goal: float = Field(0.9, gt=0.0, le=1.0)

@@ -18,6 +18,7 @@ from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.env.simulation.custom_models import CustomModels
 from indoor_explorers.env.simulation.engine import Engine, bind, new_work
 from indoor_explorers.env.simulation.preparation import Preparation, Prepared
+from indoor_explorers.env.simulation.prior_map import prior_map
 from indoor_explorers.env.simulation.reset import start_episodes
 from indoor_explorers.env.simulation.state import End, State, empty_state, rules_of
 from indoor_explorers.env.simulation.step import advance, are_actions
@@ -44,6 +45,8 @@ class World:
         self.begun = np.zeros(batch, np.int64)
         """(B,) number of episodes begun in each place of the batch."""
         self._floorplans: list[Floorplan | None] = [None] * batch
+        self._priors: dict[int, Belief] = {}
+        """Prior maps of the episodes that were asked for theirs."""
         self._custom = CustomModels.of(scenario)
         self._threads = Threads(max(1, min(threads, batch)))
         self._preparation = Preparation(scenario, batch, self._threads)
@@ -112,6 +115,7 @@ class World:
             self._allocate((starts.truth.shape[1], starts.truth.shape[2]))
         for episode, seed, plan in zip(episodes.tolist(), seeds.tolist(), floorplans, strict=True):
             self._floorplans[episode], self.seeds[episode] = plan, seed
+            self._priors.pop(episode, None)
         self.begun[episodes] += 1
         self._threads.share(
             lambda thread, first, last: start_episodes(self._engines[thread], starts, episodes, seeds, first, last),
@@ -139,6 +143,15 @@ class World:
         if plan is None:
             plan = self._floorplans[episode] = Floorplan(self.state.truth[episode].copy(), self.scenario.map.source)
         return plan
+
+    def prior(self, episode: int) -> Belief | None:
+        """Return the prior map of an episode, (H, W) uint8, read-only; None where there is none."""
+        if self.scenario.prior.kind == "none":
+            return None
+        if episode not in self._priors:
+            made = prior_map(self.state.truth[episode], self.scenario.prior, self.seeds[episode])
+            self._priors[episode] = read_only(made)
+        return self._priors[episode]
 
     def step(self, actions: NDArray[np.integer[Any]], then: Callable[[Engine, int, int], object] | None = None) -> None:
         """Advance all running episodes by one step; ``actions`` is (B, N), those of ended agents are ignored.
@@ -235,6 +248,7 @@ class World:
             truth=read_only(self.state.truth[episode]) if privileged else None,
             starts=tuple((row, col) for row, col in self.state.cell[episode].tolist()) if privileged else None,
             base=tuple(self.state.base_cell[episode].tolist()) if self.scenario.base.exists else None,
+            prior=self.prior(episode),
         )
 
     @property

@@ -138,5 +138,6 @@ def _not_loaded(choice: PolicyChoice, error: BaseException) -> str:
 
 
 def _sealed(briefing: Briefing) -> Briefing:
-    """Return a briefing whose map cannot be written to."""
-    return briefing if briefing.truth is None else replace(briefing, truth=read_only(briefing.truth))
+    """Return a briefing whose maps cannot be written to."""
+    truth, prior = (None if cells is None else read_only(cells) for cells in (briefing.truth, briefing.prior))
+    return replace(briefing, truth=truth, prior=prior)
