@@ -14,10 +14,12 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.visibility import (
+    TILE,
     VisibilityTable,
     add_visible,
     count_cells,
@@ -55,6 +57,11 @@ class PlanRequest(NamedTuple):
     """Coverage to reach first; the goal if that is lower."""
     goal: float
     """Coverage to reach in the end."""
+    known: bytes = b""
+    """Which cells need not be seen, (H, W) bool; empty for none. If any are given, a coverage says which share of the
+    reachable cells may be missing of the others."""
+    others: Track = ()
+    """Cells that other UAVs will be in: what they show there is not planned for."""
 
 
 class SearchBudget(NamedTuple):
@@ -147,15 +154,24 @@ def plan(request: PlanRequest, budget: SearchBudget) -> tuple[Track, ...]:
     table = visibility_table(
         truth, request.starts, lidar_model(*request.lidar), count_all_cells=request.count_all_cells
     )
-    distances = _distance_table(table, width)
     number = {int(cell): k for k, cell in enumerate(table.cells)}
+    seen = np.zeros_like(table.union)
+    for cell in {row * width + col for row, col in request.others} & number.keys():
+        add_visible(table, number[cell], seen)
+    _add_known(seen, np.flatnonzero(np.frombuffer(request.known, np.bool_)), width)
+    table.bits[:] &= ~seen[table.tile]
+    distances = _distance_table(table, width)
     starts = np.array([number[row * width + col] for row, col in request.starts])
     state = TeamState(starts, starts.copy(), np.zeros_like(starts), np.zeros_like(table.union), np.zeros(1, np.int64))
     total = height * width if request.count_all_cells else len(table.cells)
     shown = _shown(table, np.concatenate([starts, distances.points]))
-    first, last = (
-        min(math.ceil(level * total - 1e-9), shown) for level in (min(request.aim, request.goal), request.goal)
-    )
+    levels = min(request.aim, request.goal), request.goal
+    if request.known:
+        first, last = (max(0, shown - math.floor((1.0 - level) * len(table.cells) + 1e-9)) for level in levels)
+    else:
+        first, last = (min(math.ceil(level * total - 1e-9), shown) for level in levels)
+    if last == 0:
+        return tuple((start,) for start in request.starts)
     aims = Aims(first, last, SHARE)
     found = [
         anneal(table, distances, state, aims, np.uint64(restart), budget.changes, budget.work)
@@ -165,6 +181,13 @@ def plan(request: PlanRequest, budget: SearchBudget) -> tuple[Track, ...]:
     numbers = tracks(table, distances, routes, state, aims)
     flown = [table.cells[numbers[:, n]].tolist() for n in range(len(request.starts))]
     return tuple(tuple(divmod(cell, width) for cell in track) for track in swap_resolved(flown))
+
+
+def _add_known(seen: NDArray[np.uint64], cells: NDArray[np.int64], width: int) -> None:
+    """Add flat cells to a set (T,)."""
+    rows, cols = np.divmod(cells, width)
+    bits = np.uint64(1) << (rows % TILE * TILE + cols % TILE).astype(np.uint64)
+    np.bitwise_or.at(seen, rows // TILE * -(-width // TILE) + cols // TILE, bits)
 
 
 def swap_resolved(flown: Sequence[Sequence[int]]) -> list[list[int]]:

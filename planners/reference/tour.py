@@ -6,18 +6,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.navigation.navigator import DETOUR_CELLS, DETOUR_FACTOR
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.frontier.nearest import NearestPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
-
-#: Steps without progress, because a teammate blocks the route, after which a UAV leaves its route.
-STALLED = 100
-#: Number of next cells of the route that a UAV tries to reach when a teammate is in the way.
-LOOK_AHEAD = 12
+from indoor_explorers.planners.reference.route_pilot import RoutePilot
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,69 +60,30 @@ class Reference(Policy):
         return SearchBudget(self.restarts, self.changes, self.work)
 
 
-class ReferencePilot(NearestPilot):
+class ReferencePilot(RoutePilot):
     """Follow the UAV's own route; fly to nearest frontiers when it is complete or a teammate blocks it for too long."""
 
     def __init__(self, briefing: Briefing, aim: float, budget: SearchBudget) -> None:
         super().__init__(briefing)
         if briefing.truth is None or briefing.starts is None:
             raise InputError("expected a briefing with the true map and all starts, as privileged policies are given")
-        self._truth, self._starts = briefing.truth, briefing.starts
+        self.cells, self._starts = briefing.truth, briefing.starts
         self._aim, self._budget = aim, budget
-        self._track: Track | None = None
-        self._place = 0
-        self._moved_on = 0
 
     def act(self, view: View) -> int:
         """Continue along the route."""
-        if self._track is None:
-            self._track = self._planned()
+        if self.plans == 0:
+            self.begin_route(self._planned(), view.step)
             self.plans += 1
-        self._advance(self._track, view)
-        if self._place + 1 >= len(self._track) or view.step > self._moved_on + STALLED:
-            self._track = ()
-            return super().act(view)
-        if self.navigator.deadlock.should_make_way(view) and not self.navigator.deadlock.retreating:
-            self._sidestep(self._track, view)
-        return self.navigator.command(view, self._following(self._track, view))
+        action = self.follow_route(view)
+        return super().act(view) if action is None else action
 
     @property
     def request(self) -> PlanRequest:
         """What the team's routes are planned for."""
         told, scenario = self.briefing, self.briefing.scenario
         lidar, all_cells = (float(told.lidar_range), scenario.lidar.model), scenario.denominator == "map"
-        return PlanRequest(self._truth.tobytes(), told.shape, self._starts, lidar, all_cells, self._aim, scenario.goal)
+        return PlanRequest(self.cells.tobytes(), told.shape, self._starts, lidar, all_cells, self._aim, scenario.goal)
 
     def _planned(self) -> Track:
         return plan(self.request, self._budget)[self.briefing.agent]
-
-    def _advance(self, track: Track, view: View) -> None:
-        if self._place + 1 < len(track) and view.cell == track[self._place + 1]:
-            self._place += 1
-            self._moved_on = view.step
-
-    def _following(self, track: Track, view: View) -> Cell:
-        if self.navigator.deadlock.retreating:
-            return self.navigator.deadlock.next_cell(view)
-        if view.cell == track[self._place]:
-            return track[self._place + 1]
-        if self.navigator.is_off_path(view):
-            self.navigator.follow(self._way(track[self._place], view) or [])
-        return self.navigator.next_cell(view)
-
-    def _way(self, goal: Cell, view: View) -> list[Cell] | None:
-        """Return the shortest path on the true map, around teammates if possible."""
-        truth = self._truth
-        return self.paths.to(truth, view.cell, goal, self.navigator.deadlock.barred(view)) or self.paths.to(
-            truth, view.cell, goal
-        )
-
-    def _sidestep(self, track: Track, view: View) -> None:
-        """Take a detour around a teammate to a later cell of the route, or retreat if that is too long."""
-        for place in range(self._place + 1, min(self._place + LOOK_AHEAD, len(track))):
-            around = self.paths.to(self._truth, view.cell, track[place], self.navigator.deadlock.barred(view))
-            if around and len(around) - 1 <= DETOUR_FACTOR * (place - self._place) + DETOUR_CELLS:
-                self._place, self._moved_on = place, view.step
-                self.navigator.follow(around)
-                return
-        self.navigator.deadlock.retreat(view)
