@@ -66,6 +66,27 @@ class ToldOfTheBase(Wander):
         return NotesTheBase(briefing)
 
 
+class NotesThePrior(Wanderer):
+    def __init__(self, briefing):
+        super().__init__(briefing)
+        assert briefing.truth is None
+        self.prior = briefing.prior
+
+    def tally(self):
+        return (
+            {}
+            if self.prior is None
+            else {"prior": float(self.prior.sum()), "fixed": float(not self.prior.flags.writeable)}
+        )
+
+
+class ToldOfThePrior(Wander):
+    """Tell what is in the prior map."""
+
+    def pilot(self, briefing):
+        return NotesThePrior(briefing)
+
+
 class Batched(Wander):
     """Choose for all UAVs in one call."""
 

@@ -1,0 +1,22 @@
+"""A comparison with a prior map, of which isolated policies are told."""
+
+import pytest
+
+from indoor_explorers.env import World, scenario
+from indoor_explorers.evaluation import compare
+from indoor_explorers.evaluation.leaderboard.verifying import mismatches
+from indoor_explorers.evaluation.results.results import Results
+
+
+@pytest.mark.parametrize("isolate", ["all", "none"])
+def test_policies_in_any_process_are_given_the_prior_of_their_episode(tmp_path, isolate):
+    settings = {"prior.kind": "outdated", "budget": 20}
+    policies = ["tests.evaluation.plugins:ToldOfThePrior"]
+    compare(tmp_path, policies=policies, scenario="small-floors", episodes=2, settings=settings, isolate=isolate)
+    results = Results.load(tmp_path)
+    assert list(mismatches(results)) == []
+    for record in results.records:
+        world = World(scenario("small-floors").for_evaluation().with_settings(settings))
+        world.reset([record.task.seed])
+        assert record.metrics["pilot_prior"] == world.prior(0).sum()
+        assert record.metrics["pilot_fixed"] == 1.0
