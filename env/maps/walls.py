@@ -38,7 +38,7 @@ class Block(NamedTuple):
         return Block(self.left, self.top, self.width, self.height, not self.upright)
 
 
-def standing_obstacles(truth: Belief) -> list[tuple[Mask, tuple[slice, slice]]]:
+def standing_obstacles(truth: Belief) -> list[tuple[Mask, tuple[slice, ...]]]:
     """Return the free-standing obstacles of a map, each as a mask of its cells within some rows and columns.
 
     They are connected, corners included, touch neither a wall nor the map's border, and are small.
@@ -57,7 +57,7 @@ def standing_obstacles(truth: Belief) -> list[tuple[Mask, tuple[slice, slice]]]:
 
 def walls_of(truth: Belief) -> Mask:
     """Return the (H, W) mask of the solid cells that belong to no free-standing obstacle."""
-    walls = truth == OCCUPIED
+    walls = np.asarray(truth == OCCUPIED)
     for mask, box in standing_obstacles(truth):
         walls[box] &= ~mask
     return walls

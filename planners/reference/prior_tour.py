@@ -122,10 +122,10 @@ class PriorTourPilot(RoutePilot):
         if action is None:
             self._explored += 1
             action = self._explorer.act(view)
-            goal = (self._explorer.message or ())[:2]
+            goal = self._explorer.message
         else:
             goal = message_of(self.route[min(self.place + LOOK_AHEAD, len(self.route) - 1)] if self.route else None)
-        self.message = (*(goal or (-1.0, -1.0)), float(self._next_stage))
+        self.message = (*(goal or (-1.0, -1.0))[:2], float(self._next_stage))
         return action
 
     def _take_in(self, view: View) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, World, check_policy, make_policy, scenario
+from indoor_explorers.env import InputError, Policy, World, check_policy, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Belief, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
@@ -52,7 +52,7 @@ def with_prior(
     return fly(policy, free, **how)
 
 
-def tracks_on(policy: object, settings: dict[str, Any], seed: int = 3, name: str = "small-offices") -> np.ndarray:
+def tracks_on(policy: Policy, settings: dict[str, Any], seed: int = 3, name: str = "small-offices") -> np.ndarray:
     world = World(scenario(name).for_evaluation().with_settings(settings))
     world.reset([seed])
     pilots = make_pilots(policy, world)
