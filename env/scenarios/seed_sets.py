@@ -51,7 +51,7 @@ SEED_SETS = (
     SeedSet("test-1", SeedUse.TEST, 1_000_000, 500, published=16),
     SeedSet("test-3", SeedUse.TEST, 5_000_000, 500, published=1),
     SeedSet("test-4", SeedUse.TEST, 8_000_000, 100, published=1),
-    SeedSet("tuning", SeedUse.TUNING, 9_000_000, 1_000_000, published=3),
+    SeedSet("tuning", SeedUse.TUNING, 9_000_000, 1_000_000, published=4),
     SeedSet("test-5", SeedUse.TEST, 20_000_000, 1_000_000, published=2),
     SeedSet("test-6", SeedUse.TEST, 21_000_000, 1_000_000, published=1),
     SeedSet("test-7", SeedUse.TEST, 22_000_000, 1_000_000),

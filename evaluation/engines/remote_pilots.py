@@ -98,7 +98,7 @@ def _line(text: str) -> str:
     return one_line(text, 3 * LONGEST)
 
 
-def _decision(seconds: float, action: object, message: Any, failure: str, done: object) -> Decision:
+def _decision(seconds: float, action: object, message: Any, failure: str, done: object = False) -> Decision:
     if failure:
         return Decision(0.0, failure=_line(failure))
     if not 0.0 <= seconds < math.inf:

@@ -42,7 +42,7 @@ class Stage(IntEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class PriorTour(Policy):
-    """Fly routes like those of `reference`, planned on the prior map as far as it has proved right.
+    """Fly routes like those of ``reference``, planned on the prior map as far as it has proved right.
 
     The map planned on is the prior, with every cell that has been seen as it was seen. Linked UAVs work out the same
     routes by themselves, from the map and the cells that they share: when they meet, and when the map planned on has

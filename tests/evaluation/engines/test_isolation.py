@@ -202,7 +202,7 @@ def test_decisions_that_are_none_end_the_process(answer):
 def test_decisions_are_plain_numbers_and_failures_a_line():
     pilots, views = pilots_told([[0.5, 3, [1.0, 2.0], ""], [0.0, 4, None, "broke\x1b\ndown"]])
     first, second = pilots.decide(views).values()
-    assert first == (0.5, 3, (1.0, 2.0), "")
+    assert first == (0.5, 3, (1.0, 2.0), "", False)
     assert second.failure == r"broke\x1b down"
 
 
