@@ -69,6 +69,7 @@ def test_without_a_prior_it_is_frontier(team: int) -> None:
     assert np.array_equal(tracks_on(QUICK, settings), tracks_on(make_policy("frontier"), settings))
 
 
+@pytest.mark.slow  # sixteen seconds; that it is complete with any prior is tested above
 def test_the_better_the_prior_the_sooner_most_is_seen() -> None:
     def mean_t99(policy: str | PriorTour, kind: str) -> float:
         task = scenario("small-offices").for_evaluation().with_settings({"prior.kind": kind})
