@@ -39,6 +39,8 @@ SLOW_CONFORMANCE = [
     "tours",
     "dddqn-places",
     "pomdp",
+    "bat",
+    "prior-tour",
 ]
 #: The policies that fly the office in `make test`: one of each family; `make test-all` flies the others.
 OFFICE = ("frontier-nearest", "frontier-predictive", "pso", "dddqn")
