@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from indoor_explorers.env import Scenario, World
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.episodes.record import Record
@@ -28,3 +30,9 @@ def resimulate(record: Record, scenario: Scenario) -> Iterator[World]:
     for actions in record.actions:
         world.step(actions[None])
         yield world
+
+
+def ended_as_recorded(record: Record, world: World) -> bool:
+    """Tell whether the simulated episode in place 0 ended as recorded; in another version of the world it may not."""
+    state = world.state
+    return np.array_equal(state.cell[0], record.cells[-1]) and bool(state.team_covered[0] == record.seen[-1])

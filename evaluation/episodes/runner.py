@@ -141,11 +141,11 @@ class _Batch:
         going_on: set[int] = set()
         for uav, decision in self._pilots.decide(views).items():
             episode, agent = uav
+            if decision.failure or not decision.done:
+                going_on.add(episode)
             if decision.failure:
                 self._fail(episode, decision.failure)
                 continue
-            if not decision.done:
-                going_on.add(episode)
             self._flights[episode].latencies.append(decision.seconds)
             self._seconds[episode] += decision.seconds
             self._world.post(episode, agent, decision.message)

@@ -13,7 +13,7 @@ from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.interfaces import GridFrame
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.episodes.resimulate import resimulate
+from indoor_explorers.evaluation.episodes.resimulate import ended_as_recorded, resimulate
 
 
 class Moment(NamedTuple):
@@ -58,7 +58,7 @@ def moments(record: Record, scenario: Scenario) -> Iterator[Moment]:
             coverage=float(world.team_coverage[0]),
         )
         flew = world.flying[0]
-    if not np.array_equal(state.cell[0], record.cells[-1]) or state.team_covered[0] != record.covered[-1, 0]:
+    if not ended_as_recorded(record, world):
         raise RunError(
             f"{record.policy} on {record.task.scenario}, seed {record.task.seed}: the episode is not as stored when it "
             "is simulated again; export it with the version of the software that has flown it"

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.episodes.resimulate import resimulate
+from indoor_explorers.evaluation.episodes.resimulate import ended_as_recorded, resimulate
 from indoor_explorers.evaluation.report.style.packing import Keyed, folded, packed, runs
 
 #: Step of cells that never become known.
@@ -47,8 +47,7 @@ def resimulated(record: Record, scenario: Scenario) -> ReplayEpisode:
         for agent, length in enumerate(state.known[0].tolist()):
             known[agent, state.discovery_log[0, agent, read[agent] : length]] = step
             read[agent] = length
-    faithful = np.array_equal(state.cell[0], record.cells[-1]) and state.team_covered[0] == record.seen[-1]
-    return ReplayEpisode(record, state.counts[0].ravel().copy(), known, linked, bool(faithful))
+    return ReplayEpisode(record, state.counts[0].ravel().copy(), known, linked, ended_as_recorded(record, world))
 
 
 def frame_steps(steps: int, stride: int) -> list[int]:

@@ -7,6 +7,7 @@ from indoor_explorers.env import make_policy, scenario
 from indoor_explorers.evaluation.episodes.metrics import OF_BASE
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.exports.episodes.moments import moments
 from indoor_explorers.evaluation.report.replay.packed_episode import resimulated
 from indoor_explorers.evaluation.results.contradictions import contradictions
 
@@ -31,6 +32,7 @@ def test_both_curves_are_recorded_and_either_may_count():
         assert other.metrics["unreported"] == pytest.approx(other.coverage("seen")[-1] - other.coverage("base")[-1])
         assert other.metrics["auc_base"] == other.metrics["auc"] < other.metrics["auc_seen"]
         assert resimulated(other, task).faithful
+        assert len(list(moments(other, task))) == other.steps + 1
     assert contradictions(seen + returned) == {}
 
 

@@ -50,6 +50,21 @@ def test_where_not_all_ever_do_nothing_is_told():
         assert not any(name.startswith("done_") for name in record.metrics)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Breaks(Declares):
+    def act(self, pilots, views):
+        actions = super().act(pilots, views)
+        if views[0].step == 3:
+            raise ValueError("broken")
+        return actions
+
+
+def test_a_failure_declares_nothing():
+    for record in flown(Breaks(), team=2):
+        assert record.reason.startswith("ValueError: broken")
+        assert not any(name.startswith("done_") for name in record.metrics)
+
+
 def test_it_changes_no_flight():
     for one, other in zip(flown(Declares()), flown(make_policy("frontier-nearest")), strict=True):
         assert one.flew_like(other)
