@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import message_of
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
@@ -20,7 +18,7 @@ from indoor_explorers.env.search.pockets.outlook import EstimateUser
 from indoor_explorers.env.search.view_gain import WeightedGains
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.coordination.goal_claims import goals_near
-from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
+from indoor_explorers.planners.coordination.independent_pilot import IndependentPilot
 from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.pomdp.completions import completions, pocket_sizes, strata
 from indoor_explorers.planners.pomdp.tree import Problem, isolation_weights, search
@@ -103,20 +101,16 @@ class Pomdp(EstimateUser, Policy):
         return PomdpPilot(briefing, self)
 
 
-class PomdpPilot(GoalPilot):
+class PomdpPilot(IndependentPilot):
     """Plan by simulations, and fly to the cluster of the best first macro action."""
-
-    straight = True
 
     def __init__(self, briefing: Briefing, policy: Pomdp) -> None:
         super().__init__(briefing)
-        self._policy, self._lidar = policy, float(briefing.lidar_range)
+        self._policy = policy
         self._horizon = max(2, round(policy.horizon * self._lidar))
         self._gains = WeightedGains(briefing.shape, self._lidar, DEPTH, policy.isolation)
         self._estimator = PocketEstimator(self._lidar)
-        self._out_of_contact = OutOfContact(briefing)
         self._is_due, self._next_choice = True, 0
-        self._out_of_range = 0
 
     def on_map_growth(self, view: View) -> None:
         """Request a new plan."""
@@ -126,21 +120,9 @@ class PomdpPilot(GoalPilot):
         """Tell whether the map has grown since the last plan, and that plan is old enough."""
         return self._is_due and view.step >= self._next_choice
 
-    def choose(self, view: View) -> Cell | None:
-        """Return the nearest cell of the cluster with the largest return, or the nearest frontier cell out of range."""
+    def chosen(self, view: View) -> Cell | None:
+        """Return the nearest cell of the cluster with the largest return."""
         self._is_due, self._next_choice = False, view.step + max(1, round(self._policy.period * self._lidar))
-        goal = self._planned(view)
-        if goal is None:
-            goal = self.nearest_frontier(view)
-            self._out_of_range += goal is not None
-        self.message = message_of(goal)
-        return goal
-
-    def tally(self) -> dict[str, float]:
-        """Return also the number of goals that were nearest frontiers because no cluster was in range."""
-        return {**super().tally(), "out_of_range": float(self._out_of_range)}
-
-    def _planned(self, view: View) -> Cell | None:
         policy = self._policy
         clusters = frontier_clusters(view.belief, self._lidar)
         cells, steps = nearest_cells(self.steps_from(view, view.cell), clusters)
@@ -180,11 +162,8 @@ class PomdpPilot(GoalPilot):
 
     def _factors(self, view: View, cells: NDArray[np.int32], steps: Distances) -> Numbers:
         """Return the factors on the value of (K,) clusters for teammates, (K,)."""
-        points = np.stack(np.divmod(cells, self.paths.width), axis=1).astype(np.float64)
-        left = self._out_of_contact.factors(
-            view, points, steps, lambda cell: self.steps_from(view, cell).ravel()[cells]
-        )
-        return np.asarray(left * (1.0 - self._policy.dimming) ** goals_near(view, points, self._lidar))
+        near = goals_near(view, self.points(cells), self._lidar)
+        return np.asarray(self.left_by_others(view, cells, steps) * (1.0 - self._policy.dimming) ** near)
 
     def _bonus(self, cells: NDArray[np.int32]) -> Numbers:
         """Return ``1 + hold`` for (K,) flat cells near the current goal, else 1, (K,)."""

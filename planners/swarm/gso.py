@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import message_of
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.env.search.view_gain import WeightedGains
 from indoor_explorers.planners.coordination.goal_claims import goals_near
-from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
+from indoor_explorers.planners.coordination.independent_pilot import IndependentPilot
 from indoor_explorers.planners.parameters import at_least
 
 #: Distance, in lidar ranges, within which a frontier cluster is the same glowworm as one before the map grew.
@@ -112,20 +110,16 @@ def drawn(weights: Numbers, rng: np.random.Generator) -> int:
     )
 
 
-class GlowwormPilot(GoalPilot):
+class GlowwormPilot(IndependentPilot):
     """Keep the luciferin of the frontier clusters, and draw one of the brighter neighbours."""
-
-    straight = True
 
     def __init__(self, briefing: Briefing, policy: Gso) -> None:
         super().__init__(briefing)
-        self._policy, self._lidar = policy, float(briefing.lidar_range)
+        self._policy = policy
         self._gains = WeightedGains(briefing.shape, self._lidar, policy.depth, policy.isolation)
-        self._out_of_contact = OutOfContact(briefing)
         self._cells = np.empty(0, np.int32)
         self._luciferin = np.empty(0)
         self._reach = min(policy.start, policy.sensor) * self._lidar
-        self._out_of_range = 0
 
     def on_map_growth(self, view: View) -> None:
         """Update the luciferin of all glowworms; new ones start with that at which the update rests."""
@@ -137,24 +131,11 @@ class GlowwormPilot(GoalPilot):
         before = self._before(cells, policy.enhancement / policy.decay * fitness)
         self._cells, self._luciferin = cells, brightened(before, fitness, policy.decay, policy.enhancement)
 
-    def choose(self, view: View) -> Cell | None:
-        """Return a brighter neighbour, or the nearest frontier cell if there is none in the sensor range."""
-        goal = self._neighbour(view)
-        if goal is None:
-            goal = self.nearest_frontier(view)
-            self._out_of_range += goal is not None
-        self.message = message_of(goal)
-        return goal
-
-    def tally(self) -> dict[str, float]:
-        """Return also the number of goals that were nearest frontiers because no neighbour was in range."""
-        return {**super().tally(), "out_of_range": float(self._out_of_range)}
-
-    def _neighbour(self, view: View) -> Cell | None:
-        """Draw a neighbour, and adapt the decision range."""
+    def chosen(self, view: View) -> Cell | None:
+        """Draw a neighbour, and adapt the decision range; None if there is none in the sensor range."""
         policy, largest = self._policy, self._policy.sensor * self._lidar
         steps = self.steps_from(view, view.cell).ravel()[self._cells]
-        light = self._luciferin * self._left_by_others(view, self._cells, steps)
+        light = self._luciferin * self.left_by_others(view, self._cells, steps)
         own = policy.enhancement / policy.decay * self._gains.at(view.belief, self.paths.flat([view.cell]))[0]
         light[self.near_banned(view, self._cells) | (steps == 0)] = -1.0
         change = policy.adaption * self._lidar
@@ -171,22 +152,14 @@ class GlowwormPilot(GoalPilot):
 
     def _fitness(self, view: View, cells: NDArray[np.int32]) -> Numbers:
         """Return the view gains of (K,) flat cells, dimmed near the goals of linked teammates, (K,)."""
-        near = goals_near(view, self._points(cells), self._lidar)
+        near = goals_near(view, self.points(cells), self._lidar)
         return np.asarray(self._gains.at(view.belief, cells) * (1.0 - self._policy.dimming) ** near)
-
-    def _left_by_others(self, view: View, cells: NDArray[np.int32], steps: Distances) -> Numbers:
-        return self._out_of_contact.factors(
-            view, self._points(cells), steps, lambda cell: self.steps_from(view, cell).ravel()[cells]
-        )
-
-    def _points(self, cells: NDArray[np.int32]) -> Numbers:
-        return np.stack(np.divmod(cells, self.paths.width), axis=1).astype(np.float64)
 
     def _before(self, cells: NDArray[np.int32], at_rest: Numbers) -> Numbers:
         """Return the luciferin of the glowworms that were at (K,) flat cells before, ``at_rest`` for new ones, (K,)."""
         if len(self._cells) == 0 or len(cells) == 0:
             return at_rest
-        apart = self._points(cells)[:, None, :] - self._points(self._cells)[None, :, :]
+        apart = self.points(cells)[:, None, :] - self.points(self._cells)[None, :, :]
         away = np.hypot(apart[..., 0], apart[..., 1])
         nearest = away.argmin(axis=1)
         known = away[np.arange(len(cells)), nearest] <= SAME * self._lidar
