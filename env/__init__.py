@@ -12,7 +12,7 @@ from indoor_explorers.env.lazy_names import lazy_names
 if TYPE_CHECKING:
     from indoor_explorers.env.conformance import Finding, check_policy, run_checks
     from indoor_explorers.env.errors import InputError, PolicyError
-    from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, Action
+    from indoor_explorers.env.grid.cells import FREE, OCCUPIED, TURN, UNKNOWN, Action
     from indoor_explorers.env.interfaces.pettingzoo import env, parallel_env
     from indoor_explorers.env.maps.base import GeneratedMaps
     from indoor_explorers.env.observations.incremental import LivePlanes
@@ -28,6 +28,7 @@ __all__ = [
     "FREE",
     "OCCUPIED",
     "PRESETS",
+    "TURN",
     "UNKNOWN",
     "Action",
     "Briefing",
@@ -57,7 +58,7 @@ __all__ = [
 _MODULES = {
     "conformance": ("Finding", "check_policy", "run_checks"),
     "errors": ("InputError", "PolicyError"),
-    "grid.cells": ("FREE", "OCCUPIED", "UNKNOWN", "Action"),
+    "grid.cells": ("FREE", "OCCUPIED", "TURN", "UNKNOWN", "Action"),
     "interfaces.pettingzoo": ("env", "parallel_env"),
     "maps.base": ("GeneratedMaps",),
     "observations.incremental": ("LivePlanes",),

@@ -14,11 +14,12 @@ from indoor_explorers.env.policies.policy import Pilot, is_action
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Message
 
 
-def checked_action(answer: object, trace: Trace) -> int:
-    """Return an action, or to stay if the answer is no action."""
-    if is_action(answer):
+def checked_action(answer: object, trace: Trace, count: int = 5) -> int:
+    """Return an action, or to stay if the answer is none of ``count`` actions."""
+    if is_action(answer, count):
         return int(answer)
-    found = f"expected an action from 0 to 4 (down, left, up, right, stay), got {shown(answer)}"
+    names = ", ".join([*(action.name.lower() for action in Action), "turn"][:count])
+    found = f"expected an action from 0 to {count - 1} ({names}), got {shown(answer)}"
     trace.violations.setdefault("actions", Violation(found, "return an int, such as int(np.argmax(values))"))
     return int(Action.STAY)
 

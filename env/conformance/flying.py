@@ -24,7 +24,7 @@ from indoor_explorers.env.conformance.contract import (
 )
 from indoor_explorers.env.conformance.findings import CannotFly, calling, shown
 from indoor_explorers.env.conformance.traces import Decision, Setup, Trace, digest_of
-from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.cells import UNKNOWN, Action
 from indoor_explorers.env.maps.sources import MapSource
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing
@@ -168,12 +168,12 @@ class CheckedFlight:
     def _recorded(self, b: int, n: int, answer: object, digest: bytes, share: float) -> int:
         """Record one UAV's answer and post its message; returns the action to fly."""
         trace, world = self._traces[b], self._world
-        action = checked_action(answer, trace)
+        action = checked_action(answer, trace, world.scenario.actions)
         with calling("pilot.message"):
             said = self._pilots[b, n].message
         message = checked_message(said, trace)
         trace.seconds.append(share)
-        trace.into_walls += not world.state.legal[b, n, action]
+        trace.into_walls += action < Action.STAY and not world.state.legal[b, n, action]
         trace.steps[-1][n] = Decision(digest, action, message)
         world.post(b, n, message)
         return action

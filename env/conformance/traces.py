@@ -60,7 +60,9 @@ def digest_of(view: View) -> bytes:
     seen = hashlib.blake2b(digest_size=16)
     for array in (view.belief, view.legal, view.visited):
         seen.update(array.tobytes())
-    seen.update(repr((view.cell, view.step, view.budget, view.mates, view.base_age)).encode())
+    if view.log_odds is not None:
+        seen.update(view.log_odds.tobytes())
+    seen.update(repr((view.cell, *view[3:6], view.base_age, view.pose_std, view.heading)).encode())
     return seen.digest()
 
 

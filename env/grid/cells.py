@@ -25,5 +25,9 @@ class Action(IntEnum):
     STAY = 4
 
 
-#: (5, 2) row and column change of each action.
+#: A sixth action where the lidar's field of view is limited: to turn by 90 degrees, clockwise, and stay where it is.
+TURN = 5
+
+
+#: (5, 2) row and column change of each action; none to turn.
 MOVES = np.array([(1, 0), (0, -1), (-1, 0), (0, 1), (0, 0)], dtype=np.int64)

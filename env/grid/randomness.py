@@ -31,6 +31,8 @@ class Stream(IntEnum):
     PILOT = 4
     FAILURE = 5
     PRIOR = 6
+    NOISE = 7
+    DRIFT = 8
 
 
 def generator(seed: int, stream: Stream, index: int = 0) -> np.random.Generator:

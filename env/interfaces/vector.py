@@ -220,7 +220,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
 
     def _views(self) -> Views:
         state = self.world.state
-        arrays = state.belief, state.cell, state.legal, state.visited
+        arrays = state.belief, state.believed_cell, state.legal, state.visited
         belief, cell, legal, visited = (_read_only(array[:, 0]) for array in arrays)
         return Views(belief, cell, legal, state.step, state.budget, visited)
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.navigation.deadlock import DeadlockResolver
-from indoor_explorers.env.navigation.paths import Paths, count_known, near_any, without
+from indoor_explorers.env.navigation.paths import Paths, map_stamp, near_any, without
 from indoor_explorers.env.navigation.straight_paths import straight_path
 from indoor_explorers.env.policies.view import Briefing, View
 
@@ -43,9 +43,9 @@ class Navigator:
         self.deadlock = DeadlockResolver(self.paths, briefing.rng)
         self.goal: Cell | None = None
         self.map_grew = False
-        """Whether cells have become known since the last step."""
+        """Whether the map has changed since the last step: cells have become known, or are known better."""
         self.known = -1
-        """Number of known cells; knowledge only grows, so an equal number means an unchanged map."""
+        """What :func:`~.paths.map_stamp` gave for the map: an equal number means an unchanged map."""
         self.recent: list[Cell] = []
         """The cells of the last four steps, the current one last."""
         self.given_up = 0
@@ -80,7 +80,7 @@ class Navigator:
 
     def observe(self, view: View) -> None:
         """Update the state from this step's view."""
-        known = count_known(view.belief)
+        known = map_stamp(view)
         self.map_grew, self.known = known != self.known, known
         self.recent = [*self.recent[-3:], view.cell]
         self._settled = self._settled or self.swings

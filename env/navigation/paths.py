@@ -7,6 +7,7 @@ flat cells near which frontier cells are ignored.
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterable
 
 import numpy as np
@@ -15,6 +16,7 @@ from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.search.bfs import distances_from
 from indoor_explorers.env.search.frontiers import on_frontier
 from indoor_explorers.env.search.shortest_paths import (
@@ -85,11 +87,16 @@ def search_frontier(
 
 @kernel()
 def count_known(belief: np.ndarray) -> int:
-    """Count the known cells; knowledge only grows, so an equal count means an unchanged map."""
+    """Count the known cells of a (H, W) belief."""
     known = 0
     for value in belief.reshape(belief.size):
         known += value != UNKNOWN
     return known
+
+
+def map_stamp(view: View) -> int:
+    """Return a number that changes whenever the map does: where maps are certain, how many cells are known."""
+    return count_known(view.belief) if view.log_odds is None else zlib.crc32(view.belief.tobytes())
 
 
 def without(belief: Belief, barred: Iterable[Cell]) -> Belief:

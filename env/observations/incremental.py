@@ -83,7 +83,7 @@ def _refresh(engine: Engine, begun: np.ndarray, buffers: PlaneBuffers, first: in
     state = engine.state
     for b in range(first, last):
         skipped = state.step[b] - buffers.step[b] > 1 or state.step[b] < buffers.step[b]
-        anew = skipped or buffers.begun[b] != begun[b]
+        anew = skipped or buffers.begun[b] != begun[b] or not engine.rules.exact_scans
         for n in range(state.end.shape[1]):
             if anew:
                 _blank(state, buffers, b, n)
@@ -133,7 +133,7 @@ def _show_known(state: State, buffers: PlaneBuffers, b: int, n: int) -> None:
 
 @inner()
 def _show_self(state: State, buffers: PlaneBuffers, b: int, n: int) -> None:
-    row, col = state.cell[b, n, 0], state.cell[b, n, 1]
+    row, col = state.believed_cell[b, n, 0], state.believed_cell[b, n, 1]
     if buffers.place[SELF] >= 0:
         buffers.planes[b, n, buffers.place[SELF], buffers.cell[b, n, 0], buffers.cell[b, n, 1]] = 0
         buffers.planes[b, n, buffers.place[SELF], row, col] = FULL

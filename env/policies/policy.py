@@ -11,9 +11,9 @@ import numpy as np
 from indoor_explorers.env.policies.view import Briefing, Message, View
 
 
-def is_action(action: object) -> TypeGuard[int]:
-    """Tell whether a pilot's answer is one of the five actions: an integer from 0 to 4, and no bool."""
-    return isinstance(action, (int, np.integer)) and not isinstance(action, bool) and bool(0 <= action <= 4)
+def is_action(action: object, count: int = 5) -> TypeGuard[int]:
+    """Tell whether a pilot's answer is one of ``count`` actions: an integer from 0, and no bool."""
+    return isinstance(action, (int, np.integer)) and not isinstance(action, bool) and bool(0 <= action < count)
 
 
 #: Values of :attr:`Policy.plans_for`.
@@ -32,7 +32,7 @@ class Pilot(ABC):
 
     @abstractmethod
     def act(self, view: View) -> int:
-        """Choose one of the five actions from what this UAV knows."""
+        """Choose one of the five actions from what this UAV knows; where ``view.heading`` is not None, of six."""
 
     def tally(self) -> dict[str, float]:
         """Return named figures about this episode for the results, such as a share of guarded decisions."""

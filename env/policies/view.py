@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
@@ -69,6 +70,21 @@ class View(NamedTuple):
     """(H, W) bool: cells the UAV itself has been in, its own included. Read-only and live."""
     base_age: int | None = None
     """Steps since the last contact with the home base, directly or through teammates; None for never, or no base."""
+    log_odds: NDArray[np.float32] | None = None
+    """(H, W) log-odds that each cell is occupied, 0 without evidence; ``belief`` shows the more probable. Read-only and
+    live. None where maps are certain."""
+    pose_std: float = 0.0
+    """Standard deviation of the error that ``cell`` is expected to have, in cells; 0 where poses are certain."""
+    heading: int | None = None
+    """The action whose direction the UAV faces, 0 to 3; None where the lidar sees all around. Where it is not None,
+    action 5 turns the UAV by 90 degrees."""
+
+    @property
+    def occupancy(self) -> NDArray[np.float64]:
+        """(H, W) probability that each cell is occupied: .5 for unknown ones, and 0 or 1 where maps are certain."""
+        if self.log_odds is None:
+            return np.array((0.5, 0.0, 1.0))[self.belief]
+        return np.asarray(1.0 / (1.0 + np.exp(-self.log_odds.astype(np.float64))))
 
 
 @dataclass(frozen=True, kw_only=True)

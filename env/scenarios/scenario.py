@@ -29,7 +29,7 @@ LEAST_BUDGET = 200
 #: Settings of comparisons: episodes go on to full team coverage or the budget, and no UAV is ended as stuck.
 COMPARED: Mapping[str, Any] = {"goal": 1.0, "goal_of": "team", "denominator": "reachable", "stuck.rule": "off"}
 #: Settings that older fingerprints do not know; they count where they are not at their defaults.
-LATER = ("failures", "base", "prior")
+LATER = ("failures", "base", "prior", "noise", "drift", "lidar.field_of_view")
 
 
 class _Part(BaseModel):
@@ -49,6 +49,10 @@ class Lidar(_Part):
     rays (:mod:`indoor_explorers.env.sensing.marsexplorer`); or a plug-in, ``module:function``."""
     range: float = Field(3.0, ge=1.0, le=200.0)
     """Range in cells, Euclidean to a cell's centre."""
+    field_of_view: float = Field(360.0, ge=30.0, le=360.0)
+    """Degrees that the lidar sees, half of them to each side of the UAV's heading; proximity sensors see the eight
+    neighbours all around. Below 360 a UAV has a heading, the direction of its last move, and one action more: ``turn``,
+    clockwise by 90 degrees. Maps are then of log-odds, as with ``noise`` and ``drift``."""
 
     @property
     def custom(self) -> Callable[..., Any] | None:
@@ -185,6 +189,42 @@ class Prior(_Part):
     prior."""
 
 
+class Noise(_Part):
+    """Errors of the lidar, drawn for each scan, UAV and cell; none by default.
+
+    Where there are any, UAVs scan in every step and keep maps of log-odds, which can be wrong.
+    """
+
+    misses: float = Field(0.0, ge=0.0, lt=0.5)
+    """Probability that an obstacle cell lets the beams of one scan through, as glass and black surfaces do."""
+    false_returns: float = Field(0.0, ge=0.0, lt=0.5)
+    """Probability that a free cell returns the beams of one scan, as dust and reflections do."""
+    range_std: float = Field(0.0, ge=0.0, le=10.0)
+    """Standard deviation of a normal error of the distance at which an obstacle is read, in cells."""
+
+    @property
+    def any(self) -> bool:
+        """Whether the lidar errs."""
+        return self.misses > 0.0 or self.false_returns > 0.0 or self.range_std > 0.0
+
+
+class Drift(_Part):
+    """Errors of the UAVs' pose estimates, which grow with the way flown; none by default.
+
+    Maps are then of log-odds, drawn where a UAV believes to be, and drawn again when its path is corrected.
+    """
+
+    rate: float = Field(0.0, ge=0.0, le=0.5)
+    """Probability that the estimate slips by one cell, in a random direction, for each cell flown."""
+    closures: float = Field(1.0, ge=0.0, le=1.0)
+    """Loop closure: probability that a UAV recognises a cell in which it has been before, and takes the surer pose."""
+    closure_gap: int = Field(20, ge=1)
+    """Steps that must lie between."""
+    mates: bool = True
+    """Whether a UAV that is linked to a teammate in sight takes the pose that follows from the teammate's, if that is
+    surer."""
+
+
 class Scenario(_Part):
     """Describe one task completely; equal scenarios have equal fingerprints."""
 
@@ -204,6 +244,8 @@ class Scenario(_Part):
     failures: Failures = Failures()
     base: Base = Base()
     prior: Prior = Prior()
+    noise: Noise = Noise()
+    drift: Drift = Drift()
     on_collision: Literal["end", "block"] = "end"
     """What a move into an obstacle or off the map does to the agent: ends it (the thesis) or costs the step."""
     goal: float = Field(0.9, gt=0.0, le=1.0)
@@ -238,13 +280,38 @@ class Scenario(_Part):
             raise ValueError("failures.stops has a step before the first one; steps count from 1")
         if self.base.must_return and not self.base.exists:
             raise ValueError("base.must_return needs a base; set base.at = 'start', or a [row, column]")
+        if self.uncertain and (self.lidar.custom is not None or self.radio.custom is not None):
+            raise ValueError(
+                "noise, drift and a limited lidar.field_of_view need a lidar and a radio model of this package, "
+                f"got {self.lidar.model} and {self.radio.model}"
+            )
         return self
+
+    @property
+    def uncertain(self) -> bool:
+        """Whether maps are of log-odds: sensors or poses err, or the field of view is limited."""
+        return self.noise.any or self.drift.rate > 0.0 or self.turns
+
+    @property
+    def turns(self) -> bool:
+        """Whether UAVs have a heading and the action ``turn``."""
+        return self.lidar.field_of_view < 360.0
+
+    @property
+    def actions(self) -> int:
+        """How many actions a UAV has: five, and a sixth to turn where the field of view is limited."""
+        return 6 if self.turns else 5
 
     @cached_property
     def fingerprint(self) -> str:
         """A short canonical hash of the task; the name and where map files lie do not matter, their cells do."""
-        later = {name for name in LATER if getattr(self, name) == type(self).model_fields[name].default}
-        facts = self.model_dump(mode="json", exclude={"name", "map", *later}) | {"map": self.map.identity()}
+        facts = self.model_dump(mode="json", exclude={"name", "map"}) | {"map": self.map.identity()}
+        for part, _, setting in (name.partition(".") for name in LATER):
+            default = type(self).model_fields[part].default
+            if setting and getattr(getattr(self, part), setting) == getattr(default, setting):
+                del facts[part][setting]
+            elif not setting and getattr(self, part) == default:
+                del facts[part]
         plugins = [part.custom for part in (self.lidar, self.radio) if part.custom is not None]
         facts |= {"code": [source_hash(plugin) for plugin in plugins]} if plugins else {}
         return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]

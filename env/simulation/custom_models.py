@@ -37,7 +37,7 @@ class CustomModels:
         lidar, radio = scenario.lidar.custom, scenario.radio.custom
         return None if lidar is None and radio is None else cls(scenario, lidar, radio)
 
-    def begin(self, engine: Engine, state: State, episodes: Sequence[int]) -> None:
+    def begin(self, engine: Engine, state: State, episodes: Sequence[int], seeds: Sequence[int]) -> None:
         """Make the first scans and contacts of episodes that have just begun."""
         for b in episodes:
             self._sense(engine, state, b)

@@ -38,13 +38,21 @@ def silence_radios(rules: Rules, state: State, b: int) -> None:
 
 
 @inner()
+def stops(rules: Rules, state: State, b: int, agent: int) -> bool:
+    """Stop an agent if it fails in this step; return whether it did."""
+    listed = rules.stop_step[agent] == state.step[b]
+    if state.end[b, agent] != FLYING or not (listed or _happens(state, b, agent, UAV, rules.hazard)):
+        return False
+    state.end[b, agent] = STOPPED
+    state.reward[b, agent] += rules.reward_stopped
+    return True
+
+
+@inner()
 def stop_uavs(rules: Rules, state: State, b: int) -> None:
     """Stop the UAVs that fail in this step; the team loses what they alone knew."""
     for n in range(state.end.shape[1]):
-        listed = rules.stop_step[n] == state.step[b]
-        if state.end[b, n] == FLYING and (listed or _happens(state, b, n, UAV, rules.hazard)):
-            state.end[b, n] = STOPPED
-            state.reward[b, n] += rules.reward_stopped
+        if stops(rules, state, b, n):
             _forget(rules, state, b, n)
 
 

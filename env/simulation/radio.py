@@ -157,12 +157,12 @@ def _take_over(state: State, b: int, i: int, j: int, until: int) -> None:
 
 
 @inner()
-def _hear(state: State, b: int, i: int, j: int) -> None:
+def hear(state: State, b: int, i: int, j: int) -> None:
     """Let agent ``i`` hear the position and message of agent ``j``."""
     size = state.outbox_size[b, j]
     state.last_received_step[b, i, j] = state.step[b]
-    state.last_received_cell[b, i, j, 0] = state.cell[b, j, 0]
-    state.last_received_cell[b, i, j, 1] = state.cell[b, j, 1]
+    state.last_received_cell[b, i, j, 0] = state.believed_cell[b, j, 0]
+    state.last_received_cell[b, i, j, 1] = state.believed_cell[b, j, 1]
     state.last_received_size[b, i, j] = size
     for k in range(size):
         state.last_received[b, i, j, k] = state.outbox[b, j, k]
@@ -179,7 +179,7 @@ def exchange(state: State, b: int, component: np.ndarray, before: np.ndarray) ->
         for j in range(team):
             if i != j and component[i] == component[j]:
                 _take_over(state, b, i, j, before[j])
-                _hear(state, b, i, j)
+                hear(state, b, i, j)
     for i in range(team):
         for j in range(team):
             if i != j and component[i] == component[j]:

@@ -20,7 +20,7 @@ from indoor_explorers.env.simulation.home_base import place_base
 from indoor_explorers.env.simulation.state import Rules, State
 from indoor_explorers.env.simulation.step import begin
 
-MAP, SPAWN, ORDER, RADIO, _, FAILURE, _ = (int(stream) for stream in Stream)
+MAP, SPAWN, ORDER, RADIO, _, FAILURE = (int(stream) for stream in list(Stream)[:6])
 
 #: Maps drawn for one seed before a scenario is given up as impossible.
 MAX_ATTEMPTS = 100

@@ -44,8 +44,8 @@ def ask_pilots(policy: Policy, pilots: Mapping[Uav, Pilot], world: World) -> Ask
         for group in [flying] if policy.batched else [[uav] for uav in flying]:
             actions = policy.act([pilots[uav] for uav in group], [world.view(*uav) for uav in group])
             for uav, action in zip(group, actions, strict=True):
-                if not is_action(action):
-                    raise InputError(f"expected an action from 0 to 4, got {action!r}")
+                if not is_action(action, world.scenario.actions):
+                    raise InputError(f"expected an action from 0 to {world.scenario.actions - 1}, got {action!r}")
                 world.post(*uav, pilots[uav].message)
                 yield uav, action
 

@@ -40,8 +40,8 @@ class Rules(NamedTuple):
     budget: int
     """Steps; 0 for one step per reachable cell."""
     least_budget: int
-    custom_lidar: bool
-    """Whether a plug-in scans, between the compiled parts of a step."""
+    exact_scans: bool
+    """Whether the step itself scans; not where a plug-in does, or where sensors or poses err."""
     radio_model: int
     radio_range: float
     radio_exponent: float
@@ -84,7 +84,7 @@ def rules_of(scenario: Scenario) -> Rules:
         count_all_cells=scenario.denominator == "map",
         budget=scenario.budget or 0,
         least_budget=LEAST_BUDGET,
-        custom_lidar=scenario.lidar.custom is not None,
+        exact_scans=scenario.lidar.custom is None and not scenario.uncertain,
         radio_model=RadioModel.CUSTOM if scenario.radio.custom is not None else RadioModel.named(scenario.radio.model),
         radio_range=scenario.radio.range,
         radio_exponent=scenario.radio.exponent,
@@ -147,6 +147,8 @@ class State(NamedTuple):
     """(B, N) :class:`End`."""
     cell: NDArray[np.int64]
     """(B, N, 2) row and column."""
+    believed_cell: NDArray[np.int64]
+    """(B, N, 2) where each agent believes to be: the same array as ``cell`` where poses are certain."""
     legal: NDArray[np.bool_]
     """(B, N, 5) actions that end neither in a wall nor off the map."""
     belief: NDArray[np.uint8]
@@ -223,8 +225,10 @@ class State(NamedTuple):
     """(B, N) step of the last such contact, -1 for never."""
 
 
-def empty_state(batch: int, team: int, shape: tuple[int, int], window: int, base: bool = False) -> State:
-    """Allocate the state of ``batch`` episodes; ``base``: with a home base."""
+def empty_state(
+    batch: int, team: int, shape: tuple[int, int], window: int, *, base: bool = False, uncertain: bool = False
+) -> State:
+    """Allocate the state of ``batch`` episodes; ``base``: with a home base, ``uncertain``: poses may be wrong."""
     b, n, (h, w) = batch, team, shape
     base_h, base_w = shape if base else (0, 0)
 
@@ -232,6 +236,7 @@ def empty_state(batch: int, team: int, shape: tuple[int, int], window: int, base
         return np.zeros((b, *axes), kind)
 
     i8, f8 = np.int64, np.float64
+    cell = zeros(i8, n, 2)
     return State(
         truth=zeros(np.uint8, h, w),
         counts=zeros(np.bool_, h, w),
@@ -243,7 +248,8 @@ def empty_state(batch: int, team: int, shape: tuple[int, int], window: int, base
         failure_key=zeros(np.uint64),
         step=zeros(i8),
         end=zeros(np.uint8, n),
-        cell=zeros(i8, n, 2),
+        cell=cell,
+        believed_cell=zeros(i8, n, 2) if uncertain else cell,
         legal=zeros(np.bool_, n, 5),
         belief=zeros(np.uint8, n, h, w),
         sensed=zeros(np.bool_, n, h, w),

@@ -92,7 +92,7 @@ def _is_stuck(rules: Rules, state: State, b: int, agent: int) -> bool:
 
 
 @inner()
-def _settle(rules: Rules, state: State, b: int) -> None:
+def settle(rules: Rules, state: State, b: int) -> None:
     """Compute the flying agents' rewards of the step, and end those that are done."""
     team_done = rules.goal_of_team and state.team_covered[b] >= state.needed[b]
     if rules.goal_of_base:
@@ -131,13 +131,14 @@ def _update_legal(state: State, b: int, agent: int) -> None:
 def begin(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int) -> None:
     """Make the first scans and radio contacts of episode ``b``, whose truth and spawns are in place.
 
-    Those of plug-ins are made afterwards, see :mod:`indoor_explorers.env.simulation.custom_models`.
+    Others are made afterwards, see :mod:`indoor_explorers.env.simulation.custom_models` and
+    :mod:`indoor_explorers.env.simulation.slam`.
     """
     for n in range(state.end.shape[1]):
-        if not rules.custom_lidar:
+        if rules.exact_scans:
             sense(state, lidar, b, n, work.scan)
         _update_legal(state, b, n)
-    if not (rules.custom_lidar or rules.radio_model == CUSTOM_RADIO):
+    if rules.exact_scans and rules.radio_model != CUSTOM_RADIO:
         _contact(rules, state, work, b)
 
 
@@ -153,7 +154,7 @@ def _contact(rules: Rules, state: State, work: Work, b: int) -> None:
 
 
 @inner()
-def _clear_step(state: State, b: int) -> bool:
+def clear_step(state: State, b: int) -> bool:
     """Reset what is counted in a step; return whether an agent of the episode flies."""
     flying = False
     for n in range(state.end.shape[1]):
@@ -173,7 +174,7 @@ def _move_all(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int,
         if state.end[b, n] == FLYING:
             state.reward[b, n] += rules.reward_step
             if move(rules, state, b, n, actions[b, n]):
-                if not rules.custom_lidar:
+                if rules.exact_scans:
                     sense(state, lidar, b, n, work.scan)
                 _update_legal(state, b, n)
     state.step[b] += 1
@@ -190,7 +191,7 @@ def _contact_and_settle(rules: Rules, state: State, work: Work, b: int) -> None:
         _contact(rules, state, work, b)
     if rules.failures and rules.last_word:
         stop_uavs(rules, state, b)
-    _settle(rules, state, b)
+    settle(rules, state, b)
 
 
 @kernel()
@@ -198,7 +199,7 @@ def advance(engine: Engine, actions: np.ndarray, first: int, last: int) -> None:
     """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
     rules, state, lidar, work = engine.rules, engine.state, engine.lidar, engine.work
     for b in range(first, last):
-        if _clear_step(state, b):
+        if clear_step(state, b):
             _move_all(rules, state, lidar, work, b, actions)
             _contact_and_settle(rules, state, work, b)
 
@@ -207,7 +208,7 @@ def advance(engine: Engine, actions: np.ndarray, first: int, last: int) -> None:
 def begin_step(engine: Engine, actions: np.ndarray, flying: np.ndarray, first: int, last: int) -> None:
     """Do the first part of :func:`advance`, up to the scans; ``flying`` (B,) tells where an agent flew."""
     for b in range(first, last):
-        flying[b] = _clear_step(engine.state, b)
+        flying[b] = clear_step(engine.state, b)
         if flying[b]:
             _move_all(engine.rules, engine.state, engine.lidar, engine.work, b, actions)
 
@@ -233,9 +234,9 @@ def first_contacts(engine: Engine, b: int) -> None:
 
 
 @leaf()
-def are_actions(actions: np.ndarray) -> bool:
-    """Tell whether all of (B, N) numbers are actions."""
+def are_actions(actions: np.ndarray, count: int) -> bool:
+    """Tell whether all of (B, N) numbers are one of so many actions."""
     good = True
     for action in actions.flat:
-        good &= 0 <= action <= 4
+        good &= 0 <= action < count
     return good

@@ -20,6 +20,8 @@ from indoor_explorers.env.simulation.engine import Engine, bind, new_work
 from indoor_explorers.env.simulation.preparation import Preparation, Prepared
 from indoor_explorers.env.simulation.prior_map import prior_map
 from indoor_explorers.env.simulation.reset import start_episodes
+from indoor_explorers.env.simulation.slam.model import UncertainModel
+from indoor_explorers.env.simulation.slam.state import Slam
 from indoor_explorers.env.simulation.state import End, State, empty_state, rules_of
 from indoor_explorers.env.simulation.step import advance, are_actions
 from indoor_explorers.env.simulation.threads import Threads
@@ -47,7 +49,7 @@ class World:
         self._floorplans: list[Floorplan | None] = [None] * batch
         self._priors: dict[int, Belief] = {}
         """Prior maps of the episodes that were asked for theirs."""
-        self._custom = CustomModels.of(scenario)
+        self._models: CustomModels | UncertainModel | None = CustomModels.of(scenario)
         self._threads = Threads(max(1, min(threads, batch)))
         self._preparation = Preparation(scenario, batch, self._threads)
         self._engines: list[Engine] = []
@@ -121,8 +123,8 @@ class World:
             lambda thread, first, last: start_episodes(self._engines[thread], starts, episodes, seeds, first, last),
             len(episodes),
         )
-        if self._custom is not None:
-            self._custom.begin(self._engines[0], self.state, episodes.tolist())
+        if self._models is not None:
+            self._models.begin(self._engines[0], self.state, episodes.tolist(), seeds.tolist())
 
     @property
     def _shape(self) -> tuple[int, ...] | None:
@@ -131,7 +133,10 @@ class World:
 
     def _allocate(self, shape: tuple[int, int]) -> None:
         window = self.scenario.stuck.window if self.scenario.stuck.rule == "oscillation" else 1
-        self._state = empty_state(self.batch, self.scenario.team, shape, window, self.scenario.base.exists)
+        exists, uncertain = self.scenario.base.exists, self.scenario.uncertain
+        self._state = empty_state(self.batch, self.scenario.team, shape, window, base=exists, uncertain=uncertain)
+        if uncertain:
+            self._models = UncertainModel(self.scenario, self.batch, shape)
         rules, lidar = rules_of(self.scenario), lidar_model(self.scenario.lidar.range, self.scenario.lidar.model)
         self._engines = [
             bind(rules, self._state, lidar, new_work(lidar, self.scenario.team)) for _ in range(self._threads.count)
@@ -161,10 +166,10 @@ class World:
         actions = self.checked_actions(actions)
 
         def work(engine: Engine, first: int, last: int) -> None:
-            if self._custom is None:
+            if self._models is None:
                 advance(engine, actions, first, last)
             else:
-                self._custom.advance(engine, self.state, actions, first, last)
+                self._models.advance(engine, self.state, actions, first, last)
             if then is not None:
                 then(engine, first, last)
 
@@ -177,8 +182,9 @@ class World:
             raise InputError(
                 f"expected actions of shape {self.state.end.shape} (episodes, agents), got {checked.shape}"
             )
-        if not are_actions(checked):
-            raise InputError(f"expected actions from 0 to 4, got {int(checked.min())} to {int(checked.max())}")
+        if not are_actions(checked, self.scenario.actions):
+            last = self.scenario.actions - 1
+            raise InputError(f"expected actions from 0 to {last}, got {int(checked.min())} to {int(checked.max())}")
         return checked
 
     def in_slices(self, work: Callable[[Engine, int, int], object]) -> None:
@@ -200,14 +206,29 @@ class World:
         belief, legal, visited = self._shown.get((episode, agent)) or self._show(episode, agent)
         return View(
             belief=belief,
-            cell=(state.cell.item(episode, agent, 0), state.cell.item(episode, agent, 1)),
+            cell=(state.believed_cell.item(episode, agent, 0), state.believed_cell.item(episode, agent, 1)),
             legal=legal,
             step=state.step.item(episode),
             budget=state.budget.item(episode),
             mates=self._mates(episode, agent) if self.scenario.team > 1 else (),
             visited=visited,
             base_age=self._base_age(episode, agent),
+            **({} if self.slam is None else self._uncertain(self.slam, episode, agent)),
         )
+
+    @property
+    def slam(self) -> Slam | None:
+        """Scans, estimated poses and maps of log-odds, for reading; None where sensors and poses are exact."""
+        return self._models.slam if isinstance(self._models, UncertainModel) else None
+
+    def _uncertain(self, slam: Slam, episode: int, agent: int) -> dict[str, Any]:
+        """Return the fields of a view that only UAVs with maps of log-odds have."""
+        step = self.state.step.item(episode)
+        return {
+            "log_odds": read_only(slam.log_odds[episode, agent]),
+            "pose_std": slam.variance.item(episode, agent, step) ** 0.5,
+            "heading": slam.heading.item(episode, agent, step) if self.scenario.turns else None,
+        }
 
     def _base_age(self, episode: int, agent: int) -> int | None:
         """Return the steps since an agent's last contact with the base; None for never."""

@@ -21,7 +21,7 @@ from indoor_explorers.env.policies.view import Mate
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.engines.serving import begin_serving, die_with_parent_thread
 from indoor_explorers.evaluation.episodes.failures import BREAKING, describe_error
-from indoor_explorers.evaluation.episodes.pilots import BatchFailed, Decision, LocalPilots, Tallies
+from indoor_explorers.evaluation.episodes.pilots import BatchFailed, Decision, LocalPilots, Tallies, any_briefing
 from indoor_explorers.evaluation.episodes.shared_clock import DecisionTimeout
 from indoor_explorers.evaluation.episodes.shared_views import SharedViews
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
@@ -29,8 +29,9 @@ from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
 
 #: What is timed when a policy is loaded.
 LOADING = "importing and making it"
-#: What is shown of a UAV besides the arrays: (who, cell, step, budget, mates, age of the contact with the base).
-Shown = tuple[Uav, Cell, int, int, tuple[Mate, ...], int | None]
+#: What is shown of a UAV besides the arrays: who, cell, step, budget, mates, age of the contact with the base, standard
+#: deviation of the pose, and heading.
+Shown = tuple[Uav, Cell, int, int, tuple[Mate, ...], int | None, float, int | None]
 
 
 def serve_policy(connection: Connection, views: SharedViews, parent: int) -> None:
@@ -100,8 +101,9 @@ class PolicyServer:
     def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> list[tuple[int, str]]:
         """Make the pilots of a new batch; return the episodes that failed, with the reason."""
         assert self._pilots is not None
-        shape = next(told.shape for briefed in briefings.values() for told in briefed)
-        self._views.begin([(episode, n) for episode, told in briefings.items() for n in range(len(told))], shape)
+        one = any_briefing(briefings)
+        uavs = [(episode, n) for episode, told in briefings.items() for n in range(len(told))]
+        self._views.begin(uavs, one.shape, uncertain=one.scenario.uncertain)
         mine = {episode: [_sealed(briefing) for briefing in told] for episode, told in briefings.items()}
         return list(self._pilots.brief(mine).items())
 
@@ -120,10 +122,18 @@ class PolicyServer:
         return list(self._pilots.tally(episodes).items())
 
     def _view(
-        self, uav: Uav, cell: Cell, step: int, budget: int, mates: tuple[Mate, ...], base_age: int | None
+        self,
+        uav: Uav,
+        cell: Cell,
+        step: int,
+        budget: int,
+        mates: tuple[Mate, ...],
+        base_age: int | None,
+        pose_std: float,
+        heading: int | None,
     ) -> View:
-        belief, legal, visited = self._views.arrays(uav)
-        return View(belief, cell, legal, step, budget, mates, visited, base_age)
+        belief, legal, visited, log_odds = self._views.arrays(uav)
+        return View(belief, cell, legal, step, budget, mates, visited, base_age, log_odds, pose_std, heading)
 
 
 def _not_loaded(choice: PolicyChoice, error: BaseException) -> str:

@@ -13,7 +13,7 @@ from indoor_explorers.env.policies.view import message_numbers
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.engines.policy_handle import PolicyHandle
 from indoor_explorers.evaluation.engines.policy_process import Shown
-from indoor_explorers.evaluation.episodes.pilots import BatchFailed, Decision, Tallies, checked_action
+from indoor_explorers.evaluation.episodes.pilots import BatchFailed, Decision, Tallies, any_briefing, checked_action
 from indoor_explorers.evaluation.episodes.tallies import PREFIX, mean_tallies
 from indoor_explorers.evaluation.experiment.experiment import Job
 
@@ -32,6 +32,7 @@ class RemotePilots:
 
         """
         self._process = process
+        self._actions = 5
         self.privileged = job.privileged
         with self._checking():
             told = process.load(job.policy)
@@ -43,9 +44,10 @@ class RemotePilots:
         """Make the pilots of a new batch."""
         if self._failure:
             return dict.fromkeys(briefings, self._failure)
-        shape = next(told.shape for briefed in briefings.values() for told in briefed)
+        one = any_briefing(briefings)
+        self._actions = one.scenario.actions
         uavs = [(episode, agent) for episode, told in briefings.items() for agent in range(len(told))]
-        self._process.views.begin(uavs, shape, writing=True)
+        self._process.views.begin(uavs, one.shape, writing=True, uncertain=one.scenario.uncertain)
         with self._checking():
             failed = self._process.ask("brief", dict(briefings))
             return {_one_of(briefings, episode): _line(reason) for episode, reason in failed}
@@ -55,7 +57,9 @@ class RemotePilots:
         shown: list[Shown] = []
         for uav, view in views.items():
             self._process.views.write(uav, view)
-            shown.append((uav, view.cell, view.step, view.budget, view.mates, view.base_age))
+            shown.append(
+                (uav, view.cell, view.step, view.budget, view.mates, view.base_age, view.pose_std, view.heading)
+            )
         if not shown:
             return {}
         with self._checking():
@@ -63,7 +67,7 @@ class RemotePilots:
             if answers is None and len({episode for episode, _ in views}) > 1:
                 raise BatchFailed
             pairs = zip(views, answers, strict=True)
-            return {uav: _decision(*answer) for uav, answer in pairs if answer is not None}
+            return {uav: _decision(self._actions, *answer) for uav, answer in pairs if answer is not None}
 
     def tally(self, episodes: Collection[int]) -> dict[int, Tallies | str]:
         """Return the statistics of episodes that have ended, or the reason of a failure."""
@@ -98,13 +102,15 @@ def _line(text: str) -> str:
     return one_line(text, 3 * LONGEST)
 
 
-def _decision(seconds: float, action: object, message: Any, failure: str, done: object = False) -> Decision:
+def _decision(
+    actions: int, seconds: float, action: object, message: Any, failure: str, done: object = False
+) -> Decision:
     if failure:
         return Decision(0.0, failure=_line(failure))
     if not 0.0 <= seconds < math.inf:
         raise ValueError(f"expected the seconds of a decision, got {seconds!r}")
     try:
-        return Decision(float(seconds), checked_action(action), message_numbers(message), done=done is True)
+        return Decision(float(seconds), checked_action(action, actions), message_numbers(message), done=done is True)
     except InputError as error:
         raise ValueError(str(error)) from error
 

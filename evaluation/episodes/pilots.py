@@ -65,6 +65,7 @@ class LocalPilots:
     def __init__(self, policy: Policy, clock: Clock) -> None:
         self._policy, self._clock = policy, clock
         self._pilots: dict[int, list[Pilot]] = {}
+        self._actions = 5
 
     @property
     def privileged(self) -> bool:
@@ -75,6 +76,7 @@ class LocalPilots:
         """Make the pilots of a new batch."""
         self.forget()
         failures = {}
+        self._actions = any_briefing(briefings).scenario.actions
         for episode, told in briefings.items():
             try:
                 with self._clock:
@@ -123,7 +125,7 @@ class LocalPilots:
                 share = (thinking_time() - start) / len(group)
                 if len(answers) != len(group):
                     raise ValueError(f"act returned {len(answers)} actions for {len(group)} pilots")
-                decisions = [_decision(*each, share) for each in zip(answers, pilots, strict=True)]
+                decisions = [_decision(*each, share, self._actions) for each in zip(answers, pilots, strict=True)]
         except BREAKING as error:
             if len({episode for episode, _ in group}) > 1:
                 raise BatchFailed from error
@@ -131,25 +133,30 @@ class LocalPilots:
         return list(zip(group, decisions, strict=True))
 
 
-def _decision(answer: object, pilot: Pilot, seconds: float) -> Decision:
+def any_briefing(briefings: Mapping[int, Sequence[Briefing]]) -> Briefing:
+    """Return one briefing of a batch: all are about one task, on maps of one shape."""
+    return next(briefing for told in briefings.values() for briefing in told)
+
+
+def _decision(answer: object, pilot: Pilot, seconds: float, actions: int) -> Decision:
     """Return what a pilot has decided, as plain numbers that nobody can change any more."""
     try:
-        return Decision(seconds, checked_action(answer), message_numbers(pilot.message), done=bool(pilot.done))
+        return Decision(seconds, checked_action(answer, actions), message_numbers(pilot.message), done=bool(pilot.done))
     except (Exception, SystemExit) as error:
         return Decision(seconds, failure=describe_error(error))
 
 
-def checked_action(answer: object) -> int:
+def checked_action(answer: object, count: int = 5) -> int:
     """Return the action that an answer means: of a subclass of int its true value, whatever its methods say.
 
     Raises:
-        InputError: it is none of the five actions.
+        InputError: it is none of ``count`` actions.
 
     """
-    if type(answer) is int and 0 <= answer <= 4:  # nearly always; all else takes longer
+    if type(answer) is int and 0 <= answer < count:  # nearly always; all else takes longer
         return answer
-    if is_action(answer):
+    if is_action(answer, count):
         action = operator.index(answer)
-        if 0 <= action <= 4:
+        if 0 <= action < count:
             return action
-    raise InputError(f"expected an action from 0 to 4, got {answer!r}")
+    raise InputError(f"expected an action from 0 to {count - 1}, got {answer!r}")

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env import Action
+from indoor_explorers.env.grid.cells import TURN
 from indoor_explorers.evaluation.episodes.metrics import LEVELS
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
@@ -52,9 +52,9 @@ def _contradicting(records: Sequence[Record]) -> dict[int, str]:
     farthest = np.maximum.reduceat(cells.astype(np.uint16).max(axis=1), starts)  # negative ones become very large
     off_map = (farthest >= [record.floorplan.shape for record in records]).any(axis=1)
     found = {int(n): "its UAVs left the map" for n in np.flatnonzero(off_map)}
-    if np.concatenate([record.actions for record in records]).max(initial=0) >= len(Action):
+    if np.concatenate([record.actions for record in records]).max(initial=0) > TURN:
         actions = (record.actions.max(initial=0) for record in records)
-        found |= {n: "it has an unknown action" for n, action in enumerate(actions) if action >= len(Action)}
+        found |= {n: "it has an unknown action" for n, action in enumerate(actions) if action > TURN}
     derived = _team_metrics(records, starts, steps) | _travel(records, starts, cells)
     for metric, values in derived.items():
         told = np.array([record.metrics.get(metric) for record in records], np.float64)  # None becomes NaN

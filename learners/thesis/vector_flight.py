@@ -55,11 +55,11 @@ class ImageFlight:
     def _look(self, columns: NDArray[np.int64]) -> NDArray[np.uint8]:
         state, team = self.world.state, self.world.scenario.team
         heard = state.last_received_step, state.last_received_cell
-        paint_all(state.belief, state.cell, *heard, self._identity, columns, team, self._painted)
+        paint_all(state.belief, state.believed_cell, *heard, self._identity, columns, team, self._painted)
         if not self._centred:
             return self._painted[columns]
         images = np.empty((len(columns), *self.shape), np.uint8)
-        centre_all(self._painted, state.cell.reshape(-1, 2), columns, images)
+        centre_all(self._painted, state.believed_cell.reshape(-1, 2), columns, images)
         return images
 
     @property

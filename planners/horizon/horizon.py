@@ -13,7 +13,7 @@ from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.navigation.deadlock import DeadlockResolver
 from indoor_explorers.env.navigation.navigator import action_between
-from indoor_explorers.env.navigation.paths import Paths, count_known
+from indoor_explorers.env.navigation.paths import Paths, map_stamp
 from indoor_explorers.env.navigation.teammates import remembered
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
@@ -162,7 +162,7 @@ class HorizonPilot(Pilot):
 
     def _next(self, view: View, cell: int) -> int | None:
         """Return the tour's next flat cell; None if there is no tour, or the tour has had no gain for too long."""
-        known = count_known(view.belief)
+        known = map_stamp(view)
         following = self._tours.following(cell)
         if known != self._known or following is None:
             self._tours.plan(view.belief, cell, self._share(view, cell))

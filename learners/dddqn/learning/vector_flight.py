@@ -84,7 +84,7 @@ class VectorFlight:
         steps = self.age
         return Known(
             read_only(state.belief.reshape(self.columns, *self.shape)),
-            state.cell.reshape(self.columns, 2),
+            state.believed_cell.reshape(self.columns, 2),
             state.last_received_cell.reshape(self.columns, team, 2),
             np.where(heard >= 0, steps[:, None] - heard, -1),
             self._agent,
@@ -98,7 +98,7 @@ class VectorFlight:
 
     def step(self, actions: NDArray[np.int64]) -> NDArray[np.float64]:
         """Make the moves ``actions`` (C,); return the rewards (C,)."""
-        self.memory.aim(self.world.state.cell.reshape(self.columns, 2), actions)
+        self.memory.aim(self.world.state.believed_cell.reshape(self.columns, 2), actions)
         self.world.step(actions.reshape(self.world.state.end.shape))
         return self.world.state.reward.ravel()
 

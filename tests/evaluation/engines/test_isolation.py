@@ -245,7 +245,8 @@ def test_views_are_live_read_only_and_outlast_their_batch():
     for uavs in ([(0, 0), (0, 1)], [(0, 0)]):
         writer.begin(uavs, (16, 16), writing=True)
         reader.begin(uavs, (16, 16))
-    belief, legal, visited = reader.arrays((0, 0))
+    belief, legal, visited, log_odds = reader.arrays((0, 0))
+    assert log_odds is None
     assert not belief.any()
     view = world.view(0, 0)
     writer.write((0, 0), view)
@@ -256,6 +257,19 @@ def test_views_are_live_read_only_and_outlast_their_batch():
         assert not mine.flags.writeable
     writer.begin([(place, 0) for place in range(100)], (64, 64), writing=True)
     assert belief.any()
+
+
+def test_maps_of_log_odds_are_shared_too():
+    world = World(TEAM.with_settings({"noise.misses": 0.1}))
+    world.reset([0])
+    writer = SharedViews()
+    reader = SharedViews(SimpleNamespace(detach=lambda: os.dup(writer._file)))
+    writer.begin([(0, 0)], (16, 16), writing=True, uncertain=True)
+    reader.begin([(0, 0)], (16, 16), uncertain=True)
+    writer.write((0, 0), world.view(0, 0))
+    *_, log_odds = reader.arrays((0, 0))
+    assert log_odds.any()
+    np.testing.assert_array_equal(log_odds, world.view(0, 0).log_odds)
 
 
 def test_policies_are_deleted_while_the_clock_runs():

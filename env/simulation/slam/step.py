@@ -1,0 +1,186 @@
+"""The step of a world whose sensors or poses err, compiled.
+
+It is that of :mod:`indoor_explorers.env.simulation.step` but for maps. Agents scan in every step, as each scan errs
+anew. Moves, collisions, radio contacts and coverage are those of the true world; what an agent knows of it, and of its
+own cell, follows from its scans and odometry.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, TURN
+from indoor_explorers.env.grid.compiled import inner, kernel
+from indoor_explorers.env.grid.randomness import Stream, draw, shuffled, stream_key
+from indoor_explorers.env.simulation.engine import Engine
+from indoor_explorers.env.simulation.failures import silence_radios, stops
+from indoor_explorers.env.simulation.home_base import link_base
+from indoor_explorers.env.simulation.radio import link
+from indoor_explorers.env.simulation.slam.exchange import share
+from indoor_explorers.env.simulation.slam.localisation import close_loop, count_errors, drift, meet_mates
+from indoor_explorers.env.simulation.slam.maps import draw_scan, forget_lost, place_agent
+from indoor_explorers.env.simulation.slam.scans import read_scan
+from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam
+from indoor_explorers.env.simulation.state import End, State
+from indoor_explorers.env.simulation.step import clear_step, move, settle
+
+FLYING = int(End.FLYING)
+NOISE, DRIFT = int(Stream.NOISE), int(Stream.DRIFT)
+
+
+@inner()
+def _sense(parts: Parts, b: int, agent: int) -> None:
+    """Make an agent's scan of this step and draw it into its map and the team's."""
+    state, slam, readings = parts.state, parts.slam, parts.readings
+    number, team = state.step[b], state.end.shape[1]
+    row, col, width = state.cell[b, agent, 0], state.cell[b, agent, 1], state.truth.shape[2]
+    slam.true_cell[b, agent, number] = own = row * width + col
+    if slam.first_visit[b, agent, row, col] < 0:
+        slam.first_visit[b, agent, row, col] = number
+    pose = state.believed_cell[b, agent, 0] * width + state.believed_cell[b, agent, 1]
+    count = read_scan(parts, b, agent, number)
+    state.discovered[b, agent] += draw_scan(parts, count, b, agent, own, pose, 1.0)
+    draw_scan(parts, count, b, team, own, pose, 1.0)
+    for holder in (agent, team):
+        slam.drawn_at[b, holder, agent, number] = pose
+        slam.scans[b, holder, agent] = number + 1
+    sensed, counts = state.sensed[b, agent].flat, state.counts[b].flat
+    for k in range(count):
+        cell = readings.cells[k]
+        state.sensed_count[b, agent] += counts[cell] and not sensed[cell]
+        sensed[cell] = True
+    place_agent(state, slam, b, agent)
+
+
+@inner()
+def _update_legal(state: State, b: int, agent: int) -> None:
+    """Set which moves end neither off the map nor in what the agent takes for an obstacle."""
+    height, width = state.truth.shape[1], state.truth.shape[2]
+    for action in range(4):
+        row = state.believed_cell[b, agent, 0] + MOVES[action, 0]
+        col = state.believed_cell[b, agent, 1] + MOVES[action, 1]
+        inside = 0 <= row < height and 0 <= col < width
+        state.legal[b, agent, action] = inside and state.belief[b, agent, row, col] != OCCUPIED
+    state.legal[b, agent, 4] = True
+
+
+@inner()
+def _act(parts: Parts, b: int, agent: int, action: int) -> None:
+    """Carry out an agent's action in the true world, and log what odometry tells of it for the coming scan."""
+    rules, state, slam, number = parts.rules, parts.state, parts.slam, parts.state.step[b] + 1
+    heading, moved, bumps = slam.heading[b, agent, number - 1], False, state.collisions[b, agent]
+    state.reward[b, agent] += rules.reward_step
+    if action == TURN:
+        heading = (heading + 1) % 4
+    elif action < 4:
+        heading, moved = action, move(rules, state, b, agent, action)
+    slam.heading[b, agent, number] = heading
+    slam.bump[b, agent, number] = action if state.collisions[b, agent] > bumps else -1
+    slam.way[b, agent, number] = slam.way[b, agent, number - 1] + moved
+    slam.variance[b, agent, number] = slam.variance[b, agent, number - 1] + parts.errors.drift * moved
+    if moved:
+        drift(parts.errors, state, slam, b, agent, action)
+
+
+@inner()
+def _contact(parts: Parts, b: int) -> None:
+    """Let linked agents correct each other's poses, and exchange what they and the base know."""
+    rules, state, component = parts.rules, parts.state, parts.work.component
+    linked = link(rules, state, b, component)
+    based = rules.base and link_base(rules, state, b, component)
+    if linked and parts.errors.mates and parts.errors.drift > 0.0:
+        meet_mates(parts, b)
+    if linked or based:
+        share(parts, b, based)
+    for n in range(state.end.shape[1]):
+        place_agent(state, parts.slam, b, n)
+        _update_legal(state, b, n)
+
+
+@inner()
+def _stop_uavs(parts: Parts, b: int) -> None:
+    any_stopped = False
+    for n in range(parts.state.end.shape[1]):
+        any_stopped |= stops(parts.rules, parts.state, b, n)
+    if any_stopped:
+        forget_lost(parts, b)
+
+
+@inner()
+def _contact_and_settle(parts: Parts, b: int) -> None:
+    """Let fail what fails, exchange what linked agents know, and end the step."""
+    rules, state = parts.rules, parts.state
+    if rules.failures:
+        silence_radios(rules, state, b)
+        if not rules.last_word:
+            _stop_uavs(parts, b)
+    _contact(parts, b)
+    if rules.failures and rules.last_word:
+        _stop_uavs(parts, b)
+    count_errors(state, parts.slam, b)
+    settle(rules, state, b)
+
+
+@kernel(entry=False)
+def _new_readings(engine: Engine) -> Readings:
+    height, width = engine.state.truth.shape[1], engine.state.truth.shape[2]
+    room = 2 * engine.work.scan.cells.shape[0] + 2
+    return Readings(
+        np.empty(room, np.int64),
+        np.empty(room, np.float32),
+        np.zeros(height * width, np.int32),
+        np.empty((height, width), np.uint8),
+    )
+
+
+@inner()
+def _clear(slam: Slam, b: int, seed: int) -> None:
+    """Reset what an episode has changed, and set its streams."""
+    slam.log_odds[b, :, :, :] = 0.0
+    slam.drawn_at[b, :, :, :] = -1
+    slam.scans[b, :, :] = 0
+    slam.revision[b, :, :] = 0
+    slam.first_visit[b, :, :, :] = -1
+    slam.listed[b, :, :, :] = False
+    slam.shown_free[b, :] = -1
+    slam.pose_error[b, :] = 0.0
+    slam.noise_key[b], slam.drift_key[b] = stream_key(seed, NOISE, 0), stream_key(seed, DRIFT, 0)
+
+
+@kernel()
+def begin_uncertain(engine: Engine, errors: ErrorRules, slam: Slam, episodes: np.ndarray, seeds: np.ndarray) -> None:
+    """Make the first scans and contacts of episodes (K,) that have just begun, with seeds (K,)."""
+    state = engine.state
+    parts = Parts(engine.rules, errors, state, slam, engine.lidar, engine.work, _new_readings(engine))
+    for k in range(episodes.shape[0]):
+        b = episodes[k]
+        _clear(slam, b, seeds[k])
+        for n in range(state.end.shape[1]):
+            state.believed_cell[b, n, 0], state.believed_cell[b, n, 1] = state.cell[b, n, 0], state.cell[b, n, 1]
+            slam.heading[b, n, 0] = draw(slam.noise_key[b], np.uint64(n)) % np.uint64(4)
+            slam.bump[b, n, 0], slam.way[b, n, 0], slam.variance[b, n, 0] = -1, 0, 0.0
+            _sense(parts, b, n)
+        _contact(parts, b)
+
+
+@kernel()
+def advance_uncertain(
+    engine: Engine, errors: ErrorRules, slam: Slam, actions: np.ndarray, first: int, last: int
+) -> None:
+    """Advance episodes first to last - 1 by one step where an agent flies; ``actions`` is (B, N)."""
+    state, order = engine.state, engine.work.order
+    parts = Parts(engine.rules, errors, state, slam, engine.lidar, engine.work, _new_readings(engine))
+    for b in range(first, last):
+        if not clear_step(state, b):
+            continue
+        shuffled(state.order_key[b], state.step[b], order)
+        for k in range(state.end.shape[1]):
+            if state.end[b, order[k]] == FLYING:
+                _act(parts, b, order[k], actions[b, order[k]])
+        state.step[b] += 1
+        for n in range(state.end.shape[1]):
+            if state.end[b, n] == FLYING:
+                if errors.drift > 0.0:
+                    close_loop(parts, b, n)
+                _sense(parts, b, n)
+        _contact_and_settle(parts, b)
