@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
@@ -74,15 +75,21 @@ def is_terminated(end: int) -> bool:
     return end not in (End.FLYING, End.BUDGET)
 
 
+def legal_actions(world: World) -> Mask:
+    """Return which actions end neither in a wall nor off the map, (B, N, A); to turn always does, where it is one."""
+    legal = world.state.legal
+    return legal if not world.scenario.turns else np.concatenate((legal, np.ones_like(legal[..., :1])), axis=-1)
+
+
 def info_of(world: World, episode: int, agent: int) -> dict[str, Any]:
     """Return the info dict of an observation.
 
-    ``action_mask`` (5,) int8: 1 for actions that end neither in a wall nor off the map; ``coverage``: the
+    ``action_mask`` int8: 1 for actions that end neither in a wall nor off the map; ``coverage``: the
     share of the denominator that the UAV knows; ``step``: steps flown; ``end``: an :class:`End`.
     """
     state = world.state
     return {
-        "action_mask": state.legal[episode, agent].astype(np.int8),
+        "action_mask": legal_actions(world)[episode, agent].astype(np.int8),
         "coverage": float(state.covered[episode, agent] / state.total[episode]),
         "step": int(state.step[episode]),
         "end": int(state.end[episode, agent]),

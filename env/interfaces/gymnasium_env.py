@@ -20,6 +20,7 @@ from indoor_explorers.env.interfaces.common import (
     find_scenario,
     info_of,
     is_terminated,
+    legal_actions,
     new_lone_world,
 )
 from indoor_explorers.env.observations import Observation, make_encoder
@@ -32,9 +33,11 @@ from indoor_explorers.env.simulation.state import End
 class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
     """Explore with one UAV: five actions (down, left, up, right, stay), observations from its view alone.
 
+    Where the lidar's field of view is limited there is a sixth action, to turn.
+
     ``reset(seed=s)`` starts episode seed ``s`` exactly as ``World.reset([s])`` does; a reset without a seed
     draws the next episode's seed from ``np_random``. Goal, collision, out of bounds and stuck terminate, the
-    step budget truncates. Infos hold ``action_mask`` (5,) int8, ``coverage``, ``step`` and ``end``, see
+    step budget truncates. Infos hold ``action_mask`` (A,) int8, ``coverage``, ``step`` and ``end``, see
     :func:`indoor_explorers.env.interfaces.common.info_of`.
     """
 
@@ -72,7 +75,7 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         self._begun = False
         self.observation_space = self._encoder.space
         self._observation = empty(self.observation_space)
-        self.action_space = Discrete(5)
+        self.action_space = Discrete(self.world.scenario.actions)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Arrays, dict[str, Any]]:
         """Start an episode; no options are read."""
@@ -99,8 +102,9 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         )
 
     def action_masks(self) -> Mask:
-        """Return the (5,) bool mask of legal moves, where sb3-contrib's MaskablePPO looks for it."""
-        return self.world.view(0, 0).legal.copy()
+        """Return the (A,) bool mask of legal actions, where sb3-contrib's MaskablePPO looks for it."""
+        legal: Mask = legal_actions(self.world)[0, 0].copy()
+        return legal
 
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]  # base: a free type variable
         """Return an (h, w, 3) uint8 picture of the episode, of the same size for every step, or show it."""

@@ -61,7 +61,9 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         self._encoders = [make_encoder(observation, self.world.briefing(0, n)) for n in self._numbers.values()]
         team, height, width = self.world.state.belief.shape[1:]
         self.state_space = Box(0, 1, (2 + 2 * team, height, width), np.uint8)
-        self._action_spaces: list[Discrete[np.int64]] = [Discrete(5) for _ in self.possible_agents]
+        self._action_spaces: list[Discrete[np.int64]] = [
+            Discrete(self.world.scenario.actions) for _ in self.possible_agents
+        ]
 
     def observation_space(self, agent: str) -> Space[Any]:
         """Return the space of one agent's observations, the same object each time."""

@@ -21,6 +21,7 @@ from indoor_explorers.env.interfaces.common import (
     draw_seed,
     find_render_mode,
     find_scenario,
+    legal_actions,
     new_lone_world,
 )
 from indoor_explorers.env.observations import Observation, Views
@@ -90,7 +91,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         self._over = np.zeros(num_envs, np.bool_)
         self._refused: InputError | None = None
         self.single_observation_space = self._encoder.space
-        self.single_action_space = Discrete(5)
+        self.single_action_space = Discrete(self.world.scenario.actions)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         shared = self._encoder.shared
@@ -141,8 +142,8 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         return self._given(), reward, over & ~truncated, truncated, last | self._infos(everywhere)
 
     def action_masks(self) -> Mask:
-        """Return the (B, 5) bool mask of legal moves."""
-        return self.world.state.legal[:, 0].copy()
+        """Return the (B, A) bool mask of legal actions."""
+        return legal_actions(self.world)[:, 0].copy()
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:  # type: ignore[override]  # base: a free type variable
         """Return one picture for each episode, as the single environment renders it."""
@@ -222,7 +223,16 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         state = self.world.state
         arrays = state.belief, state.believed_cell, state.legal, state.visited
         belief, cell, legal, visited = (_read_only(array[:, 0]) for array in arrays)
-        return Views(belief, cell, legal, state.step, state.budget, visited)
+        views = Views(belief, cell, legal, state.step, state.budget, visited)
+        slam = self.world.slam
+        if slam is None:
+            return views
+        now = np.arange(self.num_envs), 0, state.step
+        return views._replace(
+            log_odds=_read_only(slam.log_odds[:, 0]),
+            pose_std=np.sqrt(slam.variance[now]),
+            heading=slam.heading[now] if self.world.scenario.turns else None,
+        )
 
     def _given(self) -> Arrays:
         observed: Arrays = copy_of(self._observed) if self._copy else self._observed
@@ -232,7 +242,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         """Return the infos of the episodes that ``present`` marks, zeros for the others."""
         state = self.world.state
         infos: dict[str, Any] = {
-            "action_mask": state.legal[:, 0].astype(np.int8),
+            "action_mask": legal_actions(self.world)[:, 0].astype(np.int8),
             "coverage": state.covered[:, 0] / np.maximum(state.total, 1),
             "step": state.step.copy(),
             "end": state.end[:, 0].astype(np.int64),

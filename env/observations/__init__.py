@@ -6,13 +6,16 @@ nothing else. An observation is chosen by name:
 - ``channels``: all the planes of :data:`PLANES`, (7, H, W) uint8;
 - some of them joined by ``+``, such as ``free+obstacle+self``, in that order;
 - ``thesis``: the image of the thesis, (H, W) float32;
+- ``occupancy``: the probability that each cell is occupied, (1, H, W) float32; ``heading``: the direction that the UAV
+  faces, (4,) float32; both where sensors or poses err;
 - ``egocentric``: a dict of a crop around the UAV, a coarse map of the whole and a few numbers, whose shapes are
   the same on maps of any size; ``egocentric-flat``: the same as one vector;
 
 or by an object with parameters: :class:`Channels`, :class:`Crop`, :class:`Coarse`, :class:`Status`,
-:class:`Egocentric`, and, composed of others or of their names, :class:`Parts`, :class:`Masked`, :class:`Flat` and
-:class:`Stacked`, such as ``Flat(Stacked(Egocentric(side=21), 4))``. These are plain data: they can be pickled
-and compared. Any other callable that takes a briefing and returns an :class:`Encoder` works as well.
+:class:`Occupancy`, :class:`Heading`, :class:`Egocentric`, and, composed of others or of their names, :class:`Parts`,
+:class:`Masked`, :class:`Flat` and :class:`Stacked`, such as ``Flat(Stacked(Egocentric(side=21), 4))``. These are plain
+data: they can be pickled and compared. Any other callable that takes a briefing and returns an :class:`Encoder` also
+works.
 """
 
 from indoor_explorers.env.observations.base import Encoder, Observation, Views
@@ -29,6 +32,7 @@ from indoor_explorers.env.observations.factories import (
 )
 from indoor_explorers.env.observations.planes import PLANES, Channels, ThesisImage
 from indoor_explorers.env.observations.status import STATUS, Legal, Status
+from indoor_explorers.env.observations.uncertainty import Heading, Occupancy
 
 __all__ = [
     "OBSERVATIONS",
@@ -40,9 +44,11 @@ __all__ = [
     "Egocentric",
     "Encoder",
     "Flat",
+    "Heading",
     "Legal",
     "Masked",
     "Observation",
+    "Occupancy",
     "Parts",
     "Stacked",
     "Status",

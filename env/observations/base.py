@@ -32,12 +32,29 @@ class Views(NamedTuple):
     """(B,)."""
     visited: Mask
     """(B, H, W)."""
+    log_odds: NDArray[np.float32] | None = None
+    """(B, H, W); None where maps are certain."""
+    pose_std: NDArray[np.floating[Any]] | None = None
+    """(B,); None where poses are certain."""
+    heading: NDArray[np.integer[Any]] | None = None
+    """(B,); None where lidars see all around."""
 
     def view(self, b: int) -> View:
         """Return one of them."""
         row, col = self.cell[b].tolist()
         step, budget = int(self.step[b]), int(self.budget[b])
-        return View(self.belief[b], (row, col), self.legal[b], step, budget, (), self.visited[b])
+        return View(
+            belief=self.belief[b],
+            cell=(row, col),
+            legal=self.legal[b],
+            step=step,
+            budget=budget,
+            mates=(),
+            visited=self.visited[b],
+            log_odds=None if self.log_odds is None else self.log_odds[b],
+            pose_std=0.0 if self.pose_std is None else float(self.pose_std[b]),
+            heading=None if self.heading is None else int(self.heading[b]),
+        )
 
 
 class Encoder(ABC):

@@ -11,6 +11,7 @@ from indoor_explorers.env.observations.coarse import Coarse
 from indoor_explorers.env.observations.crop import NEARBY, Crop
 from indoor_explorers.env.observations.planes import PLANES, Channels, ThesisImage
 from indoor_explorers.env.observations.status import Legal, Status
+from indoor_explorers.env.observations.uncertainty import Heading, Occupancy
 from indoor_explorers.env.observations.wrappers import FlatEncoder, PartsEncoder, StackedEncoder
 from indoor_explorers.env.policies.view import Briefing
 
@@ -117,6 +118,8 @@ OBSERVATIONS: Mapping[str, Callable[[Briefing], Encoder]] = {
     "thesis": ThesisImage(),
     "egocentric": Egocentric(),
     "egocentric-flat": Flat(Egocentric()),
+    "occupancy": Occupancy(),
+    "heading": Heading(),
 }
 
 

@@ -51,11 +51,14 @@ class StatusEncoder(Encoder):
 
 @dataclass(frozen=True)
 class Legal:
-    """The action mask, (5,) int8: 1 for the moves that end neither in a wall nor off the map."""
+    """The action mask, (5,) int8: 1 for the moves that end neither in a wall nor off the map.
+
+    Where the lidar's field of view is limited it is (6,): UAVs may always turn.
+    """
 
     def __call__(self, briefing: Briefing) -> LegalEncoder:
         """Make the encoder of one UAV."""
-        return LegalEncoder()
+        return LegalEncoder(briefing)
 
 
 class LegalEncoder(Encoder):
@@ -63,16 +66,18 @@ class LegalEncoder(Encoder):
 
     stateless = True
 
-    def __init__(self) -> None:
-        self.space = Box(0, 1, (5,), np.int8)
+    def __init__(self, briefing: Briefing) -> None:
+        self.space = Box(0, 1, (briefing.scenario.actions,), np.int8)
 
     def encode(self, view: View, out: NDArray[np.int8]) -> None:
         """Write one view's legal moves."""
-        out[:] = view.legal
+        out[:5] = view.legal
+        out[5:] = 1
 
     def encode_batch(self, views: Views, out: NDArray[np.int8]) -> None:
         """Write the legal moves of UAVs that fly alone."""
-        out[:] = views.legal
+        out[:, :5] = views.legal
+        out[:, 5:] = 1
 
 
 @kernel()

@@ -33,9 +33,10 @@ def least_steps(world: World, episode: int, share: float) -> int:
     """Return a certified lower bound on the steps to a team coverage of ``share``, for an episode that has just begun.
 
     It is the largest of the :func:`lower_bounds`. A process works it out once for the episodes of all policies. It is 0
-    where a plug-in scans, since nothing is known of what that sees.
+    where a plug-in scans, since nothing is known of what that sees, and where scans or poses err.
     """
-    if world.scenario.lidar.custom is not None:
+    scenario = world.scenario
+    if scenario.lidar.custom is not None or scenario.noise.any or scenario.drift.rate > 0.0:
         return 0
     task = _task(world, episode, share)
     if task not in _FOUND:

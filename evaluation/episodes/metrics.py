@@ -1,6 +1,7 @@
 """The metrics of an episode; their definitions are printed in the report.
 
-Coverage at step t is the share of the denominator that the team knows together. T_q is the first step
+Coverage at step t is the share of the denominator that the team knows together, and shows rightly where sensors or
+poses err. T_q is the first step
 with coverage >= q.
 """
 
@@ -68,6 +69,15 @@ MEASURES: dict[str, Measure] = {
     "collisions": Measure("collisions", "", "moves into an obstacle or off the map"),
     "blocked": Measure("blocked moves", "", "moves that a teammate blocked"),
     "stopped": Measure("stopped UAVs", "", "UAVs that a failure has stopped", True),
+    "map_error": Measure(
+        "map error", "", "share of the cells that the team's map shows at the end that it shows wrongly"
+    ),
+    "claimed": Measure("claimed coverage", "", "coverage at the end if the team's whole map were right", False),
+    "pose_error": Measure(
+        "pose error",
+        "cells",
+        "distance between where a UAV believes to be and where it is, mean over UAVs and steps",
+    ),
     "longest_idle": Measure(
         "longest idle",
         "steps",

@@ -49,7 +49,7 @@ def fly(
         return drawn[task].shape
 
     for (height, width), group in groupby(sorted(tasks, key=shape), key=shape):
-        batch = max(1, BATCH_CELLS // (height * width * scenario.team))
+        batch = max(1, BATCH_CELLS // (height * width * scenario.team * maps_each(scenario)))
         alike = [(task, drawn[task], (bounds or {}).get(task)) for task in group]
         for start in range(0, len(alike), batch):
             some = alike[start : start + batch]
@@ -58,6 +58,11 @@ def fly(
             except BatchFailed:  # episodes do not depend on their batch: flown alone, only the one at fault fails
                 for one in some:
                     yield from _fly_batch(pilots, name, scenario, [one], buffer)
+
+
+def maps_each(scenario: Scenario) -> int:
+    """Return how many arrays of the map's size a UAV takes about: where paths may be corrected, one for each mate."""
+    return scenario.team + 6 if scenario.uncertain else 1
 
 
 def _fly_batch(

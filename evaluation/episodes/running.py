@@ -10,6 +10,7 @@ from indoor_explorers.env import Scenario, World
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.episodes.lower_bounds import least_steps
+from indoor_explorers.evaluation.episodes.map_errors import map_metrics
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, stop_metrics, team_metrics
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.episodes.recorder import Log
@@ -88,6 +89,7 @@ class RunningEpisode:
             "collisions": float(state.collisions[b].sum()),
             "blocked": float(state.blocked[b].sum()),
             **({"stopped": float((state.end[b] == End.STOPPED).sum())} if world.scenario.failures.any else {}),
+            **(map_metrics(world, b, log.flown_steps[b]) if world.scenario.uncertain else {}),
             **behaviour_metrics(world, b, steps, log.flown_steps[b]),
             "messages_bytes": float(steps.sent[-1]),
             "age_of_information": log.age(b),

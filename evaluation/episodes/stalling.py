@@ -47,6 +47,10 @@ def _step_complete(
     after each step; the discovery log has the order in which cells became known.
     """
     state = world.state
+    if world.scenario.uncertain:  # cells may be known wrongly, and coverage counts those that are right
+        part = parts == parts[*state.cell[episode, agent]]
+        complete = covered >= int((state.counts[episode] & part).sum())
+        return int(complete.argmax()) if complete.any() else len(covered) - 1
     log = state.discovery_log[episode, agent, : state.known[episode, agent]]
     row, col = state.cell[episode, agent]
     own = np.flatnonzero(parts.flat[log] == parts[row, col])

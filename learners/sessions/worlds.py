@@ -23,7 +23,7 @@ STORED_NAMES = {
 
 def world_tensors(world: World) -> dict[str, NDArray[Any]]:
     """Return the state and the episodes' seeds of a batch of worlds, by name; the arrays are views, not copies."""
-    state = {_stored(name): array for name, array in world.state._asdict().items()}
+    state = {_stored(name): array for name, array in _arrays(world).items()}
     return state | {"world/seeds": np.array([[seed >> 32, seed & 0xFFFFFFFF] for seed in world.seeds], np.int64)}
 
 
@@ -36,8 +36,17 @@ def restore_world(tensors: Mapping[str, NDArray[Any]], world: World) -> None:
     """Restore a batch of worlds from the arrays of :func:`world_tensors`."""
     for episode, (high, low) in enumerate(tensors["world/seeds"].tolist()):
         begin(world, episode, (high << 32) | low)
-    for name, array in world.state._asdict().items():
+    for name, array in _arrays(world).items():
         array[...] = tensors[_stored(name)]
+
+
+def _arrays(world: World) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a batch of worlds by name; where poses are certain the believed cells are the true ones."""
+    arrays: dict[str, NDArray[Any]] = world.state._asdict()
+    if world.slam is None:
+        del arrays["believed_cell"]
+        return arrays
+    return arrays | {f"slam/{name}": array for name, array in world.slam._asdict().items()}
 
 
 def _stored(name: str) -> str:

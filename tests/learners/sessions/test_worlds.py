@@ -1,6 +1,7 @@
 """Batches of worlds in checkpoints."""
 
 import numpy as np
+import pytest
 
 from indoor_explorers.env import PRESETS, World
 from indoor_explorers.learners.sessions.worlds import restore_world, world_tensors
@@ -9,12 +10,14 @@ from indoor_explorers.learners.sessions.worlds import restore_world, world_tenso
 LASTING = {"journal", "read", "heard", "heard_step", "heard_cell", "heard_size"}
 
 
-def test_a_world_goes_on_from_the_names_that_checkpoints_have_always_had():
+@pytest.mark.parametrize("errors", [{}, {"drift.rate": 0.1, "noise.misses": 0.1}], ids=["exact", "errors"])
+def test_a_world_goes_on_from_the_names_that_checkpoints_have_always_had(errors):
     def flown(world, steps, rng):
         for _ in range(steps):
             world.step(rng.integers(0, 5, (2, 2)))
 
-    worlds = [World(PRESETS["thesis-team-2"].with_settings({"on_collision": "block"}), 2) for _ in range(2)]
+    scenario = PRESETS["thesis-team-2"].with_settings({"on_collision": "block"} | errors)
+    worlds = [World(scenario, 2) for _ in range(2)]
     worlds[0].reset([3, 4])
     flown(worlds[0], 10, np.random.default_rng(0))
     tensors = {name: array.copy() for name, array in world_tensors(worlds[0]).items()}
