@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import Briefing, Mate, Message, View
-from indoor_explorers.env.scenarios.scenario import Radio
+from indoor_explorers.env.scenarios.parts import Radio
 
 #: Steps of silence after which a teammate is forgotten (Bautin 2012 keeps last-known positions for ever).
 MEMORY = 60

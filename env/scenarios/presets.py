@@ -19,7 +19,8 @@ from indoor_explorers.env.maps.sources import (
     RoomsMaps,
 )
 from indoor_explorers.env.scenarios.codes import StuckRuleName
-from indoor_explorers.env.scenarios.scenario import Base, Lidar, Radio, Rewards, Scenario, Stuck
+from indoor_explorers.env.scenarios.parts import Base, Lidar, Radio, Rewards, Stuck
+from indoor_explorers.env.scenarios.scenario import Scenario
 
 
 def _old_rewards(step: float, cell: float, crash: float, stuck: float, goal: float) -> Rewards:

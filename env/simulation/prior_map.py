@@ -17,7 +17,7 @@ from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.walls import Block, doorways, standing_obstacles, straight_walls
 
 if TYPE_CHECKING:
-    from indoor_explorers.env.scenarios.scenario import Prior
+    from indoor_explorers.env.scenarios.parts import Prior
 
 
 class Change(IntEnum):

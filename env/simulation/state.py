@@ -229,14 +229,12 @@ def empty_state(
     batch: int, team: int, shape: tuple[int, int], window: int, *, base: bool = False, uncertain: bool = False
 ) -> State:
     """Allocate the state of ``batch`` episodes; ``base``: with a home base, ``uncertain``: poses may be wrong."""
-    b, n, (h, w) = batch, team, shape
-    base_h, base_w = shape if base else (0, 0)
+    n, (h, w), (base_h, base_w) = team, shape, shape if base else (0, 0)
 
     def zeros(kind: type, *axes: int) -> NDArray:  # type: ignore[type-arg]
-        return np.zeros((b, *axes), kind)
+        return np.zeros((batch, *axes), kind)
 
-    i8, f8 = np.int64, np.float64
-    cell = zeros(i8, n, 2)
+    i8, f8, cell = np.int64, np.float64, np.zeros((batch, n, 2), np.int64)
     return State(
         truth=zeros(np.uint8, h, w),
         counts=zeros(np.bool_, h, w),

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import Scenario, World, make_policy
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.policies.registry import policy_entry_points
-from indoor_explorers.env.scenarios.scenario import Radio
+from indoor_explorers.env.scenarios.parts import Radio
 from indoor_explorers.env.simulation.rollout import Uav, make_pilots, rollout
 from indoor_explorers.evaluation.bench.worlds import square
 

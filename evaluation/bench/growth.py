@@ -10,7 +10,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from indoor_explorers.env.scenarios.scenario import Radio, Scenario
+from indoor_explorers.env.scenarios.parts import Radio
+from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.evaluation.bench.exploring import exploring_moves
 from indoor_explorers.evaluation.bench.worlds import WORLDS, cores, square, world_speed
 

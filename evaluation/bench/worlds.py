@@ -15,7 +15,7 @@ from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.maps.sources import ThesisMaps
 from indoor_explorers.env.observations.incremental import LivePlanes
-from indoor_explorers.env.scenarios.scenario import Lidar, Radio
+from indoor_explorers.env.scenarios.parts import Lidar, Radio
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 from indoor_explorers.evaluation.bench.figure import median_of, seconds_of
 

@@ -11,8 +11,9 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from indoor_explorers.env.maps.base import BaseMaps
 from indoor_explorers.env.maps.sources import FileMaps, MapSource
+from indoor_explorers.env.scenarios.parts import Radio
 from indoor_explorers.env.scenarios.presets import on_maps, scenario
-from indoor_explorers.env.scenarios.scenario import Radio, Scenario
+from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.scenarios.seed_sets import SeedSet, seed_set
 
 #: The radio of one UAV, by the ending of the scenario's name.

@@ -14,7 +14,7 @@ from indoor_explorers.env import InputError, World, check_policy, run_checks, sc
 from indoor_explorers.env.conformance.information_leaks import INFORMED
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.walls import doorways, standing_obstacles, straight_walls
-from indoor_explorers.env.scenarios.scenario import Prior
+from indoor_explorers.env.scenarios.parts import Prior
 from indoor_explorers.env.simulation.prior_map import prior_map
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.engines.policy_process import _sealed

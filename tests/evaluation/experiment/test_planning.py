@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from indoor_explorers.env import PRESETS, InputError, Scenario
-from indoor_explorers.env.scenarios.scenario import Radio
+from indoor_explorers.env.scenarios.parts import Radio
 from indoor_explorers.evaluation.experiment.experiment import Experiment
 from indoor_explorers.evaluation.experiment.planning import plan
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest

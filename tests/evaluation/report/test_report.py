@@ -8,7 +8,7 @@ from rich.console import Console, RenderableType
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.maps.sources import ThesisMaps
-from indoor_explorers.env.scenarios.scenario import Lidar, Radio
+from indoor_explorers.env.scenarios.parts import Lidar, Radio
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
 from indoor_explorers.evaluation.report import headline_table, write_figures, write_report
