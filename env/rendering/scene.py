@@ -121,6 +121,27 @@ def scene_of(world: World, episode: int, trails: Trails | None = None, title: st
     )
 
 
+def base_links(linked: Mask, contact: Mask, cells: NDArray[np.int64], base: NDArray[np.int64]) -> Mask:
+    """Return (N,) the UAVs that a link to the home base is drawn from: of each group in contact with it the nearest.
+
+    Args:
+        linked: (N, N) UAVs in direct radio contact.
+        contact: (N,) UAVs in contact with the base, directly or through others.
+        cells: (N, 2) where they are.
+        base: (2,) where the base is.
+
+    """
+    from scipy.sparse.csgraph import connected_components  # here, since it takes long to import
+
+    groups = connected_components(linked, directed=False)[1]
+    away = ((cells - base) ** 2).sum(axis=1)
+    leads = np.zeros(len(cells), np.bool_)
+    for group in np.unique(groups[contact]):
+        members = np.flatnonzero(groups == group)
+        leads[members[away[members].argmin()]] = True
+    return leads
+
+
 def _in_view(world: World, episode: int) -> Mask:
     truth = world.state.truth[episode]
     seen = np.zeros((world.scenario.team, *truth.shape), np.bool_)

@@ -254,3 +254,82 @@ def test_unknown_cells_at_full_coverage_are_explained(browser, tmp_path):
     assert "100.0 %" in page.locator(f"{REPLAY} .readout").inner_text()
     assert "cells that are still unknown are walls, or cannot be reached" in note.inner_text()
     page.close()
+
+
+SHORT = {"radio.model": "disc", "radio.range": 4.0, "on_collision": "block", "budget": 80}
+STOPS = {"failures.stops": [[1, 12], [3, 30]]}
+HARDER = {
+    "failures": STOPS,
+    "base": {"base.at": "start"},
+    "return": {"base.at": "start", "base.must_return": True, **STOPS},
+    "prior": {"prior.kind": "outdated", "prior.furniture": 1.0},
+}
+
+
+@pytest.fixture(scope="module")
+def harder(browser, tmp_path_factory):
+    """An open page with a scenario of each kind, and the records by section."""
+    records, settings = [], {}
+    for name, changes in HARDER.items():
+        scenario = PRESETS["thesis-team-4"].for_evaluation().with_settings(SHORT | changes | {"name": name})
+        records += fly(make_policy("frontier-minpos"), "one", scenario, [Task(name, 0, 4)])
+        settings[name] = {"fingerprint": scenario.fingerprint, **scenario.model_dump(mode="json")}
+    path = tmp_path_factory.mktemp("harder") / "report.html"
+    write_report(Results({"one": {}}, settings, [], records), path)
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    complaints = []
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto(path.as_uri())
+    yield page, {f"s{place}": record for place, record in enumerate(records, 1)}
+    assert complaints == []
+    page.close()
+
+
+@pytest.mark.parametrize("section", [f"s{place}" for place in range(1, 1 + len(HARDER))])
+def test_readouts_are_those_of_the_record_where_tasks_are_harder(harder, section):
+    page, records = harder
+    record = records[section]
+    read = page.locator(f"#replay-{section} .readout")
+    lost = 0
+    for step_ in range(record.steps + 1):
+        page.evaluate("([section, step]) => openReplay(section, { step })", [section, step_])
+        text = read.inner_text()
+        assert text.startswith(f"{100 * record.curve[step_]:.1f} %"), step_
+        if record.covered.shape[1] > 5:
+            other, covered = ("team and base", "seen") if section == "s3" else ("at the base", "base")
+            assert f"{other} {100 * record.coverage(covered)[step_]:.1f} %" in text
+        lost += "of 4 stopped" in text
+    assert (lost > 0) == (record.metrics.get("stopped", 0) > 0)
+
+
+def test_the_map_of_the_base_is_shown_and_in_the_address(harder):
+    page, records = harder
+    for section, chosen in (("s2", "team"), ("s3", "base")):
+        choice = page.locator(f"#replay-{section} select[aria-label='Map of']")
+        assert choice.input_value() == chosen
+        assert choice.locator("option").all_inner_texts()[:2] == ["team and base", "home base"]
+    choice = page.locator("#replay-s2 select[aria-label='Map of']")
+    choice.select_option("base")
+    assert "map=base" in settled(page, "map=base")
+    page.evaluate("openReplay('s2', { step: 20 })")
+    base = records["s2"].coverage("base")[20]
+    assert page.locator("#replay-s2 .readout b").inner_text() == f"{100 * base:.1f} %"
+    choice.select_option("0")
+    page.evaluate("location.hash = '#replay=s2;step=20;map=base'")
+    page.wait_for_function("() => document.querySelector('#replay-s2 select[aria-label=\"Map of\"]').value === 'base'")
+
+
+def test_the_prior_map_is_a_layer_where_there_is_one(harder):
+    page, _ = harder
+    assert page.locator("#replay-s1 input[name=prior]").count() == 0
+    assert page.locator("#replay-s1 input[name=truth]").is_checked()
+    prior, truth = (page.locator(f"#replay-s4 input[name={name}]") for name in ("prior", "truth"))
+    assert prior.is_checked()
+    assert truth.is_checked()
+    picture = "document.querySelector('#replay-s4 canvas.map').toDataURL()"
+    page.evaluate("openReplay('s4', { step: 0 })")
+    seen = {page.evaluate(picture)}
+    for box in (truth, prior, truth):
+        box.click()
+        seen.add(page.evaluate(picture))
+    assert len(seen) == 4

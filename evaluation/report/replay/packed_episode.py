@@ -1,53 +1,98 @@
 """Simulates a recorded episode again and packs it for the replay.
 
 A replay needs moves, radio contacts and new cells. Linked UAVs merge their maps, so that the map of each UAV follows
-from what its group discovered and from the contacts; the page repeats that merging.
+from what its group discovered and from the contacts; the page repeats that merging. A home base takes part like another
+UAV that stays where it is. What the team knows is what those know together that have not stopped.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from indoor_explorers.env import Scenario
+from indoor_explorers.env import Scenario, World
+from indoor_explorers.env.grid.arrays import Belief, Cell
+from indoor_explorers.env.rendering.scene import base_links
+from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.resimulate import ended_as_recorded, resimulate
 from indoor_explorers.evaluation.report.style.packing import Keyed, folded, packed, runs
 
-#: Step of cells that never become known.
+#: Step of cells that never become known, and of UAVs that never stop.
 NEVER = np.iinfo(np.int32).max
 
 
 @dataclass(frozen=True, eq=False)
 class ReplayEpisode:
-    """What each of N UAVs knew at each of S steps of an episode on H x W cells."""
+    """What each of N UAVs, and the home base, knew at each of S steps of an episode on H x W cells.
+
+    M is N, or N + 1 with a base, which comes last.
+    """
 
     record: Record
     counted: NDArray[np.bool_]
     """(H * W,) the cells that coverage counts."""
     known: NDArray[np.int32]
-    """(N, H * W) the step from which each UAV's own map held each cell, ``NEVER`` for those it never held."""
+    """(M, H * W) the step from which each own map held each cell, ``NEVER`` for those it never held."""
     linked: NDArray[np.bool_]
-    """(S + 1, N, N) which UAVs were in direct radio contact after each step."""
+    """(S + 1, M, M) which were in radio contact after each step; the base is with the nearest UAV of each group."""
+    stopped: NDArray[np.int32]
+    """(M,) the step at which a failure stopped each, ``NEVER`` for those that it did not."""
+    base: Cell | None
+    """The home base's (row, column); None where there is none."""
+    prior: Belief | None
+    """(H, W) the prior map; None where there is none."""
     faithful: bool
     """Whether it ended as recorded; it may not if another version of the world recorded it."""
 
 
 def resimulated(record: Record, scenario: Scenario) -> ReplayEpisode:
     """Simulate a record's episode again and note when cells became known."""
-    known = np.full((record.team, record.floorplan.truth.size), NEVER, np.int32)
-    linked = np.zeros((record.steps + 1, record.team, record.team), np.bool_)
-    read = [0] * record.team
+    team, count = record.team, record.team + scenario.base.exists
+    known = np.full((count, record.floorplan.truth.size), NEVER, np.int32)
+    linked = np.zeros((record.steps + 1, count, count), np.bool_)
+    stopped = np.full(count, NEVER, np.int32)
+    read = [0] * count
     for step, world in enumerate(resimulate(record, scenario)):
-        state = world.state
-        linked[step] = state.linked[0] | np.outer(state.base_contact[0], state.base_contact[0])
-        for agent, length in enumerate(state.known[0].tolist()):
-            known[agent, state.discovery_log[0, agent, read[agent] : length]] = step
-            read[agent] = length
-    return ReplayEpisode(record, state.counts[0].ravel().copy(), known, linked, ended_as_recorded(record, world))
+        linked[step] = _links(world)
+        stopped[:team][(world.state.end[0] == End.STOPPED) & (stopped[:team] == NEVER)] = step
+        for place, (log, length) in enumerate(_logs(world)):
+            known[place, log[read[place] : length]] = step
+            read[place] = length
+    return ReplayEpisode(
+        record=record,
+        counted=world.state.counts[0].ravel().copy(),
+        known=known,
+        linked=linked,
+        stopped=stopped,
+        base=world.briefing(0, 0).base,
+        prior=world.prior(0),
+        faithful=ended_as_recorded(record, world),
+    )
+
+
+def _links(world: World) -> NDArray[np.bool_]:
+    """Return (M, M) which UAVs are in radio contact, and with a base which of them lead to it."""
+    state = world.state
+    if not world.scenario.base.exists:
+        return state.linked[0]
+    leads = base_links(state.linked[0], state.base_contact[0], state.cell[0], state.base_cell[0])
+    linked = np.pad(state.linked[0], (0, 1))
+    linked[-1, :-1] = linked[:-1, -1] = leads
+    return linked
+
+
+def _logs(world: World) -> Iterator[tuple[NDArray[np.int32], int]]:
+    """Yield the discovery log of each UAV, and of the base, with its length."""
+    state = world.state
+    yield from zip(state.discovery_log[0], state.known[0].tolist(), strict=True)
+    if world.scenario.base.exists:
+        yield state.base_log[0], int(state.base_known[0])
 
 
 def frame_steps(steps: int, stride: int) -> list[int]:
@@ -56,17 +101,23 @@ def frame_steps(steps: int, stride: int) -> list[int]:
 
 
 def pack_episode(flight: ReplayEpisode, stride: int, *, own: bool = True) -> bytes:
-    """Pack an episode frame by frame, with each UAV's ``own`` map or with the team's alone.
+    """Pack an episode frame by frame, with each ``own`` map or with those of the team and the base alone.
 
     A frame is a list of whole numbers: the moves of each UAV (row, column; folded), the cells flown and the bytes sent
-    since the frame before, the radio contacts that began or ended, and for each group of linked UAVs, ordered by its
-    first UAV, the cells that none of it knew before. Without ``own`` the whole team is one group.
+    since the frame before, the contacts that began or ended, and for each group of those linked, ordered by its first
+    one, the cells that none of it knew before. Without ``own`` the whole team is one group and the base another, and in
+    frames in which a UAV stops the cells that the team loses come before.
     """
     shown = np.array(frame_steps(flight.record.steps, stride))
     linked = flight.linked[shown]
-    known = flight.known if own else flight.known.min(axis=0, keepdims=True)
-    firsts = first_of_group(linked) if own else np.zeros((len(shown), 1), np.int64)
-    parts = _contacts(linked), _discoveries(np.searchsorted(shown, known), firsts)
+    known, stopped = np.searchsorted(shown, flight.known), np.searchsorted(shown, flight.stopped)
+    parts = [_contacts(linked)]
+    if own:
+        parts.append(_discoveries(known, first_of_group(linked)))
+    else:
+        parts += _of_team(known, stopped, len(shown))
+        if flight.base is not None:
+            parts.append(_discoveries(known[-1:], np.zeros((len(shown), 1), np.int64)))
     return packed(_spent(flight.record, shown).then(*parts).numbers)
 
 
@@ -91,8 +142,8 @@ def _discoveries(frames: NDArray[np.int64], firsts: NDArray[np.int64]) -> Keyed:
     """Return by frame, for each group, the cells that none of it knew before, as runs.
 
     Args:
-        frames: (N, H * W) the frame from which each UAV knows each cell; beyond the last for never.
-        firsts: (F, N) the first UAV of each one's group.
+        frames: (M, H * W) the frame from which each knows each cell; beyond the last for never.
+        firsts: (F, M) the first one of each one's group.
 
     """
     count, team = firsts.shape
@@ -109,8 +160,39 @@ def _discoveries(frames: NDArray[np.int64], firsts: NDArray[np.int64]) -> Keyed:
     return Keyed(found.keys // team, found.numbers)
 
 
+def _of_team(frames: NDArray[np.int64], stopped: NDArray[np.int64], count: int) -> list[Keyed]:
+    """Return by frame the cells that the team loses, where a UAV stops, and those that it newly knows, as runs.
+
+    Args:
+        frames: (M, H * W) the frame from which each knows each cell; beyond the last for never.
+        stopped: (M,) the frame in which each stopped; beyond the last for never.
+        count: number of frames.
+
+    """
+    stops = np.unique(stopped[stopped < count])
+    lost, gained = [], []
+    before = np.zeros(frames.shape[1], np.bool_)
+    for first, end in zip([0, *stops], [*stops, count], strict=True):
+        union = frames[stopped > first].min(axis=0, initial=count)  # of those that go on
+        here = union <= first
+        lost.append((np.flatnonzero(before & ~here), first))
+        gained.append((np.flatnonzero(here & ~before), first))
+        later = np.flatnonzero((union > first) & (union < end))
+        gained.append((later, union[later]))
+        before = union < end
+    return [_runs_of(lost[1:], stops), _runs_of(gained, np.arange(count))]
+
+
+def _runs_of(parts: list[tuple[NDArray[np.int64], Any]], listed: NDArray[np.int64]) -> Keyed:
+    """Return cells, given with their frames, as runs by frame."""
+    places = [cells for cells, _ in parts]
+    keys = [np.broadcast_to(frame, cells.shape) for cells, frame in parts]
+    nothing = np.zeros(0, np.int64)
+    return runs(np.concatenate([nothing, *keys]), np.concatenate([nothing, *places]), listed)
+
+
 def first_of_group(linked: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return (F, N) for each UAV the first one of the group that radio contacts (F, N, N) put it into."""
+    """Return (F, M) for each the first one of the group that contacts (F, M, M) put it into."""
     patterns, places = np.unique(linked.reshape(len(linked), -1), axis=0, return_inverse=True)
     team = linked.shape[1]
     labels = (connected_components(pattern.reshape(team, team), directed=False)[1] for pattern in patterns)

@@ -59,7 +59,7 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
         episodes = [episode for pick in picks if (episode := _episode(comparison, pick, inf, inf)) is not None]
     if not episodes:
         return None
-    far = far_behind(comparison)
+    far, scenario = far_behind(comparison), recorded_scenario(settings)
     return {
         "range": float(settings["lidar"]["range"]),
         "policies": [
@@ -72,6 +72,8 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
             for name in comparison.groups
         ],
         "tasks": len(comparison.results.tasks(comparison.scenario)),
+        "counts": "base" if scenario.base.must_return else "team",
+        "fail": scenario.failures.hazard > 0.0 or bool(scenario.failures.stops),
         "episodes": episodes,
     }
 
@@ -145,11 +147,13 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
     if not flights:
         return None
     plan, steps = flights[0].record.floorplan, max(flight.record.steps for flight in flights)
+    base, prior = flights[0].base, flights[0].prior
     walls, counted = bits(plan.truth == OCCUPIED), bits(flights[0].counted)
+    foreseen = None if prior is None else bits(prior == OCCUPIED)
     for detail in DETAILS:
         stride = 1 + steps // detail.frames
         streams = [text(pack_episode(flight, stride, own=detail.own)) for flight in flights]
-        sizes = len(walls) + len(counted) + np.cumsum([len(stream) for stream in streams])
+        sizes = len(walls) + len(counted) + len(foreseen or "") + np.cumsum([len(stream) for stream in streams])
         if sizes[-1] <= share:
             break
     fits = int((sizes <= left).sum())
@@ -163,6 +167,8 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
         "width": plan.shape[1],
         "walls": walls,
         "counted": counted,
+        "prior": foreseen,
+        "base": base,
         "total": flights[0].record.reachable,
         "stride": stride,
         "own": detail.own,
@@ -181,5 +187,6 @@ def _flight(comparison: Comparison, flight: ReplayEpisode, stream: str) -> dict[
         "team": record.team,
         "steps": record.steps,
         "end": ending(record),
+        "stops": [(uav, step) for uav, step in enumerate(flight.stopped.tolist()) if step <= record.steps],
         "stream": stream,
     }

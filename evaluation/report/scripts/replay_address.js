@@ -19,8 +19,9 @@ const Address = {
     };
   },
 
-  /* ``team`` or ``uav-0``; in links of older pages 0 is the team, and UAVs count from 1. */
+  /* ``team``, ``base`` or ``uav-0``; in links of older pages 0 is the team, and UAVs count from 1. */
   mapNamed(text) {
+    if (text === "base") return text;
     const [, uav, older] = text.match(/^(?:uav-(\d+)|(\d+))$/) || [];
     if (uav) return String(Number(uav));
     return Number(older) > 0 ? String(Number(older) - 1) : "team";
@@ -34,7 +35,7 @@ const Address = {
     const names = replay.panels.map((panel) => encodeURIComponent(panel.policy.name));
     const parts = {
       replay: replay.section, task: replay.episode.task.join(","), step: replay.step, panels: names.join(","),
-      map: replay.map === "team" ? "team" : `uav-${replay.map}`, layers: replay.shownLayers.join(","),
+      map: /^\d+$/.test(replay.map) ? `uav-${replay.map}` : replay.map, layers: replay.shownLayers.join(","),
     };
     const theme = location.hash.slice(1).split(";").filter((part) => part === "dark" || part === "light");
     return `#${[...Object.entries(parts).map((part) => part.join("=")), ...theme].join(";")}`;

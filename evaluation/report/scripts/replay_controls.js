@@ -44,7 +44,7 @@ class Controls {
   }
 
   toggles() {
-    this.boxes = LAYERS.map(([name, title]) => {
+    this.boxes = LAYERS.filter(([name]) => this.replay.has(name)).map(([name, title]) => {
       const box = element("input", { type: "checkbox", name });
       box.addEventListener("change", () => {
         if (box.checked) this.replay.layers.add(name); else this.replay.layers.delete(name);
@@ -76,10 +76,11 @@ class Controls {
     const { episode, place } = this.replay, team = Math.max(...episode.flights.map((flight) => flight.team));
     this.episodes.value = String(place);
     const uavs = Array.from({ length: team }, (_, uav) => [uav, `UAV ${uav}`]);
-    fill(this.maps, [["team", "team"], ...(episode.own ? uavs : [])]);
-    if (![...this.maps.options].some(({ value }) => value === this.replay.map)) this.replay.map = "team";
+    const base = episode.base ? [["base", "home base"]] : [];
+    fill(this.maps, [["team", base.length ? "team and base" : "team"], ...base, ...(episode.own ? uavs : [])]);
+    if (![...this.maps.options].some(({ value }) => value === this.replay.map)) this.replay.map = this.replay.data.counts;
     this.maps.value = this.replay.map;
-    this.mapLabel.hidden = team === 1;
+    this.mapLabel.hidden = team === 1 && !episode.base;
     this.maps.title = episode.own ? "" : "This page has no room for the maps of single UAVs";
     const most = Math.min(MOST_PANELS, this.replay.single.length);
     this.counts.replaceChildren(...Array.from({ length: most }, (_, k) => {

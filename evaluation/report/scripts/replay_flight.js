@@ -23,10 +23,9 @@ class Numbers {
   }
 }
 
-/* What each UAV knows; linked UAVs merge their discoveries, as in the simulation. */
+/* What each UAV, and the home base, knows; those linked merge their discoveries, as in the simulation. */
 class Minds {
   constructor(count, size) {
-    this.team = new Uint16Array(size).fill(NEVER);
     this.known = Array.from({ length: count }, () => new Uint16Array(size).fill(NEVER));
     this.journals = Array.from({ length: count }, () => []);
     this.read = Array.from({ length: count }, () => new Array(count).fill(0));
@@ -36,7 +35,6 @@ class Minds {
     if (this.known[mind][cell] !== NEVER) return;
     this.known[mind][cell] = frame;
     this.journals[mind].push(cell);
-    if (this.team[cell] === NEVER) this.team[cell] = frame;
   }
 
   merge(group, frame) {
@@ -84,35 +82,88 @@ class Contacts {
   }
 }
 
-/* Covered cells by frame, given the frame at which each cell became known. */
-function coverage(known, counted, frames) {
-  const covered = new Int32Array(frames);
-  for (let cell = 0; cell < known.length; cell++) if (counted[cell] && known[cell] !== NEVER) covered[known[cell]]++;
-  for (let frame = 1; frame < frames; frame++) covered[frame] += covered[frame - 1];
-  return covered;
+/* A map over time. Each part holds from a frame on, until the next one: the frame from which each cell is known. */
+class KnownMap {
+  constructor(known) { this.parts = [{ from: 0, known }]; }
+
+  get latest() { return this.parts.at(-1).known; }
+
+  add(from, known) { this.parts.push({ from, known }); }
+
+  at(frame) { return this.parts.findLast((part) => part.from <= frame).known; }
+
+  /* Covered cells by frame. */
+  coverage(counted, frames) {
+    const covered = new Int32Array(frames);
+    this.parts.forEach(({ from, known }, place) => {
+      const end = this.parts[place + 1]?.from ?? frames;
+      for (let cell = 0; cell < known.length; cell++) {
+        if (counted[cell] && known[cell] < end) covered[Math.max(known[cell], from)]++;
+      }
+      for (let frame = from + 1; frame < end; frame++) covered[frame] += covered[frame - 1];
+    });
+    return covered;
+  }
 }
 
-/* Unpack a flight. Its maps are the team's and, where the page has them, each UAV's by its number. */
+/* What those know together that have not stopped, by frame. */
+function unionOf(minds, stops, size) {
+  const together = (frame) => {
+    const union = new Uint16Array(size).fill(NEVER);
+    minds.known.forEach((known, mind) => {
+      if (stops[mind] <= frame) return;
+      for (let cell = 0; cell < size; cell++) if (known[cell] < union[cell]) union[cell] = known[cell];
+    });
+    return union;
+  };
+  const union = new KnownMap(together(0));
+  const frames = [...new Set(stops)].filter((frame) => frame < NEVER).sort((one, other) => one - other);
+  for (const frame of frames) union.add(frame, together(frame));
+  return union;
+}
+
+/* What the team knows together where the maps of single UAVs are left out. */
+class TeamMap extends KnownMap {
+  constructor(size) { super(new Uint16Array(size).fill(NEVER)); }
+
+  lose(numbers, frame) {
+    this.add(frame, this.latest.slice());
+    numbers.places((cell) => { this.latest[cell] = NEVER; });
+  }
+
+  learn(numbers, frame) { numbers.places((cell) => { this.latest[cell] = frame; }); }
+}
+
+/* Unpack a flight. Its maps are the team's, the home base's, and where the page has them each UAV's by its number. */
 function readFlight(flight, episode) {
   const numbers = new Numbers(flight.stream), team = flight.team, size = episode.width * episode.height;
   const steps = [];
   for (let step = 0; step < flight.steps; step += episode.stride) steps.push(step);
   steps.push(flight.steps);
+  const stops = new Array(team).fill(NEVER);
+  for (const [uav, step] of flight.stops) stops[uav] = steps.findIndex((shown) => shown >= step);
   const frames = steps.length, cells = new Int16Array(frames * team * 2), before = new Int32Array(team * 2);
   const distance = new Float64Array(frames), bytes = new Float64Array(frames), links = [];
-  const minds = new Minds(episode.own ? team : 1, size), contacts = new Contacts(team);
+  const count = team + (episode.base ? 1 : 0), contacts = new Contacts(count), minds = new Minds(count, size);
+  const together = new TeamMap(size), atBase = new TeamMap(size);
   for (let frame = 0; frame < frames; frame++) {
     for (let k = 0; k < before.length; k++) cells[frame * before.length + k] = before[k] += numbers.signed();
     distance[frame] = (distance[frame - 1] || 0) + numbers.next();
     bytes[frame] = (bytes[frame - 1] || 0) + numbers.next();
     contacts.read(numbers);
     links.push(contacts.now);
-    for (const group of episode.own ? contacts.groups : [[0]]) {
+    for (const group of episode.own ? contacts.groups : []) {
       numbers.places((cell) => minds.learn(group[0], cell, frame));
       minds.merge(group, frame);
     }
+    if (episode.own) continue;
+    if (stops.includes(frame)) together.lose(numbers, frame);
+    together.learn(numbers, frame);
+    if (episode.base) atBase.learn(numbers, frame);
   }
-  const maps = { ...(episode.own && team > 1 ? minds.known : []), team: minds.team }, covered = {};
-  for (const [name, known] of Object.entries(maps)) covered[name] = coverage(known, episode.isCounted, frames);
-  return { ...flight, steps, cells, distance, bytes, links, maps, covered, last: frames - 1 };
+  const maps = { team: episode.own ? unionOf(minds, stops, size) : together }, covered = {};
+  if (episode.base) maps.base = episode.own ? new KnownMap(minds.known[team]) : atBase;
+  if (episode.own && count > 1) for (let uav = 0; uav < team; uav++) maps[uav] = new KnownMap(minds.known[uav]);
+  for (const [name, map] of Object.entries(maps)) covered[name] = map.coverage(episode.isCounted, frames);
+  return { ...flight, stops, steps, cells, distance, bytes, links, maps, covered, last: frames - 1 };
 }

@@ -1,6 +1,6 @@
 /* What is drawn of a flight on one map: cells, lidar, trails, radio links, UAVs. Lengths are in device pixels. */
 const LAYERS = [
-  ["truth", "true map"], ["known", "known"], ["frontier", "frontier"],
+  ["truth", "true map"], ["prior", "prior map"], ["known", "known"], ["frontier", "frontier"],
   ["lidar", "lidar range"], ["links", "radio links"], ["trails", "trails"],
 ];
 const UAV_COLOURS = 8;
@@ -14,11 +14,14 @@ class Inks {
     };
     this.unknown = shade("--unknown");
     this.ghost = [shade("--ghost-free"), shade("--ghost-wall")];
+    this.onlyPrior = shade("--prior-wall");
+    this.onlyTruth = shade("--prior-gap");
     this.clear = [shade("--free"), shade("--wall")];
     this.frontier = shade("--frontier");
     this.uavs = Array.from({ length: UAV_COLOURS }, (_, k) => Theme.colour(`--u${k}`));
     this.paper = Theme.colour("--paper");
     this.link = Theme.colour("--link");
+    this.stopped = Theme.colour("--bad");
     this.ink = Theme.colour("--ink");
     this.soft = Theme.colour("--soft");
     this.line = Theme.colour("--line");
@@ -34,17 +37,28 @@ function isFrontier(known, frame, cell, width) {
     || (cell >= width && known[cell - width] > frame) || (cell + width < known.length && known[cell + width] > frame);
 }
 
+/* What is under the unknown cells: the true map, the prior map, or both with the walls that only one of them has. */
+function groundOf({ walls, prior }, layers, inks) {
+  if (!prior || !layers.has("prior")) {
+    const behind = layers.has("truth") ? inks.ghost : [inks.unknown, inks.unknown];
+    return (cell) => behind[walls[cell]];
+  }
+  if (!layers.has("truth")) return (cell) => inks.ghost[prior[cell]];
+  const both = [[inks.ghost[0], inks.onlyPrior], [inks.onlyTruth, inks.ghost[1]]];
+  return (cell) => both[walls[cell]][prior[cell]];
+}
+
 /* A picture of the cells, one pixel each, on ``sheet``. */
 function paintCells(sheet, episode, known, frame, layers, inks) {
   const { width, height, walls } = episode;
   const image = new ImageData(width, height), pixels = new Uint32Array(image.data.buffer);
-  const behind = layers.has("truth") ? inks.ghost : [inks.unknown, inks.unknown];
-  const clear = layers.has("known") ? inks.clear : behind, edges = layers.has("frontier");
+  const behind = groundOf(episode, layers, inks);
+  const plain = layers.has("known"), edges = layers.has("frontier");
   for (let cell = 0; cell < pixels.length; cell++) {
     const wall = walls[cell];
-    if (known[cell] > frame) pixels[cell] = behind[wall];
+    if (known[cell] > frame) pixels[cell] = behind(cell);
     else if (edges && !wall && isFrontier(known, frame, cell, width)) pixels[cell] = inks.frontier;
-    else pixels[cell] = clear[wall];
+    else pixels[cell] = plain ? inks.clear[wall] : behind(cell);
   }
   sheet.width = width;
   sheet.height = height;
@@ -53,15 +67,21 @@ function paintCells(sheet, episode, known, frame, layers, inks) {
 
 /* The marks of one flight at one frame. */
 class Marks {
-  constructor(pen, flight, frame, scale, ratio, inks) {
-    Object.assign(this, { pen, flight, frame, scale, ratio, inks });
+  constructor(pen, flight, base, frame, scale, ratio, inks) {
+    Object.assign(this, { pen, flight, base, frame, scale, ratio, inks });
     this.radius = Math.max((flight.team > 1 ? 6.5 : 5) * ratio, scale * 0.42);
   }
 
+  centre(row, column) { return [(column + 0.5) * this.scale, (row + 0.5) * this.scale]; }
+
+  /* Where a UAV is; the home base comes after the last one. */
   at(uav, frame = this.frame) {
+    if (uav === this.flight.team) return this.centre(...this.base);
     const k = 2 * (frame * this.flight.team + uav);
-    return [(this.flight.cells[k + 1] + 0.5) * this.scale, (this.flight.cells[k] + 0.5) * this.scale];
+    return this.centre(this.flight.cells[k], this.flight.cells[k + 1]);
   }
+
+  hasStopped(uav) { return this.flight.stops[uav] <= this.frame; }
 
   eachUav(draw) { for (let uav = 0; uav < this.flight.team; uav++) draw(uav, this.inks.uav(uav)); }
 
@@ -82,6 +102,7 @@ class Marks {
   lidar(range) {
     const { pen } = this;
     this.eachUav((uav, colour) => {
+      if (this.hasStopped(uav)) return;
       pen.beginPath();
       pen.arc(...this.at(uav), range * this.scale, 0, 2 * Math.PI);
       pen.fillStyle = pen.strokeStyle = colour;
@@ -108,29 +129,71 @@ class Marks {
     }
   }
 
-  /* The UAVs; when the map of one is shown, the others are faint. */
+  /* The home base as a landing pad: an H in a ring. */
+  pad() {
+    if (!this.base) return;
+    const place = this.centre(...this.base), radius = this.radius * 1.35;
+    this.disc(place, radius, this.inks.paper, this.inks.ink);
+    this.write("H", place, radius, this.inks.ink);
+  }
+
+  /* The UAVs, those that have stopped below the others; when the map of one is shown, the others are faint. */
   team(map) {
-    this.eachUav((uav, colour) => {
-      this.pen.globalAlpha = map === "team" || Number(map) === uav ? 1 : 0.45;
-      this.uav(uav, colour);
-    });
+    for (const stopped of [true, false]) {
+      this.eachUav((uav, colour) => {
+        if (this.hasStopped(uav) !== stopped) return;
+        this.pen.globalAlpha = !/^\d+$/.test(map) || Number(map) === uav ? 1 : 0.45;
+        if (stopped) this.wreck(uav, colour); else this.uav(uav, colour);
+      });
+    }
     this.pen.globalAlpha = 1;
   }
 
   uav(uav, colour) {
-    const { pen, radius } = this, [x, y] = this.at(uav);
+    const place = this.at(uav);
+    this.disc(place, this.radius, colour, this.inks.paper);
+    if (this.flight.team > 1) this.write(String(uav), place, this.radius, this.inks.paper);
+  }
+
+  /* A UAV that has stopped: a hollow disc, crossed out. */
+  wreck(uav, colour) {
+    const { pen } = this, [x, y] = this.at(uav), arm = this.radius * 1.25;
+    this.disc([x, y], this.radius, this.inks.paper, colour);
+    for (const [width, ink] of [[4.5, this.inks.paper], [2, this.inks.stopped]]) {
+      pen.strokeStyle = ink;
+      pen.lineWidth = width * this.ratio;
+      pen.beginPath();
+      for (const slope of [-1, 1]) {
+        pen.moveTo(x - arm, y - slope * arm);
+        pen.lineTo(x + arm, y + slope * arm);
+      }
+      pen.stroke();
+    }
+    if (this.flight.team > 1) this.write(String(uav), [x + 2 * this.radius, y], this.radius, colour, this.inks.paper);
+  }
+
+  disc(place, radius, fill, edge) {
+    const { pen } = this;
     pen.beginPath();
-    pen.arc(x, y, radius, 0, 2 * Math.PI);
-    pen.fillStyle = colour;
+    pen.arc(...place, radius, 0, 2 * Math.PI);
+    pen.fillStyle = fill;
     pen.fill();
     pen.lineWidth = 1.5 * this.ratio;
-    pen.strokeStyle = this.inks.paper;
+    pen.strokeStyle = edge;
     pen.stroke();
-    if (this.flight.team === 1) return;
-    pen.fillStyle = this.inks.paper;
+  }
+
+  write(text, [x, y], radius, colour, halo = null) {
+    const { pen } = this;
     pen.font = `700 ${Math.round(radius * 1.3)}px system-ui, sans-serif`;
     pen.textAlign = "center";
     pen.textBaseline = "middle";
-    pen.fillText(String(uav), x, y + radius * 0.08);
+    if (halo) {
+      pen.strokeStyle = halo;
+      pen.lineWidth = 4 * this.ratio;
+      pen.strokeText(text, x, y + radius * 0.08);
+    }
+    pen.fillStyle = colour;
+    pen.fillText(text, x, y + radius * 0.08);
   }
 }

@@ -52,8 +52,8 @@ class Panel {
 
   /* Whether all that counts is covered now although cells are unknown. */
   hasPockets() {
-    const { flight, replay } = this, now = Math.min(replay.frame, flight.last), known = flight.maps.team;
-    return flight.covered.team[now] === replay.episode.total && known.some((frame) => frame > now);
+    const { flight, replay } = this, now = Math.min(replay.frame, flight.last), { counts } = replay.data;
+    return flight.covered[counts][now] === replay.episode.total && flight.maps[counts].at(now).some((frame) => frame > now);
   }
 
   /* Coverage of the shown map at a frame, in cells. */
@@ -65,25 +65,30 @@ class Panel {
     this.canvas.width = scale * episode.width;
     this.canvas.height = scale * episode.height;
     this.canvas.style.width = `${Math.min(this.canvas.width / ratio, this.replay.most)}px`;
-    paintCells(this.sheet, episode, this.flight.maps[map], now, layers, inks);
+    paintCells(this.sheet, episode, this.flight.maps[map].at(now), now, layers, inks);
     pen.imageSmoothingEnabled = false;
     pen.drawImage(this.sheet, 0, 0, this.canvas.width, this.canvas.height);
-    const marks = new Marks(pen, this.flight, now, scale, ratio, inks);
+    const marks = new Marks(pen, this.flight, episode.base, now, scale, ratio, inks);
     if (layers.has("lidar")) marks.lidar(data.range);
     if (layers.has("trails")) marks.trails();
     if (layers.has("links")) marks.links();
+    marks.pad();
     marks.team(map);
     this.drawChip();
     this.read(now);
   }
 
   read(now) {
-    const { flight } = this, over = now === flight.last;
+    const { flight, replay } = this, over = now === flight.last, stopped = flight.stops.filter((frame) => frame <= now).length;
     this.covered.textContent = share(this.coveredAt(now), this.replay.episode.total);
     const spent = [`step ${flight.steps[now]}`, `${grouped(flight.distance[now])} cells flown`];
     if (flight.bytes[flight.last]) spent.push(`${byteCount(flight.bytes[now])} sent`);
+    if (flight.covered.base) {
+      const [name, covered] = replay.map === "base" ? ["team and base", "team"] : ["at the base", "base"];
+      spent.unshift(`${name} ${share(flight.covered[covered][now], replay.episode.total)}`);
+    }
     this.spent.textContent = spent.join(" · ");
-    this.end.textContent = over ? flight.end : "flying";
+    this.end.textContent = (over ? flight.end : "flying") + (stopped ? ` · ${stopped} of ${flight.team} stopped` : "");
     this.end.title = over ? flight.end : "";
     this.canvas.setAttribute("aria-label", `Map at step ${flight.steps[now]} of ${this.policy.name}`);
   }

@@ -12,7 +12,7 @@ class Replay {
     this.layers = new Set(LAYERS.map(([name]) => name));
     this.panels = [];
     this.frame = 0;
-    this.map = "team";  // or the number of a UAV as text
+    this.map = this.data.counts;  // team, base, or the number of a UAV as text
     this.playing = false;
     this.wanted = [];
     this.count = narrow() ? 1 : MOST_PANELS;
@@ -39,7 +39,10 @@ class Replay {
     this.draw();
   }
 
-  /* The frame at which the team coverage of the shown flights, or of the first ones where a single one is shown, is
+  /* Whether there is anything of a layer. */
+  has(layer) { return layer !== "prior" || this.data.episodes.some((episode) => episode.prior); }
+
+  /* The frame at which the coverage of the shown flights, or of the first ones where a single one is shown, is
      furthest apart, those far behind left out; half-way where it never is. */
   widest() {
     const shown = this.panels.length > 1 ? this.panels.map((panel) => panel.flight.policy) : this.single.slice(0, MOST_PANELS);
@@ -47,7 +50,7 @@ class Replay {
     const flights = (near.length > 1 ? near : shown).map((policy) => this.flight(policy));
     let found = Math.round(this.last / 2), most = 0;
     for (let frame = 0; frame <= this.last; frame++) {
-      const covered = flights.map((flight) => flight.covered.team[Math.min(frame, flight.last)]);
+      const covered = flights.map((flight) => flight.covered[this.data.counts][Math.min(frame, flight.last)]);
       const apart = Math.max(...covered) - Math.min(...covered);
       if (apart > most) [found, most] = [frame, apart];
     }
@@ -57,7 +60,8 @@ class Replay {
   unpack(episode) {
     if (episode.walls instanceof Uint8Array) return;
     const cells = { length: episode.width * episode.height };
-    for (const [from, to] of [["walls", "walls"], ["counted", "isCounted"]]) {
+    for (const [from, to] of [["walls", "walls"], ["counted", "isCounted"], ["prior", "prior"]]) {
+      if (!episode[from]) continue;
       const bits = Packed.bytes(episode[from]);
       episode[to] = Uint8Array.from(cells, (_, k) => (bits[k >> 3] >> (7 - (k & 7))) & 1);
     }
@@ -93,7 +97,7 @@ class Replay {
     this.changed();
   }
 
-  get shownLayers() { return LAYERS.map(([name]) => name).filter((name) => this.layers.has(name)); }
+  get shownLayers() { return LAYERS.map(([name]) => name).filter((name) => this.has(name) && this.layers.has(name)); }
   get last() { return Math.max(...this.panels.map((panel) => panel.flight.last)); }
   get lastStep() { return Math.max(...this.panels.map((panel) => panel.flight.steps.at(-1))); }
   get step() { return Math.min(this.frame * this.episode.stride, this.lastStep); }

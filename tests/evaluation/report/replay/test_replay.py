@@ -20,15 +20,22 @@ from indoor_explorers.evaluation.report.replay.packed_episode import (
     resimulated,
 )
 from indoor_explorers.evaluation.report.replay.selection import chosen, notable_tasks, replay_data
-from indoor_explorers.evaluation.report.style.packing import folded, packed, runs
+from indoor_explorers.evaluation.report.style.packing import bits, folded, packed, runs, text
 from indoor_explorers.evaluation.report.style.palette import policy_styles
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.plugins import Raises, Wander
 
-LOSSY = (
-    PRESETS["thesis-team-4"]
-    .for_evaluation()
-    .with_settings({"radio.model": "disc", "radio.range": 5.0, "radio.loss": 0.4, "budget": 60})
+TEAM = PRESETS["thesis-team-4"].for_evaluation()
+LOSSY = TEAM.with_settings({"radio.model": "disc", "radio.range": 5.0, "radio.loss": 0.4, "budget": 60})
+SHORT = {"radio.model": "disc", "radio.range": 3.0, "budget": 60}
+BASE = SHORT | {"name": "base", "base.at": "start"}
+FAILURES = SHORT | {"name": "failures", "failures.hazard": 0.02, "failures.radio_hazard": 0.05}
+HARDER = (
+    TEAM.with_settings(FAILURES),
+    TEAM.with_settings(FAILURES | {"name": "last word", "failures.last_word": True, "failures.hazard": 0.05}),
+    TEAM.with_settings(BASE),
+    TEAM.with_settings(BASE | FAILURES | {"name": "failures and base", "base.must_return": True}),
+    TEAM.with_settings(SHORT | {"name": "prior", "prior.kind": "outdated"}),
 )
 
 
@@ -66,15 +73,19 @@ def unfolded(number):
 
 
 class Reader:
-    """Unpacks a stream as the page does."""
+    """Unpacks a replay's flight as the page does; after each frame, ``maps`` holds what is known by name."""
 
-    def __init__(self, stream, team, size, own=True):
-        self.numbers = unpacked(stream)
-        self.team, self.own = team, own
-        self.cells, self.spent = np.zeros(2 * team, int), np.zeros(2, int)
-        self.pairs = list(zip(*np.triu_indices(team, 1), strict=True))
-        self.linked = np.eye(team, dtype=bool)
-        self.known = np.zeros((team if own else 1, size), bool)
+    def __init__(self, episode, flight):
+        self.episode, self.flight = episode, flight
+        self.numbers = unpacked(base64.b64decode(flight["stream"]))
+        self.team, self.own, size = flight["team"], episode["own"], episode["height"] * episode["width"]
+        count = self.team + (episode["base"] is not None)
+        self.steps = frame_steps(flight["steps"], episode["stride"])
+        self.stops = {uav: next(k for k, now in enumerate(self.steps) if now >= step) for uav, step in flight["stops"]}
+        self.cells, self.spent = np.zeros(2 * self.team, int), np.zeros(2, int)
+        self.pairs = list(zip(*np.triu_indices(count, 1), strict=True))
+        self.linked = np.eye(count, dtype=bool)
+        self.known = np.zeros((count if self.own else 1 + count - self.team, size), bool)
 
     def places(self):
         place, found = 0, []
@@ -85,44 +96,113 @@ class Reader:
             place += length
         return found
 
-    def frame(self):
+    def frames(self):
+        """Yield each shown step, with the state after it."""
+        for frame, step in enumerate(self.steps):
+            self.read(frame)
+            yield step
+        assert next(self.numbers, None) is None
+
+    def read(self, frame):
         self.cells += [unfolded(next(self.numbers)) for _ in self.cells]
         self.spent += [next(self.numbers) for _ in self.spent]
         for pair in self.places():
             row, column = self.pairs[pair]
             self.linked[row, column] = self.linked[column, row] = not self.linked[row, column]
-        groups = first_of_group(self.linked[None])[0] if self.own else np.zeros(1, int)
+        if not self.own and frame in self.stops.values():
+            self.known[0, self.places()] = False
+        groups = first_of_group(self.linked[None])[0] if self.own else np.arange(len(self.known))
         for first in np.unique(groups):
             members = groups == first
             self.known[members] = self.known[members].any(axis=0)
             for place in self.places():
                 self.known[members, place] = True
+        going = [place for place in range(len(self.known)) if self.stops.get(place, frame + 1) > frame or not self.own]
+        self.maps = {"team": self.known[going].any(axis=0), "base": self.known[-1]}
+
+    def covered(self, name):
+        counted = np.unpackbits(np.frombuffer(base64.b64decode(self.episode["counted"]), np.uint8)).astype(bool)
+        return int((self.maps[name] & counted[: self.known.shape[1]]).sum())
+
+
+def replayed(results):
+    """Replay every episode of a scenario; yield the record, the scenario's data and a reader of the flight."""
+    (name,) = results.scenarios
+    data = replay_data(Comparison(results, name), policy_styles(results.policies), 0, 99)
+    for episode in data["episodes"]:
+        for flight in episode["flights"]:
+            policy, task = data["policies"][flight["policy"]]["name"], Task(name, *episode["task"])
+            record = next(r for r in results.groups[name, policy] if r.task == task)
+            yield record, data, Reader(episode, flight)
+
+
+def reader_of(flight, stride=1, own=True):
+    """Return a reader of one packed flight."""
+    record, (height, width) = flight.record, flight.record.floorplan.shape
+    stops = [(uav, step) for uav, step in enumerate(flight.stopped.tolist()) if step <= record.steps]
+    counted = bits(flight.counted)
+    episode = {"own": own, "base": flight.base, "stride": stride, "counted": counted, "height": height, "width": width}
+    stream = text(pack_episode(flight, stride, own=own))
+    return Reader(episode, {"stream": stream, "team": record.team, "steps": record.steps, "stops": stops})
 
 
 @pytest.mark.parametrize("stride", [1, 7])
 def test_a_replay_is_the_recorded_flight_with_what_each_uav_knew(results, stride):
     for record in results.records:
-        reader = Reader(pack_episode(resimulated(record, LOSSY), stride), 4, record.floorplan.truth.size)
-        shown = frame_steps(record.steps, stride)
-        for step, world in enumerate(resimulate(record, LOSSY)):
-            if step not in shown:
-                continue
-            reader.frame()
+        reader = reader_of(resimulated(record, LOSSY), stride)
+        worlds = enumerate(resimulate(record, LOSSY))
+        for step in reader.frames():
+            world = next(world for now, world in worlds if now == step)
             assert (reader.cells.reshape(-1, 2) == record.cells[step]).all()
             assert reader.spent.tolist() == [record.distance[step], record.sent[step]]
             assert (reader.linked == world.state.linked[0] | np.eye(4, dtype=bool)).all()
             assert (reader.known == (world.state.belief[0] > 0).reshape(4, -1)).all()
-        assert next(reader.numbers, None) is None
 
 
 def test_without_own_maps_the_team_knows_what_it_knew(results):
     record = results.records[0]
-    flight = resimulated(record, LOSSY)
-    reader = Reader(pack_episode(flight, 3, own=False), 4, record.floorplan.truth.size, own=False)
-    for step in frame_steps(record.steps, 3):
-        reader.frame()
-        assert (reader.known[0] & flight.counted).sum() == record.covered[step, 0]
-    assert next(reader.numbers, None) is None
+    reader = reader_of(resimulated(record, LOSSY), 3, own=False)
+    for step in reader.frames():
+        assert reader.covered("team") == record.covered[step, 0]
+
+
+@pytest.mark.parametrize("scenario", HARDER, ids=lambda scenario: scenario.name)
+def test_coverage_is_that_of_the_record_at_every_step(scenario):
+    results = results_of(scenario, seeds=3)
+    stops = []
+    for record, data, reader in replayed(results):
+        stops += reader.stops
+        for step, world in zip(reader.frames(), resimulate(record, scenario), strict=True):
+            assert reader.covered(data["counts"]) == record.covered[step, 0]
+            assert reader.covered("team") == record.seen[step]
+            assert (reader.known[:4] == (world.state.belief[0] > 0).reshape(4, -1)).all()
+            if scenario.base.exists:
+                assert reader.covered("base") == record.covered[step, 5]
+                leads, contact = reader.linked[4, :4], world.state.base_contact[0]
+                assert not (leads & ~contact).any()
+                assert leads.any() == contact.any()
+    assert bool(stops) == scenario.failures.any
+    assert any((np.diff(record.seen) < 0).any() for record in results.records) == scenario.failures.any
+
+
+@pytest.mark.parametrize("scenario", HARDER, ids=lambda scenario: scenario.name)
+def test_so_it_is_where_steps_and_own_maps_are_left_out(scenario):
+    for record in results_of(scenario, seeds=2).records:
+        for own in (True, False):
+            reader = reader_of(resimulated(record, scenario), 5, own=own)
+            for step in reader.frames():
+                assert reader.covered("base" if scenario.base.must_return else "team") == record.covered[step, 0]
+                assert reader.covered("team") == record.seen[step]
+
+
+def test_each_task_has_its_prior_map(results):
+    scenario = HARDER[-1]
+    for record, _, reader in replayed(results_of(scenario)):
+        walls = np.unpackbits(np.frombuffer(base64.b64decode(reader.episode["prior"]), np.uint8))[:256]
+        world = next(resimulate(record, scenario))
+        assert (walls == (world.prior(0) == OCCUPIED).ravel()).all()
+        assert (walls != (record.floorplan.truth == OCCUPIED).ravel()).any()
+    assert all(reader.episode["prior"] is None for *_, reader in replayed(results))
 
 
 def test_data_name_the_episodes_and_their_maps(results, comparison):
