@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.rendering.palette import INK, PAGE, ink_on
+from indoor_explorers.env.rendering.palette import INK, PAGE, STOP, ink_on
 from indoor_explorers.env.rendering.primitives import Canvas, disc, ring, stroke, text_width, write
 
 #: Pixels that a UAV's disc may reach beyond its map.
@@ -55,6 +55,14 @@ def uav(chart: Chart, cell: Cells, colour: Colour, agent: int) -> None:
     _number(chart.around, place, chart.radius, np.array(ink_on(colour), np.uint8), agent)
 
 
+def stopped(chart: Chart, cell: Cells) -> None:
+    """Cross out a UAV that a failure has stopped."""
+    (x, y), arm = chart.outer(cell), 1.15 * chart.radius
+    for width, colour in ((5.5, PAGE), (2.5, STOP)):
+        for slope in (-1, 1):
+            stroke(chart.around, [(x - arm, y - slope * arm), (x + arm, y + slope * arm)], colour, width)
+
+
 def base(chart: Chart, cell: Cells) -> None:
     """Mark the home base as a landing pad: an H in a ring."""
     place, radius = chart.outer(cell), max(1.3 * chart.radius, 8.0)
@@ -100,7 +108,7 @@ def trail(chart: Chart, cells: Cells, colour: Colour, lane: float) -> None:
 
 
 def links(chart: Chart, cells: Cells, linked: NDArray[np.bool_]) -> None:
-    """Draw a line between UAVs in direct radio contact; fainter where there are many."""
+    """Draw a line between those of ``cells`` (M, 2) that are in radio contact; fainter where there are many."""
     pairs = np.argwhere(np.triu(linked, 1))
     strength = 1.0 / max(1.0, len(pairs) / max(4.0 * len(cells), 24.0)) ** 0.5
     lines = [[chart.centre(cells[one]) for one in pair] for pair in pairs.tolist()]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Mask
-from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.rendering import overlays
 from indoor_explorers.env.rendering.layout import CAPTION, FOOTER, MARGIN, Box, FrameLayout, layout_of
 from indoor_explorers.env.rendering.overlays import OVERHANG, Chart
@@ -17,6 +17,8 @@ from indoor_explorers.env.rendering.palette import (
     HIDDEN,
     INK,
     KNOWN,
+    ONLY_PRIOR,
+    ONLY_TRUTH,
     TROUGH,
     paler,
     uav_colours,
@@ -115,14 +117,18 @@ def _caption(canvas: Canvas, layout: FrameLayout, scene: Scene) -> None:
 
 
 def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]) -> None:
-    """Paint the true map, dimmed where the team does not know it, and everything that happens in it."""
+    """Paint the true map, dimmed where the team does not know it, and everything that happens in it.
+
+    Where a prior map differs from what is dimmed, walls that only one of both has have a colour of their own.
+    """
     known = scene.union != UNKNOWN
     ground = np.take(np.concatenate((HIDDEN, KNOWN)), scene.truth + 3 * known, axis=0)
+    if scene.prior is not None:
+        ground[~known & (scene.truth == FREE) & (scene.prior == OCCUPIED)] = ONLY_PRIOR
+        ground[~known & (scene.truth == OCCUPIED) & (scene.prior == FREE)] = ONLY_TRUTH
     _tint(ground, scene, uav_colours(scene.team))
     chart = _lay(canvas, box, ground, 7.0 if scene.team > LABELLED else 9.0)
     flying = scene.ends == End.FLYING
-    if scene.base is not None:
-        overlays.base(chart, np.array(scene.base))
     if scene.team <= OUTLINED:
         for agent in np.flatnonzero(flying).tolist():
             overlays.lidar_reach(chart, scene.cells[agent], scene.lidar_range, colours[agent])
@@ -130,17 +136,35 @@ def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]
                 overlays.radio_reach(chart, scene.cells[agent], *scene.radio, colours[agent])
     for agent in range(scene.team):
         overlays.trail(chart, scene.trails[:, agent], colours[agent], _lane(scene, agent))
-    overlays.links(chart, scene.cells, scene.linked if scene.team <= NUMBERED else nearest_links(scene))
+    overlays.links(chart, *_drawn_links(scene))
+    if scene.base is not None:
+        overlays.base(chart, np.array(scene.base))
     for agent in np.flatnonzero(gone(scene)).tolist() if scene.team <= LABELLED else ():
-        overlays.label(chart, scene.cells, agent, ENDS[End(int(scene.ends[agent]))])
+        end = End(int(scene.ends[agent]))
+        overlays.label(chart, scene.cells, agent, f"{agent}: {ENDS[end]}" if end == End.STOPPED else ENDS[end])
     for agent in np.argsort(flying, kind="stable").tolist():  # those that fly last, on top
         overlays.uav(chart, scene.cells[agent], colours[agent], agent)
+        if scene.ends[agent] == End.STOPPED:
+            overlays.stopped(chart, scene.cells[agent])
+
+
+def _drawn_links(scene: Scene) -> tuple[NDArray[np.int64], Mask]:
+    """Return the cells (M, 2) of the UAVs, and of the home base, and the links (M, M) to draw between them."""
+    linked = scene.linked if scene.team <= NUMBERED else nearest_links(scene)
+    if scene.base is None or scene.base_linked is None:
+        return scene.cells, linked
+    linked = np.pad(linked, (0, 1))
+    linked[-1, :-1] = linked[:-1, -1] = scene.base_linked
+    return np.concatenate((scene.cells, [scene.base])), linked
 
 
 def _own_map(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[np.uint8]) -> None:
-    """Paint the knowledge of one UAV: only its own map, trail and received positions."""
+    """Paint the knowledge of one UAV: its own map over the prior one, its trail and the positions it has received."""
     few = scene.team <= NUMBERED
-    chart = _lay(canvas, box, np.take(KNOWN, scene.beliefs[agent], axis=0), 7.0 if few else 6.0)
+    ground = np.take(KNOWN, scene.beliefs[agent], axis=0)
+    if scene.prior is not None:
+        ground[(scene.beliefs[agent] == UNKNOWN) & (scene.prior == OCCUPIED)] = HIDDEN[OCCUPIED]
+    chart = _lay(canvas, box, ground, 7.0 if few else 6.0)
     if scene.base is not None:
         overlays.base(chart, np.array(scene.base))
     overlays.trail(chart, scene.trails[:, agent], colour, _lane(scene, agent))

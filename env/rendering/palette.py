@@ -26,6 +26,10 @@ KNOWN[UNKNOWN], KNOWN[FREE], KNOWN[OCCUPIED] = (193, 198, 206), (255, 255, 255),
 #: The same for the part of the true map that no UAV knows yet.
 HIDDEN = KNOWN.copy()
 HIDDEN[FREE], HIDDEN[OCCUPIED] = (193, 198, 206), (163, 169, 180)
+#: RGB of cells that no UAV knows yet and that are occupied in the prior map alone, and in the true map alone.
+ONLY_PRIOR, ONLY_TRUTH = (178, 166, 214), (226, 180, 142)
+#: RGB of the cross over a UAV that a failure has stopped.
+STOP = (190, 30, 45)
 
 _FIRST = ("0072b2", "d55e00", "008f68", "b8578e", "c98a00", "3d9fd6")
 #: Linear RGB as a viewer without red or green cones sees it.

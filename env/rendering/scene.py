@@ -55,6 +55,10 @@ class Scene:
     """(row, column) of the home base; None where there is none."""
     base_coverage: float = 0.0
     """Share of the cells to explore that the base knows."""
+    base_linked: Mask | None = None
+    """(N,) the UAVs that a link to the base is drawn from, see :func:`base_links`; None where there is none."""
+    prior: NDArray[np.uint8] | None = None
+    """(H, W) the prior map: 1 free, 2 occupied; None where there is none."""
     title: str = ""
     """Stands in the caption."""
 
@@ -100,6 +104,7 @@ def scene_of(world: World, episode: int, trails: Trails | None = None, title: st
     """Return the present moment of one episode; ``title`` is the scenario's name when it is left out."""
     state, scenario = world.state, world.scenario
     heard_cell, heard_age = _heard(world, episode)
+    base = state.base_cell[episode] if scenario.base.exists else None
     return Scene(
         truth=state.truth[episode],
         union=state.union[episode],
@@ -115,8 +120,12 @@ def scene_of(world: World, episode: int, trails: Trails | None = None, title: st
         coverage=float(world.team_coverage[episode]),
         lidar_range=scenario.lidar.range,
         radio=(scenario.radio.model, scenario.radio.range),
-        base=(state.base_cell.item(episode, 0), state.base_cell.item(episode, 1)) if scenario.base.exists else None,
+        base=None if base is None else (base.item(0), base.item(1)),
         base_coverage=float(world.base_coverage[episode]),
+        base_linked=None
+        if base is None
+        else base_links(state.linked[episode], state.base_contact[episode], state.cell[episode], base),
+        prior=world.prior(episode),
         title=scenario.name if title is None else title,
     )
 

@@ -66,6 +66,7 @@ def _cropped(scene: Scene) -> Scene:
         in_view=scene.in_view[window],
         trails=scene.trails - (top, left),
         heard_cell=scene.heard_cell - (top, left),
+        prior=None if scene.prior is None else scene.prior[window],
         base=None if scene.base is None else (scene.base[0] - int(top), scene.base[1] - int(left)),
     )
 

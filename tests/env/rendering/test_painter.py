@@ -10,7 +10,18 @@ from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.rendering import Trails, paint, percent, scene_of
 from indoor_explorers.env.rendering.layout import CAPTION, MARGIN, PANELS, layout_of
 from indoor_explorers.env.rendering.painter import nearest_links
-from indoor_explorers.env.rendering.palette import HIDDEN, INK, KNOWN, PAGE, paler, uav_colours
+from indoor_explorers.env.rendering.palette import (
+    HIDDEN,
+    INK,
+    KNOWN,
+    ONLY_PRIOR,
+    ONLY_TRUTH,
+    PAGE,
+    STOP,
+    paler,
+    uav_colours,
+)
+from indoor_explorers.env.rendering.scene import base_links
 from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.env.simulation.state import End
 from tests.env.rendering.scenes import copied, flown, main_map, panel, pixel, plan, random_plan, scene
@@ -252,3 +263,43 @@ def test_the_home_base_is_a_landing_pad_on_every_map_and_its_coverage_is_told():
         assert len(here) > 100
         assert np.abs(here.mean(axis=0) - middle).max() < 1.5
     assert (changed[:, 0] < MARGIN + CAPTION).any()
+
+
+def test_the_home_base_is_linked_with_the_nearest_uav_of_each_group_in_contact():
+    linked = np.zeros((5, 5), bool)
+    linked[[0, 1], [1, 0]] = True
+    cells, base = np.array([(0, 9), (0, 4), (0, 1), (5, 5), (0, 2)]), np.array([0, 0])
+    contact = np.array([True, True, True, False, True])
+    assert base_links(linked, contact, cells, base).tolist() == [False, True, True, False, True]
+    assert not base_links(linked, np.zeros(5, bool), cells, base).any()
+    one = bare(scene(steps=0, floorplan=OPEN, team=2, **{"base.at": (4, 4)}))
+    one = copied(one, trails=np.array([(4, 11), (12, 12)])[None], union=one.truth.copy())
+    here, apart = (copied(one, base_linked=np.array([found, False])) for found in (True, False))
+    spot = pixel(main_map(here), one.shape, np.array((4, 7)), (0, 0.3))
+    assert abs(spot - INK).max() < 90
+    assert np.array_equal(pixel(main_map(apart), one.shape, np.array((4, 7)), (0, 0.3)), KNOWN[FREE])
+
+
+def test_a_stopped_uav_is_crossed_out():
+    one = copied(scene(steps=4, team=20, floorplan=OPEN), linked=np.zeros((20, 20), bool))
+    one.ends[:2] = End.COLLISION, End.STOPPED
+    crosses = np.argwhere(np.abs(main_map(one).astype(int) - STOP).max(axis=2) < 12)
+    side = len(main_map(one)) / 16
+    assert len(crosses) > 20
+    assert np.hypot(*((crosses / side) - one.cells[1] - 0.5).T).max() < 1.3
+
+
+def test_a_prior_map_is_faint_under_what_is_unknown():
+    one = bare(scene(steps=6, seed=3, team=2))
+    assert one.prior is None
+    prior = np.random.default_rng(0).integers(FREE, OCCUPIED + 1, one.shape).astype(np.uint8)
+    seen = copied(one, prior=prior)
+    main, own = main_map(seen), panel(seen, 1, titled=False)
+    for cell in np.ndindex(one.shape):
+        dim = {(FREE, OCCUPIED): ONLY_PRIOR, (OCCUPIED, FREE): ONLY_TRUTH}
+        hidden = dim.get((one.truth[cell], prior[cell]), HIDDEN[one.truth[cell]])
+        expected = hidden if one.union[cell] == UNKNOWN else KNOWN[one.truth[cell]]
+        assert np.array_equal(pixel(main, one.shape, cell), expected), cell
+        below = HIDDEN[OCCUPIED] if prior[cell] == OCCUPIED else KNOWN[UNKNOWN]
+        expected = below if one.beliefs[1][cell] == UNKNOWN else KNOWN[one.beliefs[1][cell]]
+        assert np.array_equal(pixel(own, one.shape, cell, (0.1, 0.1)), expected), cell
