@@ -1,13 +1,14 @@
-"""The gallery: a picture of every scenario, policy and observation, flown and painted when the site is built."""
+"""The gallery: pictures of scenarios, harder tasks, policies and observations, flown and painted with the site."""
 
 from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from indoor_explorers.env.rendering.side_by_side import SideBySide, paint_side_b
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.cli.watch import Flight
 from indoor_explorers.evaluation.experiment.planning import plan
-from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.experiment.request import NO_SETTINGS, ComparisonRequest
 
 #: Seed of every episode, and the coverage at which pictures are taken.
 SEED, TYPICAL = 1, 0.6
@@ -30,10 +31,46 @@ OFFICES, STEPS = "small-offices", 300
 PILOT = "frontier"
 #: The policies of the example of a report.
 EXAMPLE = ("frontier-nearest", "frontier", "pso", "reference")
-#: Names of scenarios that differ from others in rules or radio only.
-ALIKE = r"-rewards-|-radio-"
+#: Names of scenarios that differ from others in rules or radio only, or are among the harder tasks.
+ALIKE = r"-rewards-|-radio-|-base-"
 #: Pixels of a plane's side at least, of its frame, and the greys of both.
 SIDE, FRAME, WHITE, GREY = 120, 4, 255, 200
+
+
+class Harder(NamedTuple):
+    """An episode of a harder task."""
+
+    policy: str
+    scenario: str
+    settings: dict[str, Any]
+    told: str
+    """What the picture shows, as a sentence."""
+
+
+#: The episodes of harder tasks by name.
+HARDER = {
+    "failures": Harder(
+        "frontier",
+        "small-floors",
+        {"team": 4, "failures.stops": ((1, 40), (3, 60))},
+        "With `failures.stops = [[1, 40], [3, 60]]`: UAVs 1 and 3 have stopped, and the room that UAV 1 alone had seen "
+        "is unknown to the team again.",
+    ),
+    "base-2": Harder(
+        "return-to-base",
+        "office-base-2",
+        {},
+        "What counts is what the home base, H, knows; a line joins it to a UAV in contact.",
+    ),
+    "base-4": Harder("return-to-base", "office-base-4", {}, "The same for four UAVs."),
+    "prior": Harder(
+        "prior-tour",
+        "small-floors",
+        {"prior.kind": "outdated"},
+        "With `prior.kind = outdated`: under what is unknown, walls that only the prior map has are violet, and walls "
+        "that it lacks orange. The UAVs' own maps have the prior there.",
+    ),
+}
 
 
 @cache
@@ -43,6 +80,9 @@ def pictures() -> dict[str, bytes]:
     for name in scenarios():
         flight = flown(PILOT, name)
         found[f"scenario-{name}"] = paint(scene_of(flight.world, 0, flight.trails))
+    for name, task in HARDER.items():
+        flight = flown(task.policy, task.scenario, settings=task.settings)
+        found[f"harder-{name}"] = paint(scene_of(flight.world, 0, flight.trails))
     for name in policy_names():
         flight = flown(name, OFFICES, STEPS)
         scene = scene_of(flight.world, 0, flight.trails)
@@ -64,9 +104,9 @@ def scenarios() -> list[str]:
     return [name for name in PRESETS if not re.search(ALIKE, name)]
 
 
-def flown(policy: str, scenario: str, most: int | None = None) -> Flight:
+def flown(policy: str, scenario: str, most: int | None = None, settings: Mapping[str, Any] = NO_SETTINGS) -> Flight:
     """Fly one episode until most is known, or ``most`` steps."""
-    request = ComparisonRequest(policies=[policy], scenario=[scenario], episodes=1, seed=SEED)
+    request = ComparisonRequest(policies=[policy], scenario=[scenario], episodes=1, seed=SEED, settings=settings)
     flight = Flight(plan(request), 0, most)
     for _ in flight.moments():
         if flight.coverage[-1] >= TYPICAL:
@@ -106,6 +146,10 @@ def gallery_page() -> str:
     lines += [f"[A report](example-report.html), as every comparison writes one: {', '.join(EXAMPLE)}.", ""]
     lines += [f"## Scenarios, flown by `{PILOT}`", ""]
     lines += _shown("scenario", scenarios())
+    lines += ["## [Harder tasks](harder-tasks.md)", ""]
+    for name, task in HARDER.items():
+        lines += [f"### {name}: `{task.policy}` on `{task.scenario}`", "", task.told, ""]
+        lines += [f"![{name}](gallery/harder-{name}.png)", ""]
     lines += [f"## Policies, in `{OFFICES}`", "", '<div class="pictures" markdown>', ""]
     lines += [f"![{name}](gallery/policy-{name}.png)" for name in policy_names()]
     lines += ["", "</div>", "", "## Observations", ""]

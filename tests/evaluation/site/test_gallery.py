@@ -1,0 +1,24 @@
+"""The gallery's page; its pictures are flown when the site is built."""
+
+import re
+from pathlib import Path
+
+from indoor_explorers.env import PRESETS
+from indoor_explorers.evaluation.experiment.planning import plan
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.site import gallery
+
+PAGE = (Path(gallery.__file__).parent / "pages" / "harder-tasks.md").read_text("utf-8")
+
+
+def test_harder_tasks_are_pictured_by_a_policy_of_their_own(monkeypatch):
+    monkeypatch.setattr(gallery, "pictures", dict)
+    page = gallery.gallery_page()
+    for name, task in gallery.HARDER.items():
+        assert f"gallery/harder-{name}.png" in page
+        assert re.search(rf"`{task.policy}` on `{task.scenario}`", page)
+        request = ComparisonRequest(policies=[task.policy], scenario=[task.scenario], settings=task.settings)
+        (scenario,) = plan(request).scenarios
+        assert scenario.failures.any or scenario.base.exists or scenario.prior.kind == "outdated"
+    assert set(re.findall(r"gallery/harder-([\w-]+).png", PAGE)) <= set(gallery.HARDER)
+    assert not any(PRESETS[name].base.exists for name in gallery.scenarios())
