@@ -90,7 +90,7 @@ class CheckedFlight:
         self._ask = ask
         self._changed = changed
         self._task = scenario.model_copy(deep=True)  # which the policy may reach through its briefing
-        self._told = self._task if told is None else self._task.model_copy(update={"map": told})
+        self._told = None if told is None else self._task.model_copy(update={"map": told})
         self._world = World(self._task, len(setups))
         for b, setup in enumerate(setups):
             self._world.begin(b, setup.seed, floorplan=setup.floorplan, spawns=setup.spawns)
@@ -109,7 +109,8 @@ class CheckedFlight:
 
     def _pilot(self, trace: Trace, b: int, n: int) -> Pilot:
         briefing = self._world.briefing(b, n, privileged=is_privileged(self._policy))
-        briefing = replace(briefing, scenario=self._told)
+        if self._told is not None:
+            briefing = replace(briefing, scenario=self._told)
         if trace.setup.prior is not None:
             briefing = replace(briefing, prior=trace.setup.prior)
         self._briefings.append((trace, briefing, facts_of(briefing)))

@@ -36,12 +36,14 @@ SIGNIFICANT = 1e-3
 TOLD: tuple[MapSource, ...] = (OfficeMap(), ThesisMaps(obstacles=0), ThesisMaps(obstacles=60, obstacle_size=(1, 1)))
 #: How to fix a policy that depends on that.
 DECLARE = "read briefing.generator alone and declare uses_generator = True, or do without briefing.scenario.map"
-#: The team without any radio.
-SILENT = TEAM.with_settings({"radio.model": "none"})
+#: The team without any radio but that of a home base, in its cell and those beside it.
+SILENT = TEAM.with_settings({"radio.model": "none", "base.at": "start"})
+#: The team of which two UAVs stop.
+STOPPING = TEAM.with_settings({"failures.stops": ((0, 10), (2, 25))})
 #: One UAV with an outdated prior map.
 INFORMED = SOLO.with_settings({"prior.kind": "outdated"})
-#: The UAVs whose actions are replaced.
-REPLACED = (Changed(0, wanders=False), Changed(3, wanders=True))
+#: The UAVs whose actions are replaced: one that leaves and one that wanders.
+LEAVES, WANDERS = Changed(0, wanders=False), Changed(3, wanders=True)
 
 
 def check_unseen(harness: Harness) -> str:
@@ -165,21 +167,31 @@ def check_generator(harness: Harness) -> str:
 
 
 def check_unlinked(harness: Harness) -> str:
-    """Replace one UAV's actions: while another UAV neither sees nor hears of it, that one must choose the same."""
-    decisions = 0
+    """Replace one UAV's actions, or let UAVs stop: another one must choose the same until it sees or hears of this.
+
+    A stop shows itself in nothing but the silence of the radio, neither before it nor after; nor does a UAV that stops
+    know of it before.
+    """
     (silent,) = harness.fly(SILENT, [FIRST])
-    for scenario, recorded in ((SILENT, silent), (TEAM, harness.alone[1])):
-        for changed in REPLACED:
-            (again,) = harness.fly(scenario, [FIRST], changed=changed)
-            found = compare(again, recorded, [n for n in range(scenario.team) if n != changed.agent])
-            decisions += found.compared
-            if found.differs is not None:
-                agent, step = found.differs
-                fix = "let pilots share nothing but messages, no list, dict or counter of the class, module or policy"
-                fix += ", and in a batched act let no row look at another" if harness.batched else ""
-                raise Differs(
-                    f"UAV {agent} chose differently at step {step} when only UAV {changed.agent} acted differently, of "
-                    f"which it had seen and heard nothing (radio {scenario.radio.model})",
-                    fix + shared_things(harness.policy, harness.pilot),
-                )
-    return f"{2 * len(REPLACED)} teammates replaced, {decisions} decisions: changed nothing"
+    team, decisions = harness.alone[1], 0
+    for scenario, recorded, changed in (
+        (SILENT, silent, LEAVES),
+        (SILENT, silent, WANDERS),
+        (TEAM, team, WANDERS),
+        (STOPPING, team, None),
+    ):
+        (again,) = harness.fly(scenario, [FIRST], changed=changed)
+        others = [n for n in range(scenario.team) if changed is None or n != changed.agent]
+        found = compare(again, recorded, others)
+        decisions += found.compared
+        if found.differs is not None:
+            agent, step = found.differs
+            fix = "let pilots share nothing but messages, no list, dict or counter of the class, module or policy"
+            fix += ", and in a batched act let no row look at another" if harness.batched else ""
+            what = "teammates stopped" if changed is None else f"UAV {changed.agent} acted differently"
+            raise Differs(
+                f"UAV {agent} chose differently at step {step} when only {what}, of which it had seen and heard "
+                f"nothing (radio {scenario.radio.model})",
+                fix + shared_things(harness.policy, harness.pilot),
+            )
+    return f"3 teammates replaced and 2 stopped, {decisions} decisions: changed nothing"

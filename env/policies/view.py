@@ -100,7 +100,8 @@ class Briefing:
     lidar_range: float
     """Lidar range in cells."""
     scenario: Scenario
-    """The whole task with the goal coverage to aim at; only privileged policies are told the names of map files."""
+    """The whole task with the goal coverage to aim at; only privileged policies are told the names of map files, and
+    which UAVs are to stop when."""
     rng: np.random.Generator = field(repr=False)
     """The pilot's own random generator."""
     truth: Belief | None = field(default=None, repr=False)

@@ -41,7 +41,8 @@ class World:
 
     def __init__(self, scenario: Scenario, batch: int = 1, *, threads: int = 1) -> None:
         self.scenario = scenario
-        self._told = scenario.model_copy(update={"map": scenario.map.without_files()})
+        failures = scenario.failures.model_copy(update={"stops": ()})
+        self._told = scenario.model_copy(update={"map": scenario.map.without_files(), "failures": failures})
         self.batch = batch
         self.seeds = [0] * batch
         self.begun = np.zeros(batch, np.int64)

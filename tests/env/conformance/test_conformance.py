@@ -27,7 +27,7 @@ def test_an_honest_policy_passes_and_gets_a_report():
     report = check_policy(make(Honest))
     assert list(report) == list(CHECKS)
     assert "8 changes" in report["no hidden knowledge"]
-    assert "4 teammates replaced" in report["unlinked teammates"]
+    assert "3 teammates replaced and 2 stopped" in report["unlinked teammates"]
     assert "at most 2 in one" in report["messages"]
     assert "one UAV, 16x16: median" in report["latency"]
     assert "share of a batch" not in report["latency, large map"]

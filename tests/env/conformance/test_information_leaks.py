@@ -1,5 +1,7 @@
 """The conformance suite finds policies that know more than their views and briefings tell."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -85,6 +87,25 @@ class ReadsBase(Honest):
         return int(moves[known % len(moves)])
 
 
+class Foresees(Honest):
+    """Keeps away from the others while one is still to stop, as the scenario lists it."""
+
+    def act(self, view):
+        stops = self.briefing.scenario.failures.stops
+        coming = [agent for agent, step in stops if step > view.step]
+        moves = np.flatnonzero(view.legal)
+        return int(moves[len(coming) % len(moves)])
+
+
+class Remembers(Honest):
+    """Goes on otherwise once a teammate has been silent for some steps, or the base has been far away for long."""
+
+    def act(self, view):
+        silent = sum(mate.age > 5 for mate in view.mates) + (view.base_age or 0) // 10
+        moves = np.flatnonzero(view.legal)
+        return int(moves[silent % len(moves)])
+
+
 @pytest.mark.parametrize("kind", [Searches, SearchesByDrawing, Doubts])
 def test_a_policy_that_finds_its_seed_is_caught(kind):
     assert "better on the map of its generator's seed" in failures(kind)["map of the seed"]
@@ -110,6 +131,41 @@ def test_a_seed_in_the_generator_is_caught_and_is_not_there(monkeypatch):
     assert not failures(ReadsSeed)
     monkeypatch.setattr(simulation, "generator", old_generator)
     assert failures(ReadsSeed).keys() >= {"map of the seed"}
+
+
+def test_a_policy_is_told_no_list_of_failures_to_come_and_one_that_had_it_is_caught(monkeypatch):
+    assert not failures(Foresees)
+    told = World.briefing
+    monkeypatch.setattr(
+        World, "briefing", lambda world, *at, **options: replace(told(world, *at, **options), scenario=world.scenario)
+    )
+    found = failures(Foresees)
+    assert found.keys() == {"unlinked teammates"}
+    assert "chose differently at step 0 when only teammates stopped" in found["unlinked teammates"]
+
+
+def test_silence_of_teammates_and_of_the_base_may_change_what_is_done():
+    assert not failures(Remembers)
+
+
+@pytest.mark.parametrize("policy", ["return-to-base", "frontier-minpos"])
+def test_scenarios_with_a_base_and_with_failures_are_flown(policy, monkeypatch):
+    flown = []
+    monkeypatch.setattr(World, "__init__", recorded(World.__init__, flown))
+    assert all(finding.passed for finding in run_checks(make_policy(policy), ["unlinked teammates"]))
+    assert any(task.base.exists for task in flown)
+    assert any(task.failures.stops for task in flown)
+    assert not any(task.base.exists or task.failures.any for task in flown[:2])
+
+
+def recorded(begin, flown):
+    """A constructor of worlds that notes their scenarios."""
+
+    def init(world, scenario, *others, **options):
+        flown.append(scenario)
+        begin(world, scenario, *others, **options)
+
+    return init
 
 
 def test_a_base_of_all_beliefs_is_caught_and_is_not_there(monkeypatch):

@@ -72,6 +72,31 @@ def test_a_last_word_brings_home_what_was_seen_in_the_last_step(last_word, kept)
     assert [mate.age for mate in world.view(0, 0).mates] == [age]
 
 
+def test_a_stop_shows_itself_to_the_others_as_silence_alone():
+    """While its radio would be silent anyway, what others are told and see is the same with a stop and without one."""
+    radio = {"model": "disc", "range": 6.0}
+    silent = {"radio_hazard": 0.999, "radio_outage": 1000}
+    goes_on, stops = (in_corridor((1, 5, 9), radio, **silent, stops=stops) for stops in ((), ((1, 4),)))
+    for world in (goes_on, stops):
+        assert world.briefing(0, 0).scenario == goes_on.briefing(0, 0).scenario
+        assert len(world.view(0, 0).mates) == 2
+    for _ in range(8):
+        for world in (goes_on, stops):
+            world.step(np.array([[STAY, STAY, RIGHT]]))
+        for agent in (0, 2):
+            one, other = goes_on.view(0, agent), stops.view(0, agent)
+            assert np.array_equal(one.belief, other.belief)
+            assert (one.cell, one.legal.tolist(), one.mates) == (other.cell, other.legal.tolist(), other.mates)
+    assert stops.state.end[0, 1] == End.STOPPED
+    assert goes_on.state.end[0, 1] == End.FLYING
+
+
+def test_only_privileged_policies_are_told_who_will_stop():
+    world = in_corridor((0, 4), stops=((1, 2),))
+    assert world.briefing(0, 0).scenario.failures.stops == ()
+    assert world.briefing(0, 0, privileged=True).scenario.failures.stops == ((1, 2),)
+
+
 def test_uavs_stop_at_the_rate_of_their_hazard_and_whatever_they_do():
     settings = {"failures.hazard": 0.02, "on_collision": "block"}
     task = scenario("thesis-team-4").for_evaluation().with_settings(settings)
