@@ -13,9 +13,10 @@ nothing else. An observation is chosen by name:
 
 or by an object with parameters: :class:`Channels`, :class:`Crop`, :class:`Coarse`, :class:`Status`,
 :class:`Occupancy`, :class:`Heading`, :class:`Egocentric`, and, composed of others or of their names, :class:`Parts`,
-:class:`Masked`, :class:`Flat` and :class:`Stacked`, such as ``Flat(Stacked(Egocentric(side=21), 4))``. These are plain
-data: they can be pickled and compared. Any other callable that takes a briefing and returns an :class:`Encoder` also
-works.
+:class:`Masked`, :class:`Flat` and :class:`Stacked`, such as ``Flat(Stacked(Egocentric(side=21), 4))``.
+``Status(base=True)`` and ``Egocentric(base=True)`` also tell where the home base is and how long ago the last contact
+with it was. These are plain data: they can be pickled and compared. Any other callable that takes a briefing and
+returns an :class:`Encoder` also works.
 """
 
 from indoor_explorers.env.observations.base import Encoder, Observation, Views
@@ -31,10 +32,11 @@ from indoor_explorers.env.observations.factories import (
     make_encoder,
 )
 from indoor_explorers.env.observations.planes import PLANES, Channels, ThesisImage
-from indoor_explorers.env.observations.status import STATUS, Legal, Status
+from indoor_explorers.env.observations.status import BASE_STATUS, STATUS, Legal, Status
 from indoor_explorers.env.observations.uncertainty import Heading, Occupancy
 
 __all__ = [
+    "BASE_STATUS",
     "OBSERVATIONS",
     "PLANES",
     "STATUS",

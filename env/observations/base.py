@@ -32,6 +32,8 @@ class Views(NamedTuple):
     """(B,)."""
     visited: Mask
     """(B, H, W)."""
+    base_age: NDArray[np.int64] | None = None
+    """(B,) with -1 for never; None without a home base."""
     log_odds: NDArray[np.float32] | None = None
     """(B, H, W); None where maps are certain."""
     pose_std: NDArray[np.floating[Any]] | None = None
@@ -43,6 +45,7 @@ class Views(NamedTuple):
         """Return one of them."""
         row, col = self.cell[b].tolist()
         step, budget = int(self.step[b]), int(self.budget[b])
+        age = -1 if self.base_age is None else int(self.base_age[b])
         return View(
             belief=self.belief[b],
             cell=(row, col),
@@ -51,6 +54,7 @@ class Views(NamedTuple):
             budget=budget,
             mates=(),
             visited=self.visited[b],
+            base_age=None if age < 0 else age,
             log_odds=None if self.log_odds is None else self.log_odds[b],
             pose_std=0.0 if self.pose_std is None else float(self.pose_std[b]),
             heading=None if self.heading is None else int(self.heading[b]),
@@ -61,8 +65,9 @@ class Encoder(ABC):
     """Turn one UAV's view into an observation. Made for one UAV; reads its view and its briefing, nothing else.
 
     An encoder is called once per step, and :meth:`reset` before each episode's first view; between these calls it may
-    store earlier views. One without a memory sets ``stateless = True``; it is then shared by all episodes of a batch.
-    Otherwise each episode has an encoder of its own.
+    store earlier views. With a home base or a prior map, :meth:`begin` is called instead, with the episode's briefing.
+    An encoder without a memory sets ``stateless = True``; it is then shared by all episodes of a batch. Otherwise each
+    episode has an encoder of its own.
     """
 
     #: What :meth:`encode` fills, a Box or a Dict of them; the same object for the encoder's whole life.
@@ -81,6 +86,10 @@ class Encoder(ABC):
 
     def reset(self) -> None:  # noqa: B027 (most have nothing to forget)
         """Prepare for a new episode."""
+
+    def begin(self, briefing: Briefing) -> None:
+        """Prepare for a new episode of the same UAV on a map of the same shape, with a briefing of its own."""
+        self.reset()
 
     def observation(self, view: View) -> Any:
         """Return the encoded view in new arrays."""

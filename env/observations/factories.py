@@ -50,6 +50,8 @@ class Egocentric:
     """Zones along a side of the coarse map."""
     centred: bool = True
     """Whether the coarse map lies around the UAV; else it lies over the map."""
+    base: bool = False
+    """Whether the status tells of the home base."""
 
     def __post_init__(self) -> None:
         self._parts()
@@ -60,7 +62,9 @@ class Egocentric:
 
     def _parts(self) -> Parts:
         crop = Crop(side=self.side, planes=self.planes)
-        return Parts({"coarse": Coarse(zones=self.zones, centred=self.centred), "crop": crop, "status": Status()})
+        return Parts(
+            {"coarse": Coarse(zones=self.zones, centred=self.centred), "crop": crop, "status": Status(base=self.base)}
+        )
 
 
 @dataclass(frozen=True)

@@ -18,23 +18,31 @@ from indoor_explorers.env.policies.view import Briefing, View
 #: width; and 1 for each of the five moves that is legal.
 STATUS = ("known", "elapsed", "number", "linked", "row", "column", "down", "left", "up", "right", "stay")
 
+#: The numbers that a status with the home base has after them: 1 where there is a base; rows downwards and columns to
+#: the right from the UAV to it, 0.5 for none, 0 and 1 for the map's height and width; and steps since the last contact
+#: with it as a share of the budget, 1 for never. Without a base all are 0.
+BASE_STATUS = ("base", "base_down", "base_right", "base_age")
+
 
 @dataclass(frozen=True)
 class Status:
-    """The numbers of :data:`STATUS`, (11,) float32, 0 to 1."""
+    """The numbers of :data:`STATUS`, (11,) float32, 0 to 1; with ``base`` those of :data:`BASE_STATUS` too, (15,)."""
+
+    base: bool = False
+    """Whether it tells of the home base, in scenarios without one too."""
 
     def __call__(self, briefing: Briefing) -> StatusEncoder:
         """Make the encoder of one UAV."""
-        return StatusEncoder(briefing)
+        return StatusEncoder(self, briefing)
 
 
 class StatusEncoder(Encoder):
-    """Encode a :class:`Status`."""
+    """Encode a :class:`Status`; one with the base keeps in mind where that is in this episode."""
 
-    stateless = True
-
-    def __init__(self, briefing: Briefing) -> None:
-        self.space = Box(0.0, 1.0, (len(STATUS),), np.float32)
+    def __init__(self, factory: Status, briefing: Briefing) -> None:
+        self.space = Box(0.0, 1.0, (len(STATUS) + factory.base * len(BASE_STATUS),), np.float32)
+        self.stateless = not factory.base
+        self._shape, self._base = briefing.shape, briefing.base
         self._number = (briefing.agent + 1) / briefing.team
         self._mates = max(briefing.team - 1, 1)
 
@@ -43,6 +51,20 @@ class StatusEncoder(Encoder):
         linked = sum(mate.age == 0 for mate in view.mates) / self._mates if view.mates else 0.0
         elapsed = view.step / view.budget
         _fill(view.belief, view.cell[0], view.cell[1], view.legal, elapsed, self._number, linked, out)
+        if not self.stateless:
+            out[len(STATUS) :] = self._of_base(view)
+
+    def begin(self, briefing: Briefing) -> None:
+        """Note where the base is."""
+        self._base = briefing.base
+
+    def _of_base(self, view: View) -> tuple[float, float, float, float]:
+        """Return the numbers of :data:`BASE_STATUS`."""
+        if self._base is None:
+            return 0.0, 0.0, 0.0, 0.0
+        down, right = ((base - own) / side for base, own, side in zip(self._base, view.cell, self._shape, strict=True))
+        age = 1.0 if view.base_age is None else view.base_age / view.budget
+        return 1.0, 0.5 + down / 2, 0.5 + right / 2, age
 
     def encode_batch(self, views: Views, out: NDArray[np.float32]) -> None:
         """Write the numbers of UAVs that fly alone."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.observations.base import Encoder, Views, boxes_of, empty
-from indoor_explorers.env.policies.view import View
+from indoor_explorers.env.policies.view import Briefing, View
 
 
 class PartsEncoder(Encoder):
@@ -42,6 +42,11 @@ class PartsEncoder(Encoder):
         """Reset each part."""
         for _, part in self._parts:
             part.reset()
+
+    def begin(self, briefing: Briefing) -> None:
+        """Let each part begin."""
+        for _, part in self._parts:
+            part.begin(briefing)
 
 
 class _Slot(NamedTuple):
@@ -98,6 +103,10 @@ class FlatEncoder(Encoder):
         """Reset the inner encoder."""
         self._inner.reset()
 
+    def begin(self, briefing: Briefing) -> None:
+        """Let the inner encoder begin."""
+        self._inner.begin(briefing)
+
 
 class StackedEncoder(Encoder):
     """Keep the last observations of an episode, oldest first; before the first step all of them are the first.
@@ -120,6 +129,11 @@ class StackedEncoder(Encoder):
         """Drop the observations of the last episode."""
         self._step = None
         self._inner.reset()
+
+    def begin(self, briefing: Briefing) -> None:
+        """Drop the observations of the last episode."""
+        self._step = None
+        self._inner.begin(briefing)
 
     def encode(self, view: View, out: Any) -> None:
         """Add the newest observation, and write the last ones."""

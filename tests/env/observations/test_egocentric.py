@@ -1,5 +1,7 @@
 """Crop, coarse map and status: what their numbers mean, on maps of any size."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -8,7 +10,20 @@ from hypothesis import strategies as st
 
 from indoor_explorers.env import FREE, OCCUPIED, PRESETS, UNKNOWN, Mate, Scenario, View, World
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.observations import PLANES, STATUS, Coarse, Crop, Egocentric, Flat, Status, make_encoder
+from indoor_explorers.env.observations import (
+    BASE_STATUS,
+    PLANES,
+    STATUS,
+    Coarse,
+    Crop,
+    Egocentric,
+    Flat,
+    Parts,
+    Stacked,
+    Status,
+    make_encoder,
+)
+from tests.env.arrays import assert_same
 from tests.env.worlds import begun, floorplans, random_actions, scenarios
 
 seeds = st.integers(0, 2**32)
@@ -94,7 +109,45 @@ def test_the_numbers_of_a_status():
     )
 
 
-@pytest.mark.parametrize("factory", [Egocentric(), Egocentric(side=5, zones=20, centred=False), Flat(Egocentric())])
+def test_a_status_with_the_base_tells_where_it_is_and_how_old_the_last_contact():
+    brief = replace(briefing(), base=(1, 2))
+    encoder = make_encoder(Status(base=True), brief)
+
+    def told(view):
+        seen = encoder.observation(view)
+        assert encoder.space.contains(seen)
+        assert np.array_equal(seen[: len(STATUS)], make_encoder(Status(), brief).observation(view))
+        return dict(zip(BASE_STATUS, seen[len(STATUS) :].tolist(), strict=True))
+
+    here = {"base": 1, "base_down": 0.5 + 1 / 4, "base_right": 0.5 + 2 / 6}
+    assert told(a_view(MATES)) == pytest.approx(here | {"base_age": 1})
+    assert told(a_view(MATES)._replace(base_age=4)) == pytest.approx(here | {"base_age": 4 / 16})
+    encoder.reset()
+    assert told(a_view(MATES)._replace(base_age=0))["base_right"] == pytest.approx(0.5 + 2 / 6)
+    encoder.begin(replace(brief, base=(0, 0)))
+    assert told(a_view(MATES)._replace(base_age=0)) == {"base": 1, "base_down": 0.5, "base_right": 0.5, "base_age": 0}
+    encoder.begin(replace(brief, base=None))
+    assert set(told(a_view(MATES)).values()) == {0}
+
+
+def test_whatever_holds_a_status_passes_on_where_the_base_is():
+    """Episodes of one environment have bases in different cells."""
+    for factory in (Parts({"a": Status(base=True)}), Flat(Egocentric(base=True)), Stacked(Egocentric(base=True), 2)):
+        one, other = (replace(briefing(), base=base) for base in ((0, 1), (1, 2)))
+        encoder = make_encoder(factory, one)
+        assert not encoder.stateless
+        first = encoder.observation(a_view())
+        encoder.begin(other)
+        assert_same(encoder.observation(a_view()), make_encoder(factory, other).observation(a_view()))
+        encoder.begin(one)
+        assert_same(encoder.observation(a_view()), first)
+    assert make_encoder(Flat(Egocentric()), briefing()).stateless
+
+
+@pytest.mark.parametrize(
+    "factory",
+    [Egocentric(), Egocentric(side=5, zones=20, centred=False), Flat(Egocentric()), Egocentric(base=True)],
+)
 def test_the_shapes_are_the_same_on_maps_of_any_size_and_for_any_team(factory):
     """So that one network reads them all."""
     spaces = [make_encoder(factory, briefing(shape)).space for shape in SIZES]
