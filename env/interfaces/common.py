@@ -6,12 +6,14 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError, did_you_mean
 from indoor_explorers.env.grid.arrays import Mask
+from indoor_explorers.env.observations.base import Encoder
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.env.simulation.state import End
+from indoor_explorers.env.simulation.state import End, State
 from indoor_explorers.env.simulation.world import World
 
 #: How interfaces render: in a window, or as an (h, w, 3) uint8 image.
@@ -70,6 +72,14 @@ def draw_seed(rng: np.random.Generator) -> int:
     return int(rng.integers(SEED_LIMIT))
 
 
+def begin_encoder(encoder: Encoder, world: World, episode: int, agent: int) -> None:
+    """Prepare an encoder for an episode that has begun; it is briefed anew where briefings differ by episode."""
+    if world.scenario.base.exists or world.scenario.prior.kind != "none":
+        encoder.begin(world.briefing(episode, agent))
+    else:
+        encoder.reset()
+
+
 def is_terminated(end: int) -> bool:
     """Tell whether an :class:`End` is the task's own (goal, collision, out of bounds, stuck, stopped)."""
     return end not in (End.FLYING, End.BUDGET)
@@ -84,13 +94,24 @@ def legal_actions(world: World) -> Mask:
 def info_of(world: World, episode: int, agent: int) -> dict[str, Any]:
     """Return the info dict of an observation.
 
-    ``action_mask`` int8: 1 for actions that end neither in a wall nor off the map; ``coverage``: the
-    share of the denominator that the UAV knows; ``step``: steps flown; ``end``: an :class:`End`.
+    ``action_mask`` (A,) int8: 1 for actions that end neither in a wall nor off the map; ``coverage``: the
+    share of the denominator that the UAV knows; ``step``: steps flown; ``end``: an :class:`End`. With a home base also
+    ``base_age``: steps since the UAV's last contact with it, -1 for never; and ``base_coverage``: the share of the
+    denominator that the base knows, which a UAV out of contact cannot know: for rewards and logs, not to choose by.
     """
     state = world.state
-    return {
+    info = {
         "action_mask": legal_actions(world)[episode, agent].astype(np.int8),
         "coverage": float(state.covered[episode, agent] / state.total[episode]),
         "step": int(state.step[episode]),
         "end": int(state.end[episode, agent]),
     }
+    if world.scenario.base.exists:
+        info["base_age"] = int(base_age(state)[episode, agent])
+        info["base_coverage"] = float(state.base_covered[episode] / state.total[episode])
+    return info
+
+
+def base_age(state: State) -> NDArray[np.int64]:
+    """Return (B, N) the steps since each agent's last contact with the home base, -1 for never."""
+    return np.where(state.base_step < 0, -1, state.step[:, None] - state.base_step)

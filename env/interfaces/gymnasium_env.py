@@ -15,6 +15,7 @@ from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.interfaces.common import (
     RENDER_FPS,
     RENDER_MODES,
+    begin_encoder,
     draw_seed,
     find_render_mode,
     find_scenario,
@@ -37,8 +38,8 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
 
     ``reset(seed=s)`` starts episode seed ``s`` exactly as ``World.reset([s])`` does; a reset without a seed
     draws the next episode's seed from ``np_random``. Goal, collision, out of bounds and stuck terminate, the
-    step budget truncates. Infos hold ``action_mask`` (A,) int8, ``coverage``, ``step`` and ``end``, see
-    :func:`indoor_explorers.env.interfaces.common.info_of`.
+    step budget truncates. Infos hold ``action_mask`` (A,) int8, ``coverage``, ``step`` and ``end``, and with a
+    home base ``base_age`` and ``base_coverage``, see :func:`indoor_explorers.env.interfaces.common.info_of`.
     """
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": RENDER_FPS}  # noqa: RUF012 (base's)
@@ -83,7 +84,7 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         self.world.begin(0, draw_seed(self.np_random) if seed is None else seed, index=self._index)
         self._begun = True
         self._renderer.begun(0)
-        self._encoder.reset()
+        begin_encoder(self._encoder, self.world, 0, 0)
         return self._observe(), info_of(self.world, 0, 0)
 
     def step(self, action: np.int64 | int) -> tuple[Arrays, float, bool, bool, dict[str, Any]]:

@@ -17,6 +17,7 @@ from indoor_explorers.env.grid.cells import FREE, UNKNOWN, Action
 from indoor_explorers.env.interfaces.common import (
     RENDER_FPS,
     RENDER_MODES,
+    begin_encoder,
     draw_seed,
     find_render_mode,
     find_scenario,
@@ -82,8 +83,8 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         self.world.begin(0, draw_seed(self._rng) if seed is None else seed, index=self._index)
         self._begun = True
         self._renderer.begun(0)
-        for encoder in self._encoders:
-            encoder.reset()
+        for n, encoder in enumerate(self._encoders):
+            begin_encoder(encoder, self.world, 0, n)
         self.agents = list(self.possible_agents)
         return self._observations(), self._infos()
 

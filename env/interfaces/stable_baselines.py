@@ -25,8 +25,8 @@ class StableBaselinesVecEnv(VecEnv):
     """Fly ``num_envs`` single UAVs in one batched world, for Stable-Baselines3 and sb3-contrib.
 
     Its observations equal those of SB3's ``DummyVecEnv`` of ``num_envs`` single environments, without the overhead per
-    environment. Infos hold ``coverage``, ``step``, ``end``, ``action_mask``, ``TimeLimit.truncated`` and, where an
-    episode ended, ``terminal_observation``; ``env_method("action_masks")`` is used by MaskablePPO.
+    environment. Infos hold what those of the single environment do, ``TimeLimit.truncated`` and, where an episode
+    ended, ``terminal_observation``; ``env_method("action_masks")`` is used by MaskablePPO.
     """
 
     def __init__(self, num_envs: int = 16, **settings: Any) -> None:
@@ -99,7 +99,7 @@ class StableBaselinesVecEnv(VecEnv):
 
 def _rows(infos: dict[str, Any], count: int) -> list[dict[str, Any]]:
     """Return one dict for each environment."""
-    names = ("coverage", "step", "end")
+    names = [name for name in ("coverage", "step", "end", "base_age", "base_coverage") if name in infos]
     columns = [infos[name].tolist() for name in names]
     return [
         dict(zip((*names, "action_mask"), row, strict=True)) for row in zip(*columns, infos["action_mask"], strict=True)

@@ -18,6 +18,8 @@ from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.interfaces.common import (
     RENDER_FPS,
     VECTOR_RENDER_MODES,
+    base_age,
+    begin_encoder,
     draw_seed,
     find_render_mode,
     find_scenario,
@@ -192,7 +194,8 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         self.world.start(prepared)
         for b in prepared.episodes.tolist():
             self._renderer.begun(b)
-            self._encoder.reset(b)
+            if (encoder := self._encoder.of(b)) is not None:
+                begin_encoder(encoder, self.world, b, 0)
 
     def _start_anew(self, over: Mask) -> dict[str, Any]:
         """Start the next episode where one is over; return the infos that tell how the last one ended."""
@@ -223,7 +226,8 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         state = self.world.state
         arrays = state.belief, state.believed_cell, state.legal, state.visited
         belief, cell, legal, visited = (_read_only(array[:, 0]) for array in arrays)
-        views = Views(belief, cell, legal, state.step, state.budget, visited)
+        age = base_age(state)[:, 0] if self.world.scenario.base.exists else None
+        views = Views(belief, cell, legal, state.step, state.budget, visited, age)
         slam = self.world.slam
         if slam is None:
             return views
@@ -247,6 +251,9 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
             "step": state.step.copy(),
             "end": state.end[:, 0].astype(np.int64),
         }
+        if self.world.scenario.base.exists:
+            infos["base_age"] = base_age(state)[:, 0]
+            infos["base_coverage"] = state.base_covered / np.maximum(state.total, 1)
         if not present.all():
             for array in infos.values():
                 array[~present] = 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from indoor_explorers.env.observations.base import Observation, Views, row_of
+from indoor_explorers.env.observations.base import Encoder, Observation, Views, row_of
 from indoor_explorers.env.observations.factories import make_encoder
 from indoor_explorers.env.policies.view import Briefing
 
@@ -19,10 +19,9 @@ class BatchedEncoder:
         """The encoder of all episodes, when they share one."""
         self._own = [first] + [make_encoder(observation, briefing) for _ in range(0 if first.stateless else count - 1)]
 
-    def reset(self, b: int) -> None:
-        """Prepare for a new episode in place ``b`` of the batch."""
-        if self.shared is None:
-            self._own[b].reset()
+    def of(self, b: int) -> Encoder | None:
+        """Return the encoder of the episode in place ``b`` of the batch; None where all share one without a memory."""
+        return self._own[b] if self.shared is None else None
 
     def encode(self, views: Views, out: Any) -> None:
         """Overwrite all of ``out``, arrays (B, ...)."""

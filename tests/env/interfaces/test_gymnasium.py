@@ -13,7 +13,7 @@ from gymnasium.wrappers.vector import RecordEpisodeStatistics
 from indoor_explorers.env import PRESETS, InputError, World
 from indoor_explorers.env.interfaces.gymnasium_env import IndoorExplorersEnv
 from indoor_explorers.env.interfaces.vector import IndoorExplorersVectorEnv
-from indoor_explorers.env.observations import Encoder, Flat, Masked, Stacked, make_encoder
+from indoor_explorers.env.observations import Egocentric, Encoder, Flat, Masked, Stacked, make_encoder
 from indoor_explorers.env.rendering import Trails, paint, scene_of
 from indoor_explorers.env.rendering.window import Window, load_pygame
 from indoor_explorers.env.simulation.state import End
@@ -59,8 +59,8 @@ def _check(env):
 
 
 @pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("settings", [{}, {"on_collision": "block", "budget": 30}])
-@pytest.mark.parametrize("observation", ["channels", Stacked("egocentric", 2)], ids=str)
+@pytest.mark.parametrize("settings", [{}, {"on_collision": "block", "budget": 30, "base.at": "start"}])
+@pytest.mark.parametrize("observation", ["channels", Stacked(Egocentric(base=True), 2)], ids=str)
 def test_an_episode_is_the_bare_world_s(seed, settings, observation):
     scenario = PRESETS["thesis-obstacles"].with_settings(settings)
     env = gymnasium.make(ID, settings=settings, observation=observation)
@@ -76,6 +76,10 @@ def test_an_episode_is_the_bare_world_s(seed, settings, observation):
         assert np.array_equal(info["action_mask"], view.legal)
         assert np.array_equal(env.unwrapped.action_masks(), view.legal)
         assert (info["coverage"], info["step"]) == (world.coverage[0, 0], view.step)
+        if scenario.base.exists:
+            assert (info["base_age"], info["base_coverage"]) == (view.base_age, world.base_coverage[0])
+        else:
+            assert not {"base_age", "base_coverage"} & info.keys()
         if done:
             break
         action = int(rng.integers(5))
@@ -266,7 +270,7 @@ def sync(num_envs, autoreset_mode=AutoresetMode.NEXT_STEP, **kwargs):
     [
         {},
         {"observation": "thesis", "settings": {"on_collision": "block", "budget": 9}},
-        {"observation": Masked("egocentric")},
+        {"observation": Masked(Egocentric(base=True)), "settings": {"base.at": "start"}},
         {"observation": Stacked("egocentric-flat", 3)},
     ],
 )

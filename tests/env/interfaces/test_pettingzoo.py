@@ -11,7 +11,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import data_equivalence
 
 from indoor_explorers.env import PRESETS, InputError, World, env, parallel_env
-from indoor_explorers.env.observations import Masked, Stacked, make_encoder
+from indoor_explorers.env.observations import Egocentric, Masked, Stacked, make_encoder
 from indoor_explorers.env.rendering.layout import layout_of
 from indoor_explorers.env.rendering.palette import uav_colours
 from indoor_explorers.env.rendering.window import load_pygame
@@ -141,8 +141,8 @@ def test_a_team_s_window_shows_every_step_by_itself():
 
 
 @pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("settings", [{}, SAFE | {"budget": 30}, {"goal_of": "team", "goal": 0.5}])
-@pytest.mark.parametrize("observation", ["channels", Stacked("egocentric", 2)], ids=str)
+@pytest.mark.parametrize("settings", [{}, SAFE | {"budget": 30, "base.at": "start"}, {"goal_of": "team", "goal": 0.5}])
+@pytest.mark.parametrize("observation", ["channels", Stacked(Egocentric(base=True), 2)], ids=str)
 def test_an_episode_is_the_bare_world_s(seed, settings, observation):
     scenario = PRESETS["thesis-team-4"].with_settings(settings)
     team = parallel_env(settings=settings, observation=observation)
@@ -159,6 +159,9 @@ def test_an_episode_is_the_bare_world_s(seed, settings, observation):
             assert info["action_mask"].dtype == np.int8
             assert np.array_equal(info["action_mask"], view.legal)
             assert (info["coverage"], info["step"]) == (world.coverage[0, n], view.step)
+            if scenario.base.exists:
+                age = -1 if view.base_age is None else view.base_age
+                assert (info["base_age"], info["base_coverage"]) == (age, world.base_coverage[0])
         assert team.agents == [f"uav_{n}" for n in np.flatnonzero(world.flying[0])]
         if not team.agents:
             break

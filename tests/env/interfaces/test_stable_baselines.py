@@ -64,7 +64,7 @@ def test_the_checker_has_advice_about_images_alone(observation):
 
 
 @pytest.mark.parametrize("observation", ["channels", "egocentric", Masked(Stacked(SMALL, 2))], ids=str)
-@pytest.mark.parametrize("settings", [{"on_collision": "end"}, {"budget": 9}])
+@pytest.mark.parametrize("settings", [{"on_collision": "end"}, {"budget": 9, "base.at": "start"}])
 def test_the_batch_is_sb3_s_own_vector_of_single_environments(observation, settings):
     kwargs = {"scenario": PLAYROOM, "observation": observation, "settings": settings}
     ours, theirs = StableBaselinesVecEnv(5, **kwargs), DummyVecEnv([lambda: IndoorExplorersEnv(**kwargs)] * 5)
@@ -86,6 +86,9 @@ def test_the_batch_is_sb3_s_own_vector_of_single_environments(observation, setti
             assert_same({k: _arrays(v) for k, v in mine.items()}, {k: _arrays(v) for k, v in other.items()})
         for mine, other in zip(ours.reset_infos, theirs.reset_infos, strict=True):
             assert (mine["step"], mine["coverage"]) == (other["step"], other["coverage"])
+            for name in ("base_age", "base_coverage"):
+                assert mine.get(name) == other.get(name)
+                assert (name in mine) == ("base.at" in settings)
         ended += int(over.sum())
     assert ended > 5
 
