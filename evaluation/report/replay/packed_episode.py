@@ -80,7 +80,7 @@ def _links(world: World) -> NDArray[np.bool_]:
     """Return (M, M) which UAVs are in radio contact, and with a base which of them lead to it."""
     state = world.state
     if not world.scenario.base.exists:
-        return state.linked[0]
+        return np.asarray(state.linked[0])
     leads = base_links(state.linked[0], state.base_contact[0], state.cell[0], state.base_cell[0])
     linked = np.pad(state.linked[0], (0, 1))
     linked[-1, :-1] = linked[:-1, -1] = leads
