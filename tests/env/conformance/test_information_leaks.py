@@ -12,7 +12,6 @@ from indoor_explorers.env.simulation import world as simulation
 from tests.env.conformance.policies import Honest, make
 from tests.seeds import seed_of
 
-
 #: The check that lets teammates stop, after the one without which it tells nothing.
 STOPS = ("same seed, same episode", "unlinked teammates")
 
