@@ -263,6 +263,7 @@ HARDER = {
     "base": {"base.at": "start"},
     "return": {"base.at": "start", "base.must_return": True, **STOPS},
     "prior": {"prior.kind": "outdated", "prior.furniture": 1.0},
+    "errors": {"noise.misses": 0.1, "noise.false_returns": 0.02, "drift.rate": 0.05},
 }
 
 

@@ -2,7 +2,8 @@
 
 A replay needs moves, radio contacts and new cells. Linked UAVs merge their maps, so that the map of each UAV follows
 from what its group discovered and from the contacts; the page repeats that merging. A home base takes part like another
-UAV that stays where it is. What the team knows is what those know together that have not stopped.
+UAV that stays where it is. What the team knows is what those know together that have not stopped. Where sensors or
+poses err, the replay has the team's map alone, and which of its cells are right and wrong.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from indoor_explorers.env.rendering.scene import base_links
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.resimulate import ended_as_recorded, resimulate
+from indoor_explorers.evaluation.report.replay.revisions import Revisions, masks_of
 from indoor_explorers.evaluation.report.style.packing import Keyed, folded, packed, runs
 
 #: Step of cells that never become known, and of UAVs that never stop.
@@ -47,6 +49,8 @@ class ReplayEpisode:
     """The home base's (row, column); None where there is none."""
     prior: Belief | None
     """(H, W) the prior map; None where there is none."""
+    revisions: Revisions | None
+    """What the team's map shows rightly and wrongly, and the base's rightly, where maps can be wrong."""
     faithful: bool
     """Whether it ended as recorded; it may not if another version of the world recorded it."""
 
@@ -58,9 +62,12 @@ def resimulated(record: Record, scenario: Scenario) -> ReplayEpisode:
     linked = np.zeros((record.steps + 1, count, count), np.bool_)
     stopped = np.full(count, NEVER, np.int32)
     read = [0] * count
+    revisions = Revisions(known.shape[1], 2 + scenario.base.exists) if scenario.uncertain else None
     for step, world in enumerate(resimulate(record, scenario)):
         linked[step] = _links(world)
         stopped[:team][(world.state.end[0] == End.STOPPED) & (stopped[:team] == NEVER)] = step
+        if revisions is not None:
+            revisions.add(masks_of(world))
         for place, (log, length) in enumerate(_logs(world)):
             known[place, log[read[place] : length]] = step
             read[place] = length
@@ -72,6 +79,7 @@ def resimulated(record: Record, scenario: Scenario) -> ReplayEpisode:
         stopped=stopped,
         base=world.briefing(0, 0).base,
         prior=world.prior(0),
+        revisions=revisions,
         faithful=ended_as_recorded(record, world),
     )
 
@@ -106,13 +114,16 @@ def pack_episode(flight: ReplayEpisode, stride: int, *, own: bool = True) -> byt
     A frame is a list of whole numbers: the moves of each UAV (row, column; folded), the cells flown and the bytes sent
     since the frame before, the contacts that began or ended, and for each group of those linked, ordered by its first
     one, the cells that none of it knew before. Without ``own`` the whole team is one group and the base another, and in
-    frames in which a UAV stops the cells that the team loses come before.
+    frames in which a UAV stops the cells that the team loses come before. Where maps can be wrong there are instead the
+    cells that change whether the team's map shows them rightly, or wrongly, or the base's map rightly.
     """
     shown = np.array(frame_steps(flight.record.steps, stride))
     linked = flight.linked[shown]
     known, stopped = np.searchsorted(shown, flight.known), np.searchsorted(shown, flight.stopped)
     parts = [_contacts(linked)]
-    if own:
+    if flight.revisions is not None:
+        parts += flight.revisions.by_frame(shown)
+    elif own:
         parts.append(_discoveries(known, first_of_group(linked)))
     else:
         parts += _of_team(known, stopped, len(shown))

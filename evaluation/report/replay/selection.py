@@ -150,7 +150,7 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
     base, prior = flights[0].base, flights[0].prior
     walls, counted = bits(plan.truth == OCCUPIED), bits(flights[0].counted)
     foreseen = None if prior is None else bits(prior == OCCUPIED)
-    for detail in DETAILS:
+    for detail in [detail for detail in DETAILS if not (detail.own and scenario.uncertain)]:
         stride = 1 + steps // detail.frames
         streams = [text(pack_episode(flight, stride, own=detail.own)) for flight in flights]
         sizes = len(walls) + len(counted) + len(foreseen or "") + np.cumsum([len(stream) for stream in streams])
@@ -172,6 +172,7 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
         "total": flights[0].record.reachable,
         "stride": stride,
         "own": detail.own,
+        "revised": scenario.uncertain,
         "flights": [
             _flight(comparison, flight, stream) for flight, stream in zip(flights[:fits], streams[:fits], strict=True)
         ],

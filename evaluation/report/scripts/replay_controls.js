@@ -81,7 +81,7 @@ class Controls {
     if (![...this.maps.options].some(({ value }) => value === this.replay.map)) this.replay.map = this.replay.data.counts;
     this.maps.value = this.replay.map;
     this.mapLabel.hidden = team === 1 && !episode.base;
-    this.maps.title = episode.own ? "" : "This page has no room for the maps of single UAVs";
+    this.maps.title = episode.own || episode.revised ? "" : "This page has no room for the maps of single UAVs";
     const most = Math.min(MOST_PANELS, this.replay.single.length);
     this.counts.replaceChildren(...Array.from({ length: most }, (_, k) => {
       const made = element("button", { type: "button", textContent: k + 1 });

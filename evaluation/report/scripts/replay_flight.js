@@ -132,6 +132,14 @@ class TeamMap extends KnownMap {
   }
 
   learn(numbers, frame) { numbers.places((cell) => { this.latest[cell] = frame; }); }
+
+  /* Where maps can be wrong: the cells that begin, or cease, to be what this map is about. */
+  revise(numbers, frame) {
+    const cells = [];
+    numbers.places((cell) => cells.push(cell));
+    if (cells.some((cell) => this.latest[cell] !== NEVER)) this.add(frame, this.latest.slice());
+    for (const cell of cells) this.latest[cell] = this.latest[cell] === NEVER ? frame : NEVER;
+  }
 }
 
 /* Unpack a flight. Its maps are the team's, the home base's, and where the page has them each UAV's by its number. */
@@ -145,7 +153,7 @@ function readFlight(flight, episode) {
   const frames = steps.length, cells = new Int16Array(frames * team * 2), before = new Int32Array(team * 2);
   const distance = new Float64Array(frames), bytes = new Float64Array(frames), links = [];
   const count = team + (episode.base ? 1 : 0), contacts = new Contacts(count), minds = new Minds(count, size);
-  const together = new TeamMap(size), atBase = new TeamMap(size);
+  const together = new TeamMap(size), atBase = new TeamMap(size), wrong = new TeamMap(size);
   for (let frame = 0; frame < frames; frame++) {
     for (let k = 0; k < before.length; k++) cells[frame * before.length + k] = before[k] += numbers.signed();
     distance[frame] = (distance[frame - 1] || 0) + numbers.next();
@@ -156,6 +164,10 @@ function readFlight(flight, episode) {
       numbers.places((cell) => minds.learn(group[0], cell, frame));
       minds.merge(group, frame);
     }
+    if (episode.revised) {
+      for (const map of [together, wrong, ...(episode.base ? [atBase] : [])]) map.revise(numbers, frame);
+      continue;
+    }
     if (episode.own) continue;
     if (stops.includes(frame)) together.lose(numbers, frame);
     together.learn(numbers, frame);
@@ -165,5 +177,5 @@ function readFlight(flight, episode) {
   if (episode.base) maps.base = episode.own ? new KnownMap(minds.known[team]) : atBase;
   if (episode.own && count > 1) for (let uav = 0; uav < team; uav++) maps[uav] = new KnownMap(minds.known[uav]);
   for (const [name, map] of Object.entries(maps)) covered[name] = map.coverage(episode.isCounted, frames);
-  return { ...flight, stops, steps, cells, distance, bytes, links, maps, covered, last: frames - 1 };
+  return { ...flight, stops, steps, cells, distance, bytes, links, maps, covered, wrong, last: frames - 1 };
 }

@@ -18,6 +18,7 @@ class Inks {
     this.onlyTruth = shade("--prior-gap");
     this.clear = [shade("--free"), shade("--wall")];
     this.frontier = shade("--frontier");
+    this.wrong = shade("--bad");
     this.uavs = Array.from({ length: UAV_COLOURS }, (_, k) => Theme.colour(`--u${k}`));
     this.paper = Theme.colour("--paper");
     this.link = Theme.colour("--link");
@@ -31,10 +32,10 @@ class Inks {
 }
 
 /* Whether a cell that is known to be free borders on one that is not known. */
-function isFrontier(known, frame, cell, width) {
+function isFrontier(isUnknown, cell, width, size) {
   const column = cell % width;
-  return (column > 0 && known[cell - 1] > frame) || (column < width - 1 && known[cell + 1] > frame)
-    || (cell >= width && known[cell - width] > frame) || (cell + width < known.length && known[cell + width] > frame);
+  return (column > 0 && isUnknown(cell - 1)) || (column < width - 1 && isUnknown(cell + 1))
+    || (cell >= width && isUnknown(cell - width)) || (cell + width < size && isUnknown(cell + width));
 }
 
 /* What is under the unknown cells: the true map, the prior map, or both with the walls that only one of them has. */
@@ -48,16 +49,18 @@ function groundOf({ walls, prior }, layers, inks) {
   return (cell) => both[walls[cell]][prior[cell]];
 }
 
-/* A picture of the cells, one pixel each, on ``sheet``. */
-function paintCells(sheet, episode, known, frame, layers, inks) {
+/* A picture of the cells, one pixel each, on ``sheet``; ``wrong`` are those that the map shows wrongly. */
+function paintCells(sheet, episode, known, wrong, frame, layers, inks) {
   const { width, height, walls } = episode;
   const image = new ImageData(width, height), pixels = new Uint32Array(image.data.buffer);
   const behind = groundOf(episode, layers, inks);
   const plain = layers.has("known"), edges = layers.has("frontier");
+  const isUnknown = (cell) => known[cell] > frame && wrong[cell] > frame;
   for (let cell = 0; cell < pixels.length; cell++) {
     const wall = walls[cell];
-    if (known[cell] > frame) pixels[cell] = behind(cell);
-    else if (edges && !wall && isFrontier(known, frame, cell, width)) pixels[cell] = inks.frontier;
+    if (plain && wrong[cell] <= frame) pixels[cell] = inks.wrong;
+    else if (known[cell] > frame) pixels[cell] = behind(cell);
+    else if (edges && !wall && isFrontier(isUnknown, cell, width, pixels.length)) pixels[cell] = inks.frontier;
     else pixels[cell] = plain ? inks.clear[wall] : behind(cell);
   }
   sheet.width = width;

@@ -65,7 +65,7 @@ class Panel {
     this.canvas.width = scale * episode.width;
     this.canvas.height = scale * episode.height;
     this.canvas.style.width = `${Math.min(this.canvas.width / ratio, this.replay.most)}px`;
-    paintCells(this.sheet, episode, this.flight.maps[map].at(now), now, layers, inks);
+    paintCells(this.sheet, episode, this.flight.maps[map].at(now), this.flight.wrong.at(now), now, layers, inks);
     pen.imageSmoothingEnabled = false;
     pen.drawImage(this.sheet, 0, 0, this.canvas.width, this.canvas.height);
     const marks = new Marks(pen, this.flight, episode.base, now, scale, ratio, inks);

@@ -30,6 +30,8 @@ LOSSY = TEAM.with_settings({"radio.model": "disc", "radio.range": 5.0, "radio.lo
 SHORT = {"radio.model": "disc", "radio.range": 3.0, "budget": 60}
 BASE = SHORT | {"name": "base", "base.at": "start"}
 FAILURES = SHORT | {"name": "failures", "failures.hazard": 0.02, "failures.radio_hazard": 0.05}
+ERRORS = {"noise.misses": 0.1, "noise.false_returns": 0.02, "drift.rate": 0.05, "on_collision": "block"}
+UNCERTAIN = TEAM.with_settings(BASE | FAILURES | ERRORS | {"name": "errors"})
 HARDER = (
     TEAM.with_settings(FAILURES),
     TEAM.with_settings(FAILURES | {"name": "last word", "failures.last_word": True, "failures.hazard": 0.05}),
@@ -86,6 +88,7 @@ class Reader:
         self.pairs = list(zip(*np.triu_indices(count, 1), strict=True))
         self.linked = np.eye(count, dtype=bool)
         self.known = np.zeros((count if self.own else 1 + count - self.team, size), bool)
+        self.wrong = np.zeros(size, bool)
 
     def places(self):
         place, found = 0, []
@@ -109,6 +112,11 @@ class Reader:
         for pair in self.places():
             row, column = self.pairs[pair]
             self.linked[row, column] = self.linked[column, row] = not self.linked[row, column]
+        if self.episode["revised"]:
+            for mask in (self.known[0], self.wrong, self.known[-1])[: 1 + len(self.known)]:
+                mask[self.places()] ^= True
+            self.maps = {"team": self.known[0], "base": self.known[-1]}
+            return
         if not self.own and frame in self.stops.values():
             self.known[0, self.places()] = False
         groups = first_of_group(self.linked[None])[0] if self.own else np.arange(len(self.known))
@@ -142,6 +150,7 @@ def reader_of(flight, stride=1, own=True):
     stops = [(uav, step) for uav, step in enumerate(flight.stopped.tolist()) if step <= record.steps]
     counted = bits(flight.counted)
     episode = {"own": own, "base": flight.base, "stride": stride, "counted": counted, "height": height, "width": width}
+    episode["revised"] = flight.revisions is not None
     stream = text(pack_episode(flight, stride, own=own))
     return Reader(episode, {"stream": stream, "team": record.team, "steps": record.steps, "stops": stops})
 
@@ -193,6 +202,25 @@ def test_so_it_is_where_steps_and_own_maps_are_left_out(scenario):
             for step in reader.frames():
                 assert reader.covered("base" if scenario.base.must_return else "team") == record.covered[step, 0]
                 assert reader.covered("team") == record.seen[step]
+
+
+@pytest.mark.parametrize("stride", [1, 5])
+def test_maps_that_can_be_wrong_are_shown_as_they_were(stride):
+    results, wrong = results_of(UNCERTAIN, seeds=2), 0
+    for record in results.records:
+        reader = reader_of(resimulated(record, UNCERTAIN), stride, own=False)
+        worlds = enumerate(resimulate(record, UNCERTAIN))
+        for step in reader.frames():
+            state = next(world for now, world in worlds if now == step).state
+            assert reader.covered("team") == record.seen[step]
+            assert reader.covered("base") == record.covered[step, 5]
+            shown, truth = state.union[0].ravel(), state.truth[0].ravel()
+            assert (reader.maps["team"] == (shown == truth)).all()
+            assert (reader.wrong == ((shown != truth) & (shown > 0))).all()
+            wrong += reader.wrong.sum()
+    assert wrong
+    data = replay_data(Comparison(results, UNCERTAIN.name), policy_styles(results.policies), 1_000_000)
+    assert all(episode["revised"] and not episode["own"] for episode in data["episodes"])
 
 
 def test_each_task_has_its_prior_map(results):
