@@ -48,6 +48,4 @@ class IndependentPilot(GoalPilot):
 
     def left_by_others(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
         """Return the factors on the value of (K,) flat cells, ``steps`` away, for teammates out of contact, (K,)."""
-        return self._out_of_contact.factors(
-            view, self.points(cells), steps, lambda cell: self.steps_from(view, cell).ravel()[cells]
-        )
+        return self._out_of_contact.at_cells(view, cells, steps, self.steps_from)

@@ -20,6 +20,8 @@ from indoor_explorers.planners.coordination.sectors import Sectors
 LEAST = 1e-3
 #: Computes the steps (K,) from a cell to each of K places on the current map.
 StepsFrom = Callable[[Cell], Distances]
+#: Computes the steps (H, W) from a cell to all others on the map of a view.
+FieldFrom = Callable[[View, Cell], Distances]
 
 
 class OutOfContact:
@@ -55,6 +57,13 @@ class OutOfContact:
             if mate.age > 0:
                 left *= self._left_by_silent(mate, own_steps, steps_from)
         return left
+
+    def at_cells(
+        self, view: View, cells: NDArray[np.int32], own_steps: Distances, field_from: FieldFrom
+    ) -> NDArray[np.float64]:
+        """Return the factors of (K,) flat cells, (K,) in (0, 1], as :meth:`factors` does."""
+        points = np.stack(np.divmod(cells, view.belief.shape[1]), axis=1).astype(np.float64)
+        return self.factors(view, points, own_steps, lambda cell: field_from(view, cell).ravel()[cells])
 
     def left_by_unheard(self, view: View, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the factors of K places, (K,) in (0, 1], for teammates never heard, from the sectors alone."""

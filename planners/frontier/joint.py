@@ -206,11 +206,8 @@ class JointPilot(CandidatePilot):
         """Return the factors of K places for teammates out of contact, (K,)."""
         if self.briefing.team == 1:
             return np.ones(len(problem.cells))
-        points = np.stack(np.divmod(problem.cells, self.paths.width), axis=1).astype(np.float64)
         steps = self.steps_from(view, view.cell).ravel()[problem.cells]
-        return self.out_of_contact.factors(
-            view, points, steps, lambda cell: self.steps_from(view, cell).ravel()[problem.cells]
-        )
+        return self.out_of_contact.at_cells(view, problem.cells, steps, self.steps_from)
 
     def _own(
         self, problem: DecisionProblem, uav: int, gains: NDArray[np.float64], factors: NDArray[np.float64]

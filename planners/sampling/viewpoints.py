@@ -196,14 +196,10 @@ class ViewpointPilot(GoalPilot):
         """
         if self.briefing.team == 1:
             return np.ones(len(cells))
-
-        def steps_from(cell: Cell) -> Distances:
-            return self.steps_from(view, cell).ravel()[cells]
-
         rows, cols = np.divmod(cells, self.paths.width)
-        left = self._out_of_contact.factors(view, np.stack([rows, cols], axis=1).astype(np.float64), steps, steps_from)
+        left = self._out_of_contact.at_cells(view, cells, steps, self.steps_from)
         for mate in linked(view):
-            theirs = steps_from(mate.cell)
+            theirs = self.steps_from(view, mate.cell).ravel()[cells]
             nearer = (theirs <= steps) if mate.agent < self.briefing.agent else (theirs < steps)
             left *= np.where(nearer, self.weights.share, 1.0)
             goal = told_goal(mate)

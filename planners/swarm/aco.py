@@ -190,12 +190,10 @@ class AntPilot(GoalPilot):
 
     def _worth(self, view: View, cells: NDArray[np.int32], steps: NDArray[np.int32]) -> Numbers:
         """Return what (K,) flat cells, ``steps`` away, are worth, without pheromone, (K,)."""
-        points = np.stack(np.divmod(cells, self.paths.width), axis=1).astype(np.float64)
-        left = self._out_of_contact.factors(
-            view, points, steps, lambda cell: self.steps_from(view, cell).ravel()[cells]
-        )
+        left = self._out_of_contact.at_cells(view, cells, steps, self.steps_from)
         worth = left * np.sqrt(self._gains.at(view.belief, cells)) * np.exp(-self._policy.rate / self._lidar * steps)
         if self.goal is not None:
-            near = np.hypot(*(points - self.goal).T) <= SAME * self._lidar
+            rows, cols = np.divmod(cells, self.paths.width)
+            near = np.hypot(rows - self.goal[0], cols - self.goal[1]) <= SAME * self._lidar
             worth = np.where(near, 1.0 + self._policy.hold, 1.0) * worth
         return np.asarray(worth)
