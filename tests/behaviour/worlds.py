@@ -34,7 +34,7 @@ SMALL = ("open", "noise", "small-rooms", "small-maze")
 #: Worlds of one kind take turns in the rows of the covering array.
 KINDS = {
     "open": ("open", "room"),
-    "cluttered": ("noise", "cave", "pockets"),
+    "cluttered": ("cave", "noise", "pockets"),
     "rooms": ("small-rooms", "rooms"),
     "corridors": ("corridors", "small-maze", "comb"),
 }

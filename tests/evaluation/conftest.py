@@ -1,16 +1,27 @@
-"""Comparisons in these tests draw no figures for print, which would take most of their time."""
+"""Comparisons in these tests draw no figures for print and check no plug-ins, which would take most of their time."""
 
 import pytest
 
-from indoor_explorers.evaluation import exports
+from indoor_explorers.evaluation import driver, exports
+
+DRAWN, CHECKED = exports.write_figures, driver.with_failed_checks
+
+
+@pytest.fixture(scope="package", autouse=True)
+def _short():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(exports, "write_figures", lambda results, folder: [])
+        patch.setattr(driver, "with_failed_checks", lambda experiment, about, stored, loader: dict(about))
+        yield
 
 
 @pytest.fixture
-def figures():
-    """Have comparisons draw them in a test that takes this argument."""
+def figures(monkeypatch):
+    """Have comparisons draw the figures in a test that takes this argument."""
+    monkeypatch.setattr(exports, "write_figures", DRAWN)
 
 
-@pytest.fixture(autouse=True)
-def _no_figures(request, monkeypatch):
-    if "figures" not in request.fixturenames:
-        monkeypatch.setattr(exports, "write_figures", lambda results, folder: [])
+@pytest.fixture
+def checks(monkeypatch):
+    """Have comparisons check plug-ins for hidden knowledge in a test that takes this argument."""
+    monkeypatch.setattr(driver, "with_failed_checks", CHECKED)

@@ -57,7 +57,7 @@ def test_a_plug_in_is_checked_once(monkeypatch):
     assert len(calls) == 2
 
 
-def test_a_comparison_marks_a_policy_that_knows_the_map(tmp_path):
+def test_a_comparison_marks_a_policy_that_knows_the_map(checks, tmp_path):
     policies = [plugin("KnowsMap")[1], "random"]
     compare(tmp_path, policies=policies, scenario="thesis-open", episodes=2, workers=1)
     failed = Results.load(tmp_path).failed_checks

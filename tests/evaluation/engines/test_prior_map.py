@@ -8,11 +8,12 @@ from indoor_explorers.evaluation.leaderboard.verifying import mismatches
 from indoor_explorers.evaluation.results.results import Results
 
 
-@pytest.mark.parametrize("isolate", ["all", "none"])
-def test_policies_in_any_process_are_given_the_prior_of_their_episode(tmp_path, isolate):
+@pytest.mark.parametrize(("isolate", "workers"), [("all", 1), ("none", 0)])
+def test_policies_in_any_process_are_given_the_prior_of_their_episode(tmp_path, isolate, workers):
     settings = {"prior.kind": "outdated", "budget": 20}
-    policies = ["tests.evaluation.plugins:ToldOfThePrior"]
-    compare(tmp_path, policies=policies, scenario="small-floors", episodes=2, settings=settings, isolate=isolate)
+    use = "tests.evaluation.plugins:ToldOfThePrior"
+    how = {"isolate": isolate, "workers": workers}
+    compare(tmp_path, policies=[use], scenario="small-floors", episodes=2, settings=settings, **how)
     results = Results.load(tmp_path)
     assert list(mismatches(results)) == []
     for record in results.records:

@@ -36,7 +36,7 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
-def test_equal_results_give_equal_bytes(figures, held, folder, tmp_path):
+def test_equal_results_give_equal_bytes(held, folder, tmp_path):
     write_exports(replace(held, records=list(held.records)), tmp_path)
     first, second = (sorted(p for p in root.rglob("*") if p.is_file()) for root in (folder, tmp_path))
     assert [p.relative_to(folder) for p in first] == [p.relative_to(tmp_path) for p in second]
