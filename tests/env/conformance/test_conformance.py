@@ -14,9 +14,9 @@ from tests.env.conformance.policies import Flying, Honest, Named, make
 from tests.seeds import seed_of
 
 
-def findings(kind, policy=Flying):
-    """What every check finds, by name."""
-    return {finding.name: finding for finding in run_checks(make(kind, policy))}
+def findings(kind, policy=Flying, names=CHECKS):
+    """What every check finds, or those of some names, by name."""
+    return {finding.name: finding for finding in run_checks(make(kind, policy), names)}
 
 
 def failures(found):
@@ -97,8 +97,8 @@ class Returns(Honest):
 
 
 @pytest.mark.parametrize("value", [1.0, float("nan"), "left", None, True, 5, -1, np.ones(2), np.float64(3), [4]])
-def test_a_wrong_action_fails_one_check_and_the_others_go_on(value):
-    found = findings(type("Mind", (Returns,), {"value": value}))
+def test_a_wrong_action_is_refused(value):
+    found = findings(type("Mind", (Returns,), {"value": value}), names=["decisions", "actions"])
     assert failures(found) == {"actions"}
     assert "expected an action from 0 to 4 (down, left, up, right, stay), got " in found["actions"].text
     assert "return an int" in found["actions"].fix
@@ -113,8 +113,8 @@ class Says(Honest):
 
 
 @pytest.mark.parametrize("said", [[1.0], tuple(range(17)), (float("nan"),), ("hello",), "hi", 3.0, (10**400,), (1j,)])
-def test_a_wrong_message_fails_one_check_and_the_others_go_on(said):
-    found = findings(type("Mind", (Says,), {"said": said}))
+def test_a_wrong_message_is_refused(said):
+    found = findings(type("Mind", (Says,), {"said": said}), names=["decisions", "messages"])
     assert failures(found) == {"messages"}
     assert "a tuple of at most 16 finite numbers, got " in found["messages"].text
     assert found["messages"].text.isprintable()
@@ -138,10 +138,27 @@ class Tallies(Honest):
 
 
 @pytest.mark.parametrize("told", [None, [1.0], {"x": "y"}, {1: 1.0}, {"x": float("inf")}])
-def test_a_wrong_tally_fails_one_check(told):
-    found = findings(type("Mind", (Tallies,), {"told": told}))
+def test_a_wrong_tally_is_refused(told):
+    found = findings(type("Mind", (Tallies,), {"told": told}), names=["decisions", "tally"])
     assert failures(found) == {"tally"}
     assert "expected tally to return a dict of finite numbers" in found["tally"].text
+
+
+class ReturnsFloat(Returns):
+    value = 1.0
+
+
+class Talks(Says):
+    said = (1.0, "hello")
+
+
+class Counts(Tallies):
+    told: object = [1.0]
+
+
+@pytest.mark.parametrize(("kind", "check"), [(ReturnsFloat, "actions"), (Talks, "messages"), (Counts, "tally")])
+def test_a_wrong_answer_fails_one_check_and_the_others_go_on(kind, check):
+    assert failures(findings(kind)) == {check}
 
 
 class TallyRaises(Honest):

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 
 from indoor_explorers.env import PRESETS, parallel_env
 from indoor_explorers.env.observations import Egocentric, Flat
@@ -26,6 +25,8 @@ PLAYROOM = PRESETS["thesis-team-2"].with_settings(
 
 
 def team(scenario=PLAYROOM):
+    from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv  # takes seconds, and each process collects
+
     return ParallelPettingZooEnv(parallel_env(scenario, observation=Flat(Egocentric(side=7, zones=4))))
 
 

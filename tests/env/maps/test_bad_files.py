@@ -170,6 +170,7 @@ def png(width: int, height: int, data: bytes = b"") -> bytes:
         ("a.bmp", b"BM" + bytes(60), "a.bmp"),
         ("a.pgm", b"P5\n4 4\n255\n" + bytes(16), "expected a map with free pixels, got none"),
     ],
+    ids=lambda value: repr(value)[:40],  # some have millions of bytes
 )
 def test_a_broken_picture_is_refused(tmp_path: Path, name: str, data: bytes, message: str) -> None:
     (tmp_path / name).write_bytes(data)

@@ -12,15 +12,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-import ray
 import torch
-from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
 
 from indoor_explorers.env import InputError, World, check_policy, make_policy
 from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.learners.baselines.rllib import Rllib
-from indoor_explorers.learners.baselines.rllib_ppo import TrainingConfig
-from indoor_explorers.learners.baselines.rllib_training import TrainingTeam
 from tests.learners.baselines.tiny import flown, record_of, train
 from tests.learners.dddqn.rooms import small_room
 
@@ -28,6 +24,15 @@ pytestmark = pytest.mark.xdist_group("ray")
 PPO = ("total_steps=300", "environments=2", "rollout=80", "batch=40", "epochs=1")
 SAC = ("total_steps=300", "environments=2", "warmup_steps=40", "batch=8", "replay_steps=400", "intensity=1.0")
 PAIR = {"team": 2, "radio.model": "unlimited"}
+
+
+def training_team(*arguments: Any) -> Any:
+    """Return the environment of a training; Ray is imported late, since every process of pytest collects this file."""
+    from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
+
+    from indoor_explorers.learners.baselines.rllib_training import TrainingTeam
+
+    return ParallelPettingZooEnv(TrainingTeam(*arguments))
 
 
 @pytest.fixture(scope="module")
@@ -46,15 +51,19 @@ def test_a_training_says_how_it_was_made(trained: Path) -> None:
     assert 300 <= record["steps"] < 500
     assert record["evaluations"][-1]["steps"] == record["steps"]
     assert {path.name for path in trained.iterdir()} == {"checkpoint", "training.json", "weights.safetensors"}
+    import ray
+
     assert ray.is_initialized()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mask", [True, False])
 def test_the_pilots_see_what_training_saw_bit_for_bit(mask: bool, trained: Path) -> None:
+    from indoor_explorers.learners.baselines.rllib_ppo import TrainingConfig
+
     config = TrainingConfig(side=5, zones=2, hidden=(16,), mask=mask)
     task = config.task(small_room().with_settings(PAIR))
-    team = ParallelPettingZooEnv(TrainingTeam(task, config.environment_recipe, count(7)))
+    team = training_team(task, config.environment_recipe, count(7))
     seen, _ = team.reset(seed=99)
     world = World(task)
     world.reset(team.par_env.world.seeds)
@@ -91,6 +100,8 @@ def test_the_policy_passes_the_conformance_suite(trained: Path) -> None:
 
 @pytest.mark.slow
 def test_the_masking_network_gives_illegal_moves_no_chance(trained: Path) -> None:
+    from indoor_explorers.learners.baselines.rllib_ppo import TrainingConfig
+
     policy = Rllib(path=str(trained))
     config = policy.trained().config
     assert isinstance(config, TrainingConfig)
@@ -131,7 +142,7 @@ def test_discrete_sac_trains_and_flies(tmp_path: Path) -> None:
 
 
 def test_episodes_of_a_training_are_its_own() -> None:
-    team = ParallelPettingZooEnv(TrainingTeam(small_room(), "thesis", count(SEED_BLOCK)))
+    team = training_team(small_room(), "thesis", count(SEED_BLOCK))
     seeds = []
     for _ in range(3):
         team.reset(seed=5)
