@@ -25,12 +25,17 @@ SNIPPETS = {
     if "from ray" not in text
 }
 PRINTED = {f"{path.stem}-{number}": text for path in PAGES for number, text in enumerate(printed_of(path))}
+#: A script that trains for long; test_tabular_pictures.py trains with its functions, and compares what the page says.
+LONG = ("tabular-0",)
 COMPARISONS = [name for name, text in SNIPPETS.items() if "compare(" in text]
 
 
 @pytest.mark.filterwarnings("default")
 @pytest.mark.usefixtures("one_thread")
-@pytest.mark.parametrize("name", [name for name in SNIPPETS if name not in COMPARISONS])
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in SNIPPETS if name not in COMPARISONS],
+)
 def test_a_snippet_runs_and_prints_what_the_page_says(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     exec(compile(SNIPPETS[name], name, "exec"), {"__name__": "__main__"})

@@ -12,14 +12,11 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, World, make_policy
-from indoor_explorers.env.policies.registry import policy_entry_points
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
-from tests.behaviour.policies import EXHAUSTIVE
+from tests.behaviour.policies import EXHAUSTIVE, POLICIES
 
 GOLDEN = Path(__file__).parent / "golden.json"
-#: Every policy of this project; those of other installed packages are none of ours.
-POLICIES = tuple(name for name, entry in policy_entry_points().items() if entry.value.startswith("indoor_explorers."))
 SCENARIOS = ("thesis-open", "thesis-team-2")
 
 

@@ -27,8 +27,12 @@ def installed(tmp_path_factory):
     return {**os.environ, "PYTHONPATH": str(site)}
 
 
-def command(env, *words, cwd):
-    code = "import sys; from indoor_explorers.evaluation.cli.parser import main; sys.exit(main())"
+#: Spares a comparison the figures for print, which would take most of its time.
+NO_FIGURES = "from indoor_explorers.evaluation import exports; exports.write_figures = lambda results, folder: []\n"
+
+
+def command(env, *words, cwd, first=""):
+    code = f"{first}import sys; from indoor_explorers.evaluation.cli.parser import main; sys.exit(main())"
     return subprocess.run(
         [sys.executable, "-c", code, *words], env=env, cwd=cwd, capture_output=True, text=True, timeout=300
     )
@@ -48,7 +52,7 @@ def test_it_passes_the_conformance_suite(installed, tmp_path):
 
 def test_it_is_compared_in_a_worker_process(installed, tmp_path):
     words = ["compare", "--policies", "wall-follower,random", "--scenario", "thesis-open", "--episodes", "2"]
-    done = command(installed, *words, "--workers", "1", "--out", "out", cwd=tmp_path)
+    done = command(installed, *words, "--workers", "1", "--out", "out", cwd=tmp_path, first=NO_FIGURES)
     assert done.returncode == 0, done.stderr
     assert "wall-follower" in done.stdout
     assert "wall-follower,thesis-open" in (tmp_path / "out" / "summary.csv").read_text()

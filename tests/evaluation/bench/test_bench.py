@@ -17,6 +17,7 @@ from indoor_explorers.evaluation.bench.table import human, line_of
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import Task
+from tests.behaviour.policies import EXHAUSTIVE
 
 PACED = "indoor_explorers.evaluation.bench.isolation:Paced"
 
@@ -155,7 +156,9 @@ def test_measuring_measures():
     assert worlds.scan_time(3.0, 5) > 0
 
 
-@pytest.mark.parametrize("policy", policy_names())
+@pytest.mark.parametrize(
+    "policy", [pytest.param(name, marks=[pytest.mark.slow] * (name in EXHAUSTIVE)) for name in policy_names()]
+)
 def test_every_policys_decisions_are_timed(policy: str) -> None:
     found = deciding.decisions(policy, 16, 3.0, 2, 3, 1)
     assert len(found.seconds) == 6

@@ -47,6 +47,8 @@ def plug(body):
     return "class Plug(Sits):\n" + textwrap.indent(textwrap.dedent(body), "    ")
 
 
+#: Cases that end much as others do, each of which costs a process.
+ALIKE = ("breaks off at import", "kills its process at import", "hangs in its constructor", "raises when asked")
 OVERDUE = "importing and making it took longer than 1 s (--decision-timeout)"
 CASES = {
     "exits at import": ("sys.exit(0)", "SystemExit: 0"),
@@ -134,7 +136,7 @@ def test_flags_are_true_or_false():
         policy_facts(type("Odd", (Wander,), {"batched": "often"})(), "odd")
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [pytest.param(case, marks=[pytest.mark.slow] * (case in ALIKE)) for case in CASES])
 def test_what_a_plug_in_does_when_it_is_loaded_is_told_in_a_line(case, tmp_path, monkeypatch):
     code, message = CASES[case]
     with pytest.raises(InputError) as raised:

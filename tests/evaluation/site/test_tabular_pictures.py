@@ -44,7 +44,7 @@ def test_a_fixed_table_can_repeat_two_states():
     assert f"takes {mean(steps[-100:]):.1f} steps on average in its last 100 episodes" in TEXT
 
 
-@pytest.mark.slow  # guarded by what the script of the page prints
+@pytest.mark.slow  # guarded by the other trainings
 @pytest.mark.parametrize("learner", ["Q-learning", "Sarsa"])
 def test_trainings_differ(learner):
     tables = [training(0, "place", learner, seed)[0] for seed in SEEDS]

@@ -37,11 +37,9 @@ def episode(name: str, seed: int) -> str:
 def test_episodes_do_not_depend_on_process_or_order() -> None:
     jobs = [f"{name}:{seed}" for name in PLANNERS for seed in (1, 2)]
     here = {f"{job} {episode(job.split(':')[0], int(job.split(':')[1]))}" for job in jobs}
-    for order in (jobs, jobs[::-1]):
-        command = [sys.executable, "-c", EPISODES, *order]
-        done = subprocess.run(command, capture_output=True, text=True, check=True)
-        assert set(done.stdout.splitlines()) == here
-        assert done.stderr == ""
+    done = subprocess.run([sys.executable, "-c", EPISODES, *jobs[::-1]], capture_output=True, text=True, check=True)
+    assert set(done.stdout.splitlines()) == here
+    assert done.stderr == ""
 
 
 def pilot_and_view(name: str, mates: tuple[Mate, ...] = ()) -> tuple[Any, View]:
