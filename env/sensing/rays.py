@@ -31,7 +31,7 @@ def first_hits(truth: Belief, cell: Cell, lidar_range: float, angles: NDArray[np
     """
     ways = np.stack((-np.sin(angles), np.cos(angles)))
     turns = np.where(ways < 0, -1, 1)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         apart = 1 / np.abs(ways)
     ahead, places = apart / 2, np.tile(np.array([cell]).T, len(angles))
     hits, going = np.full(len(angles), np.inf), np.arange(len(angles))

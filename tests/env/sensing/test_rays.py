@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from indoor_explorers.env import FREE, OCCUPIED, UNKNOWN
@@ -38,6 +38,7 @@ def test_a_ray_reaches_the_centres_that_the_lidar_sees_and_no_others(place, lida
 
 @settings(max_examples=200, deadline=None)
 @given(places(), st.floats(-math.pi, math.pi))
+@example((np.array([[FREE]], np.uint8), (0, 0)), 2e-309)  # almost along the columns
 def test_a_hit_is_on_the_border_of_an_obstacle(place, angle):
     truth, cell = place
     (hit,) = first_hits(truth, cell, 30.0, np.array([angle]))
