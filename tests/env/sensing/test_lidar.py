@@ -77,7 +77,7 @@ def places(draw, side=10):
     return truth.astype(np.uint8), cell
 
 
-@settings(max_examples=2000, deadline=None)
+@settings(max_examples=1000, deadline=None)
 @given(places(), st.sampled_from([1.0, 1.5, 2.25, 3.0, 4.5, 8.0]))
 def test_scan_equals_the_geometric_reference(place, lidar_range):
     truth, cell = place

@@ -185,9 +185,8 @@ def test_closing_ends_a_flight_at_once():
     assert raised == ["the supervisor of these workers was closed"]
 
 
-@pytest.mark.parametrize("policy", ["Wander", "Exits"])
-def test_a_task_of_which_the_driver_has_an_episode_brings_no_map_and_the_known_bound(policy, supervisor):
-    plain = job(policy)
+def test_a_task_of_which_the_driver_has_an_episode_brings_no_map_and_the_known_bound(supervisor):
+    plain = job("Exits")
     new, told = supervisor.fly(plain), supervisor.fly(plain._replace(bounds={task: 7 for task in plain.tasks[:2]}))
     assert [isinstance(record, Record) for record in sorted(new, key=lambda r: r.task)] == [True] * 3
     for record, other in zip(*(sorted(records, key=lambda r: r.task) for records in (new, told)), strict=True):

@@ -96,6 +96,10 @@ def test_a_big_map_makes_no_big_page(tmp_path: Path) -> None:
     assert episode["height"] == 300
 
 
+def test_figures_are_drawn_whatever_the_names(hostile: Results, tmp_path: Path) -> None:
+    assert {path.suffix for path in write_figures(hostile, tmp_path)} == {".svg", ".png", ".pdf"}
+
+
 @pytest.mark.slow
 def test_figures_are_deterministic(hostile: Results, tmp_path: Path) -> None:
     first, second = write_figures(hostile, tmp_path / "a"), write_figures(hostile, tmp_path / "b")
@@ -105,31 +109,37 @@ def test_figures_are_deterministic(hostile: Results, tmp_path: Path) -> None:
         assert one.read_bytes() == other.read_bytes()
 
 
-def test_policies_that_read_the_generators_settings_are_marked(results: Results) -> None:
+@pytest.fixture(scope="module")
+def plain(results: Results) -> str:
+    """The page of results in which nothing is marked."""
+    return render(results)
+
+
+def test_policies_that_read_the_generators_settings_are_marked(results: Results, plain: str) -> None:
     name = "broken"
     policies = results.policies | {name: results.policies[name] | {"uses_generator": True}}
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
-    for found, expected in ((results, False), (marked, True)):
+    for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
         ratios = Ratios.of(found)
         texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(ratios))]
         for text in (*texts, markdown_ratios(ratios), latex_tables(found).replace(r"$\dagger$", DAGGER)):
             assert (f"{name} {DAGGER}" in text) == expected
             assert (f"{DAGGER} reads the settings of the maps' generator" in text) == expected
-        assert ("knows the generator</span>" in render(found)) == expected
-        assert (f"generator that draws the maps, never the map: {name}." in render(found)) == expected
+        assert ("knows the generator</span>" in page) == expected
+        assert (f"generator that draws the maps, never the map: {name}." in page) == expected
 
 
-def test_policies_that_failed_a_check_are_marked(results: Results) -> None:
+def test_policies_that_failed_a_check_are_marked(results: Results, plain: str) -> None:
     name, told = "broken", "map of the seed: knows it; to fix it, forget it"
     policies = results.policies | {name: results.policies[name] | {"failed_check": told}}
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
-    for found, expected in ((results, False), (marked, True)):
+    for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
         texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(Ratios.of(found)))]
         for text in (*texts, latex_tables(found).replace(r"$\ddagger$", DOUBLE_DAGGER)):
             assert (f"{name} {DOUBLE_DAGGER}" in text) == expected
             assert (f"{DOUBLE_DAGGER} {name} failed the check {told}." in " ".join(text.split())) == expected
-        assert ("failed a check</span>" in render(found)) == expected
-        assert (f"{name} failed the check {told}. It is not ranked: its figures may" in render(found)) == expected
+        assert ("failed a check</span>" in page) == expected
+        assert (f"{name} failed the check {told}. It is not ranked: its figures may" in page) == expected
 
 
 def test_policies_from_outside_that_were_not_isolated_are_marked(results: Results) -> None:
@@ -151,16 +161,16 @@ def test_policies_from_outside_that_were_not_isolated_are_marked(results: Result
         assert ("flew isolated</small>" in page) == isolated
 
 
-def test_shares_of_a_batch_are_marked(results: Results) -> None:
+def test_shares_of_a_batch_are_marked(results: Results, plain: str) -> None:
     name = next(iter(results.policies))
     policies = results.policies | {name: results.policies[name] | {"batched": True}}
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
-    for found, expected in ((results, False), (marked, True)):
+    for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
         for text in (printed(headline_table(found, 200)), markdown_tables(found), latex_tables(found)):
             assert ("s (batch share)" in text) == expected
             assert ("Batch share: the policy decides" in text) == expected
-        assert ("batch times</span>" in render(found)) == expected
-        assert (f"whose decision times are shares of a batch: {name}." in render(found)) == expected
+        assert ("batch times</span>" in page) == expected
+        assert (f"whose decision times are shares of a batch: {name}." in page) == expected
 
 
 def printed(*parts: RenderableType) -> str:

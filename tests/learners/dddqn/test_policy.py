@@ -54,6 +54,7 @@ def test_a_copy_from_another_process_acts_the_same(untrained: str) -> None:
     assert np.array_equal(path_flown(policy, [5], together=True), path_flown(copy, [5], together=True))
 
 
+@pytest.mark.slow  # with shipped weights it is checked among all policies
 def test_the_policy_passes_the_conformance_suite(untrained: str) -> None:
     check_policy(Dddqn(weights=untrained))
 

@@ -19,6 +19,7 @@ def untrained(request, tmp_path):
     return write_network(tmp_path / "untrained.safetensors", 3, request.param)
 
 
+@pytest.mark.slow  # with shipped weights it is checked among all policies
 def test_the_policy_passes_the_conformance_suite(untrained):
     check_policy(DddqnThesis(weights=untrained))
 

@@ -364,7 +364,7 @@ def whole(name):
 
 
 @pytest.mark.parametrize("name", ["grid.map", "array.npy", "house.json", "walls.json", "rooms.xml"])
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(st.data())
 def test_damage_is_refused_in_one_line_or_read_in_spite_of_it(tmp_path_factory, name, data):
     damaged = bytearray(whole(name))

@@ -1,5 +1,7 @@
 """The command and the function: which episode, where to, and nothing half-written."""
 
+import resource
+import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -120,20 +122,22 @@ def test_a_place_that_cannot_be_written_is_told_in_a_line(folder, tmp_path, caps
     assert "cannot be written: Not a directory; choose another --out" in errors
 
 
+@pytest.fixture
+def small_files():
+    """Let no file of this process grow above 4096 bytes, as on a full disk."""
+    ignored, room = signal.signal(signal.SIGXFSZ, signal.SIG_IGN), resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, room[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, room)
+    signal.signal(signal.SIGXFSZ, ignored)
+
+
 @pytest.mark.parametrize("format", ["mcap", "rosbag2"])
-def test_a_full_disk_is_told_in_a_line(format, folder, tmp_path):
+def test_a_full_disk_is_told_in_a_line(format, folder, small_files, tmp_path, capsys):
     name = "a.mcap" if format == "mcap" else "a"
-    code = f"""
-import resource, signal
-from indoor_explorers.evaluation.cli.parser import main
-from indoor_explorers.evaluation.exports.episodes import topics
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
-print(main(["export", {str(folder)!r}, *{WORDS!r}, "--format", {format!r}, "--out", {name!r}]))
-"""
-    done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, cwd=tmp_path)
-    assert done.stdout.splitlines()[-1:] == ["2"], done.stderr
-    assert "cannot be written" in done.stderr.splitlines()[-1]
+    status, _, errors = run(capsys, folder, *WORDS, "--format", format, "--out", tmp_path / name)
+    assert status == 2
+    assert "cannot be written" in errors.splitlines()[-1]
     assert list(tmp_path.iterdir()) == []
 
 
