@@ -3,8 +3,8 @@
 import pytest
 
 from indoor_explorers.evaluation import driver, exports
-
-DRAWN, CHECKED = exports.write_figures, driver.with_failed_checks
+from indoor_explorers.evaluation.engines.knowledge import with_failed_checks
+from indoor_explorers.evaluation.report import write_figures
 
 
 @pytest.fixture(scope="package", autouse=True)
@@ -18,10 +18,10 @@ def _short():
 @pytest.fixture
 def figures(monkeypatch):
     """Have comparisons draw the figures in a test that takes this argument."""
-    monkeypatch.setattr(exports, "write_figures", DRAWN)
+    monkeypatch.setattr(exports, "write_figures", write_figures)
 
 
 @pytest.fixture
 def checks(monkeypatch):
     """Have comparisons check plug-ins for hidden knowledge in a test that takes this argument."""
-    monkeypatch.setattr(driver, "with_failed_checks", CHECKED)
+    monkeypatch.setattr(driver, "with_failed_checks", with_failed_checks)
