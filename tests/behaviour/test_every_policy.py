@@ -26,7 +26,9 @@ from tests.planners import flights
 
 ROWS = covering_array()
 REAL_MAP = Path(__file__).resolve().parents[3] / "shared" / "maps" / "slam" / "Sarmis2_map_adj.yaml"
-every_explorer = parametrized(EXPLORERS)
+#: Policies that fly as `frontier` where there is no base or no prior map, which their own tests compare.
+AS_FRONTIER = ["return-to-base", "prior-tour"]
+every_explorer = parametrized(EXPLORERS, slow=AS_FRONTIER)
 #: Policies whose decisions take longest, and those that decide much as another one does.
 SLOW_CONFORMANCE = [
     "prm-tour",
@@ -40,10 +42,11 @@ SLOW_CONFORMANCE = [
     "dddqn-places",
     "pomdp",
     "bat",
-    "prior-tour",
+    *AS_FRONTIER,
 ]
-#: The policies that fly the office in `make test`: one of each family; `make test-all` flies the others.
+#: The policies that fly the office and a real map in `make test`: one of each family; `make test-all` flies the others.
 OFFICE = ("frontier-nearest", "frontier-predictive", "pso", "dddqn")
+some_explorers = parametrized(EXPLORERS, slow=[name for name in EXPLORERS if name not in OFFICE])
 
 
 def flown(name: str, scenario: Scenario, seeds: Sequence[int]) -> list[Record]:
@@ -64,7 +67,7 @@ def test_it_passes_the_conformance_suite(name):
     assert hidden.endswith("knows the true map" if policy.privileged else "changed nothing")
 
 
-@parametrized(EXPLORERS, slow=["prm-tour"])
+@parametrized(EXPLORERS, slow=["prm-tour", *AS_FRONTIER])
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: "-".join(map(str, list(row.values())[1:])))
 def test_it_explores_all_with_any_team_radio_and_lidar(name: str, row: dict[str, Any], map_files: Path) -> None:
     settings = {
@@ -101,12 +104,12 @@ def test_a_team_of_four_completes_the_thesis_rooms(name: str) -> None:
     assert_well_flown(flown(name, PRESETS["thesis-team-4"].for_evaluation(), range(500, 502)))
 
 
-@parametrized(EXPLORERS, slow=[name for name in EXPLORERS if name not in OFFICE])
+@some_explorers
 def test_it_completes_the_office(name: str) -> None:
     assert_well_flown(flown(name, PRESETS["office"].for_evaluation(), [8]))
 
 
-@every_explorer
+@some_explorers
 @pytest.mark.skipif(not REAL_MAP.exists(), reason="the development maps (../shared/maps) are not here")
 @pytest.mark.parametrize("team", [pytest.param(1, marks=pytest.mark.slow), 3])
 def test_it_completes_a_real_map(name: str, team: int) -> None:
