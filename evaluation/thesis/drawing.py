@@ -61,7 +61,8 @@ def _names(runs: Sequence[Run]) -> tuple[list[str], list[str]]:
     return list(dict.fromkeys(run.experiment.title for run in runs)), list(dict.fromkeys(run.version for run in runs))
 
 
-def _hue(versions: Sequence[str], version: str) -> str:
+def hue_of(versions: Sequence[str], version: str) -> str:
+    """Return the colour of a version among those that are drawn."""
     return COLOURS[_HUES[versions.index(version) % len(_HUES)]][0]
 
 
@@ -81,7 +82,7 @@ def grid_figure(runs: Sequence[Run], title: str, draw: Callable[[Axes, Run, str]
     for row, version in zip(panels, versions, strict=True):
         for axes, name in zip(row, titles, strict=True):
             if (version, name) in by_place:
-                draw(axes, by_place[version, name], _hue(versions, version))
+                draw(axes, by_place[version, name], hue_of(versions, version))
             axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
             axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
             axes.grid(color="#e8e8e8", linewidth=0.6)
@@ -95,16 +96,21 @@ def grid_figure(runs: Sequence[Run], title: str, draw: Callable[[Axes, Run, str]
 
 
 def _scores(axes: Axes, run: Run, hue: str) -> None:
-    """Draw the scores and their moving average."""
-    episodes = np.arange(1, len(run.scores) + 1)
-    size = 1.6 if len(episodes) > 5000 else 2.6
-    axes.plot(episodes, run.scores, ".", color=hue, markersize=size, alpha=0.35, markeredgewidth=0, rasterized=True)
-    window = max(LEAST_WINDOW, len(run.scores) // 100)
-    mean = moving_average(run.scores, window)
-    axes.plot(episodes[len(episodes) - len(mean) :], mean, color="#222222", linewidth=1.0)
-    axes.axhline(0.0, color="#999999", linewidth=0.6)
+    """Draw the scores of a run."""
+    size = 1.6 if len(run.scores) > 5000 else 2.6
+    draw_scores(axes, run.scores, color=hue, markersize=size, rasterized=True)
     if run.scores.min() < -LARGE:
         axes.set_yscale("symlog", linthresh=1000.0)
+
+
+def draw_scores(axes: Axes, scores: NDArray[np.float64], every: int = 1, **look: Any) -> None:
+    """Draw the scores of every so many episodes, and their moving average."""
+    episodes = np.arange(1, len(scores) + 1) * every
+    axes.plot(episodes, scores, ".", **{"alpha": 0.35, "markeredgewidth": 0} | look)
+    window = max(LEAST_WINDOW, len(scores) // 100)
+    mean = moving_average(scores, window)
+    axes.plot(episodes[len(episodes) - len(mean) :], mean, color="#222222", linewidth=1.0)
+    axes.axhline(0.0, color="#999999", linewidth=0.6)
 
 
 def moving_average(values: NDArray[np.float64], window: int) -> NDArray[np.float64]:
@@ -134,7 +140,7 @@ def coverage_figure(runs: Sequence[Run]) -> Figure:
             place = titles.index(run.experiment.title)
             look: dict[str, Any] = {"color": COLOURS[place][0], "linewidth": 1.3, "label": run.experiment.title}
             look["linestyle"] = (0, DASHES[place]) if DASHES[place] else "-"
-            for axes, curve in zip(row, (_training_curve(run), _greedy_curve(run)), strict=True):
+            for axes, curve in zip(row, (training_curve(run), greedy_curve(run)), strict=True):
                 axes.plot(np.arange(len(curve)), curve, **look)
         row[0].set_ylabel(f"{version}\ncoverage")
         for axes in row:
@@ -149,12 +155,12 @@ def coverage_figure(runs: Sequence[Run]) -> Figure:
     return figure
 
 
-def _training_curve(run: Run) -> list[float]:
+def training_curve(run: Run) -> list[float]:
     """Return the curve with a NaN for step 0, which training does not record."""
     return [float("nan"), *run.record["training_coverage_by_step"]]
 
 
-def _greedy_curve(run: Run) -> list[float]:
+def greedy_curve(run: Run) -> list[float]:
     """Return the curve, continued at its last value up to the budget."""
     curve = list(run.record["greedy_coverage_by_step"])
     return curve + curve[-1:] * (BUDGET + 1 - len(curve))
@@ -176,7 +182,7 @@ def versions_figure(runs: Sequence[Run]) -> Figure:
             own = [run for run in runs if run.version == version]
             beside = 0.4 * (rank - (len(versions) - 1) / 2) / len(versions)  # so that equal values are both visible
             places = [names.index(run.experiment.name) + beside for run in own]
-            dots: dict[str, Any] = {"color": _hue(versions, version), "marker": MARKERS[rank % len(MARKERS)][1]}
+            dots: dict[str, Any] = {"color": hue_of(versions, version), "marker": MARKERS[rank % len(MARKERS)][1]}
             axes.plot([run.greedy(key)[-1] for run in own], places, linestyle="", label=version, markersize=5, **dots)
         axes.set(
             xlabel=label, ylim=(len(names) - 0.5, -0.5), xlim=(-0.04, 1.04) if key != "t90" else (0, 1.04 * BUDGET)
