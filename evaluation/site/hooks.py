@@ -23,6 +23,7 @@ from indoor_explorers.evaluation.site.pictures.planners import planner_pictures
 from indoor_explorers.evaluation.site.pictures.radio import radio_pictures
 from indoor_explorers.evaluation.site.pictures.statistics import statistics_pictures
 from indoor_explorers.evaluation.site.pictures.tabular import tabular_pictures
+from indoor_explorers.evaluation.site.pictures.thesis import thesis_pictures
 from indoor_explorers.evaluation.site.published import published, reports_page
 from indoor_explorers.evaluation.site.reference import (
     command_line_page,
@@ -72,6 +73,7 @@ DRAWN = (
     radio_pictures,
     statistics_pictures,
     tabular_pictures,
+    thesis_pictures,
 )
 #: Files that are no pages, which the site has a copy of: pictures and short texts.
 COPIED = (".svg", ".png", ".gif", ".cff", ".csv", ".toml", ".py", "LICENSE")

@@ -16,15 +16,18 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
 from indoor_explorers.env import FREE, UNKNOWN, World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.evaluation.report.style.formatting import fixed, percent
+from indoor_explorers.evaluation.report.style.formatting import EN_DASH, fixed, percent
 from indoor_explorers.evaluation.report.style.palette import COLOURS
 from indoor_explorers.evaluation.site.pictures.drawing import MARKED, UAV, cells, svg
+from indoor_explorers.evaluation.site.pictures.map_marks import legend as map_legend
 from indoor_explorers.evaluation.site.pictures.map_marks import line, mark, uav_at
-from indoor_explorers.evaluation.site.studies.thesis import VERSIONS, Training, measured, pairs, replayed
+from indoor_explorers.evaluation.site.studies.thesis import VERSIONS, Training, pairs, replayed
 from indoor_explorers.evaluation.thesis.drawing import BUDGET, draw_scores, greedy_curve, hue_of, training_curve
 
 #: Inches; wide enough for two panels whose labels are legible on a phone.
 WIDTH, ROW, FLIGHT = 5.2, 1.65, 2.6
+#: Of the dots, which as vectors would be most of the file.
+DPI = 240
 LABELS = ("as it was", "mended")
 #: Lines of the first and of the second seed.
 SEEDS: dict[int, Any] = {1: "-", 2: (0, (3, 1.5))}
@@ -80,40 +83,43 @@ def thesis_pictures() -> dict[str, bytes]:
         "radio": (_radio, ("team-2-radio-0", "team-2-radio-1", "team-2-radio-3")),
         "four": (_four, ("team-2-radio-0", "team-2-radio-1", "team-2-radio-3", "team-4-radio-0")),
     }
-    there = {pair[0].run.experiment.name for pair in pairs(measured())}
+    there = {pair[0].run.experiment.name for pair in pairs()}
     return {f"thesis-{name}.svg": svg(draw) for name, (draw, needed) in drawn.items() if there.issuperset(needed)}
 
 
 def _all(name: str) -> list[Pair]:
     """Return the trainings of an experiment, a pair for each seed."""
-    return [pair for pair in pairs(measured()) if pair[0].run.experiment.name == name]
+    return [pair for pair in pairs() if pair[0].run.experiment.name == name]
 
 
 def _distinct(group: str) -> list[tuple[str, Pair]]:
     """Return the trainings of a reward scenario with the letters of their rules; equal trainings are one."""
     found: dict[Any, tuple[str, Pair]] = {}
-    for pair in pairs(measured()):
+    for pair in pairs():
         if pair[0].run.experiment.group == group:
             letter = "abc"[int(pair[0].run.experiment.name[-1])]
             same = (pair[0].seed, *(training.run.scores.tobytes() for training in pair))
             found[same] = (found[same][0] + letter if same in found else letter, pair)
-    return [(", ".join(letters), pair) for letters, pair in sorted(found.values(), key=lambda each: each[1][0].seed)]
+    trained = sorted(found.values(), key=lambda each: each[1][0].seed)
+    return [(letters.replace("abc", f"a{EN_DASH}c"), pair) for letters, pair in trained]
 
 
 def _sheet(figure: Figure, rows: Sequence[Row], legend: Sequence[Line2D], columns: int = 4) -> None:
     """Draw rows of two panels, and a legend below all."""
+    figure.set_dpi(DPI)
     figure.set_size_inches(WIDTH, sum(row.height for row in rows) + 0.25 * -(-len(legend) // columns))
     panels = figure.subplots(len(rows), 2, height_ratios=[row.height for row in rows], squeeze=False)
     for row, pair in zip(rows, panels, strict=True):
-        for k, axes in enumerate(pair):
-            row.draw(axes, k)
-            axes.set_title(f"{row.title}, {LABELS[k]}" if k == 0 else LABELS[k])
         if row.height == ROW:
             pair[1].sharey(pair[0])
+        for k, axes in enumerate(pair):
+            row.draw(axes, k)
+            axes.set_title(LABELS[k] if k else f"{row.title}, {LABELS[k]}")
+        if row.height == ROW:
             pair[1].tick_params(labelleft=False)
             pair[1].set_ylabel("")
     if legend:
-        figure.legend(handles=legend, loc="outside lower center", ncols=columns, handlelength=2.0, columnspacing=1.4)
+        map_legend(figure, legend, columns)
 
 
 def _scores(title: str, pair: Pair) -> Row:
@@ -121,7 +127,7 @@ def _scores(title: str, pair: Pair) -> Row:
 
     def draw(axes: Axes, k: int) -> None:
         training = pair[k]
-        look = {"color": hue_of(VERSIONS, VERSIONS[k]), "markersize": 3.2}
+        look = {"color": hue_of(VERSIONS, VERSIONS[k]), "markersize": 3.2, "rasterized": True}
         draw_scores(axes, training.run.scores, training.every, **look)
         axes.set(xlabel="training episode", ylabel="score", xlim=(0, len(training.run.scores) * training.every))
         axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
@@ -157,7 +163,8 @@ def _greedy(title: str, trained: Sequence[Pair]) -> Row:
             for name, (_, colour) in GREEDY.items():
                 look = {"color": colour, "linestyle": SEEDS[pair[k].seed], "linewidth": 1.2}
                 axes.plot(run.greedy("episodes"), run.greedy(name), **look)
-        axes.set(xlim=(0, None), ylim=(-0.03, 1.03), xlabel="training episode", ylabel="greedy episodes")
+        axes.set(xlim=(0, run.greedy("episodes")[-1]), ylim=(-0.03, 1.03), xlabel="training episode", ylabel="share")
+        axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: fixed(value, 0)))
         axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
 
@@ -181,9 +188,9 @@ def _legend(curves: Sequence[Curve] = (), *, greedy: bool = False, seeds: bool =
 
 def _rewards(figure: Figure, scores: str, explored: str, group: str) -> None:
     trained = _distinct(group)
-    rows = [_scores(f"{scores} {letters}", pair) for letters, pair in trained]
+    rows = [_scores(scores + letters, pair) for letters, pair in trained]
     rows.append(_explored(explored, [Curve(pair) for _, pair in trained]))
-    rows.append(_greedy(f"{scores} c, greedy", _all(f"{group}-stuck-2")))
+    rows.append(_greedy(f"{scores}c, greedy", _all(f"{group}-stuck-2")))
     _sheet(figure, rows, _legend(greedy=True, seeds=True), 3)
 
 
@@ -202,7 +209,7 @@ def _circle(figure: Figure) -> None:
         _flight(axes, circle(seed))
         axes.set_title(f"4.3, seed {fixed(seed, 0)}", fontsize=8.5)
     start, *_, stuck = _marks(1)
-    figure.legend(handles=[start, stuck], loc="outside lower center", ncols=2)
+    map_legend(figure, [start, stuck], 2)
 
 
 def _flight(axes: Any, states: Iterator[World]) -> None:
@@ -219,9 +226,9 @@ def _flight(axes: Any, states: Iterator[World]) -> None:
         beside = 0.16 * (uav - (len(ends) - 1) / 2)  # so that equal paths are both visible
         look = {"color": UAVS[uav], "zorder": 4}
         line(axes, path + beside, **look)
-        uav_at(axes, tuple(path[0] + beside), color=UAVS[uav])
+        uav_at(axes, tuple(path[0] + beside), color=UAVS[uav], clip_on=False)
         if end in ENDS:
-            uav_at(axes, tuple(path[-1] + beside), color=UAVS[uav], **ENDS[end][1])
+            uav_at(axes, tuple(path[-1] + beside), color=UAVS[uav], clip_on=False, **ENDS[end][1])
     said = f"{percent(float(world.team_coverage[0]))} in {len(paths) - 1} steps: {told}"
     axes.text(0.5, -0.03, said, transform=axes.transAxes, ha="center", va="top")
 
@@ -288,5 +295,5 @@ def _four(figure: Figure) -> None:
 
 def _teams(*starts: str) -> list[Curve]:
     """Return the trainings of the first seed of the experiments among obstacles whose names start so."""
-    found = [pair for pair in pairs(measured()) if pair[0].seed == 1 and pair[0].run.experiment.name.startswith(starts)]
+    found = [pair for pair in pairs() if pair[0].seed == 1 and pair[0].run.experiment.name.startswith(starts)]
     return [Curve(pair, pair[0].run.experiment.title, COLOURS[k][0]) for k, pair in enumerate(found)]

@@ -8,15 +8,17 @@ Written by hand from folders of ``indoor-explorers thesis``, of which it takes t
 
 A row has the command and the commit of its training, the figures of ``summary.csv``, the scores of the training
 episodes (among obstacles every fifth), the coverage at every fourth step, the greedy evaluations, and among obstacles
-the moves of one greedy episode. Lists are separated by spaces.
+what 101 further greedy episodes are like: the moves of one, how often two UAVs in contact or apart made the same move,
+and the share of the UAV that saw most. Lists are separated by spaces.
 """
 
 from __future__ import annotations
 
 import csv
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
+from itertools import combinations
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,7 +28,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import Action, World, make_policy, scenario
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.report.style.formatting import fixed, percent
+from indoor_explorers.evaluation.report.style.formatting import THIN_SPACE, fixed, percent
 from indoor_explorers.evaluation.thesis.experiments import AS_WAS, EXPERIMENTS, MENDED, ThesisExperiment
 from indoor_explorers.evaluation.thesis.results import WEIGHTS, Run, read_run
 
@@ -34,16 +36,19 @@ MEASURED = Path(__file__).parent / "thesis.csv"
 VERSIONS = (AS_WAS, MENDED)
 #: Steps between two values of a curve.
 STRIDE = 4
-#: Episodes among which that of median coverage is kept.
-FLOWN = range(1_000_000, 1_000_021)
-#: Figures of a run's row of ``summary.csv``, and of each greedy evaluation.
+#: Greedy episodes among obstacles, of which that of median coverage is kept; and what is counted in all of them.
+FLOWN = range(1_000_000, 1_000_101)
+COUNTED = ("linked", "alike_linked", "apart", "alike_apart", "most")
+#: The mean score of the first tenth of a training and its best score; figures of its row of ``summary.csv``, of its
+#: greedy evaluations, and its curves.
+SCORES = ("first_score", "best_score")
 FIGURES = ("training_score", "training_positive", "coverage", "t90", "reached", "crashed", "stuck")
 EVALUATED = ("episodes", "coverage", "reached", "crashed", "stuck")
 CURVES = ("training_coverage_by_step", "greedy_coverage_by_step")
 COLUMNS = (
-    *("experiment", "version", "seed", "command", "commit", *FIGURES, "scores", *CURVES),
+    *("experiment", "version", "seed", "command", "commit", *SCORES, *FIGURES, "scores", *CURVES),
     *(f"at_{name}" for name in EVALUATED),
-    *("flown_seed", "moves"),
+    *(*COUNTED, "flown_seed", "moves"),
 )
 
 
@@ -52,10 +57,12 @@ class Training(NamedTuple):
 
     run: Run
     """The training with the scores that were kept."""
-    every: int
-    """Episodes from one kept score to the next."""
     figures: dict[str, float]
-    """Its figures in ``summary.csv``."""
+    """Its figures in ``summary.csv``, and :data:`SCORES`."""
+    counted: dict[str, float]
+    """What was counted in greedy episodes: pairs of flying UAVs at a step that were linked, the share of these that
+    made the same move, the same of pairs apart, and of the cells that the UAVs saw, the share of the one that saw most.
+    """
     flown_seed: int | None
     """Seed of the greedy episode that was kept."""
     moves: tuple[str, ...]
@@ -66,10 +73,10 @@ class Training(NamedTuple):
         """The seed of the training."""
         return int(self.run.record["seed"])
 
-
-def every(experiment: ThesisExperiment) -> int:
-    """Return the episodes from one kept score of a training to the next."""
-    return experiment.episodes(1)
+    @property
+    def every(self) -> int:
+        """Episodes from one kept score to the next: as many as the training is longer than one in the empty room."""
+        return self.run.experiment.episodes(1)
 
 
 @cache
@@ -82,7 +89,7 @@ def measured() -> tuple[Training, ...]:
 
 
 def _training(experiment: ThesisExperiment, row: dict[str, str]) -> Training:
-    figures = {name: float(row[name]) for name in FIGURES}
+    figures = {name: float(row[name]) for name in (*SCORES, *FIGURES)}
     points = zip(*(_numbers(row[f"at_{name}"]) for name in EVALUATED), strict=True)
     record: dict[str, Any] = {
         "seed": int(row["seed"]),
@@ -93,8 +100,9 @@ def _training(experiment: ThesisExperiment, row: dict[str, str]) -> Training:
         steps = np.arange((len(kept) - 1) * STRIDE + 1)
         record[name] = np.interp(steps, steps[::STRIDE], kept).tolist()
     run = Run(experiment, row["version"], record, _numbers(row["scores"]))
+    counted = {name: float(row[name]) for name in COUNTED if row[name]}
     seed = int(row["flown_seed"]) if row["flown_seed"] else None
-    return Training(run, every(experiment), figures, seed, tuple(row["moves"].split()))
+    return Training(run, figures, counted, seed, tuple(row["moves"].split()))
 
 
 def _numbers(text: str) -> NDArray[np.float64]:
@@ -115,66 +123,83 @@ def replayed(training: Training) -> Iterator[World]:
 def results_table() -> list[str]:
     """Return the rows of the table of end results in Markdown, a row for each experiment and seed."""
     rows = []
-    for pair in pairs(measured()):
+    for pair in pairs():
         experiment = pair[0].run.experiment
         group = experiment.group.replace("rewards-", "rewards ") + ", " if experiment.group != "obstacles" else ""
         cells = [f"{group}{experiment.title}", str(pair[0].seed)]
-        cells.append(" / ".join(fixed(each.figures["training_score"], 0) for each in pair))
+        cells.append(" / ".join(fixed(each.figures["training_score"], 0).replace(THIN_SPACE, ",") for each in pair))
         for name in ("training_positive", "coverage", "reached", "crashed", "stuck"):
-            cells.append(" / ".join(percent(each.figures[name]) for each in pair))
+            cells.append(" / ".join(percent(each.figures[name]).replace(THIN_SPACE, " ") for each in pair))
         rows.append(f"| {' | '.join(cells)} |")
     return rows
 
 
-def pairs(trainings: Sequence[Training]) -> list[tuple[Training, ...]]:
-    """Return the trainings of each experiment and seed that have both versions: as it was, and mended."""
-    places = dict.fromkeys((training.run.experiment.name, training.seed) for training in trainings)
-    found = [tuple(t for t in trainings if (t.run.experiment.name, t.seed) == place) for place in places]
-    return [pair for pair in found if tuple(training.run.version for training in pair) == VERSIONS]
+@cache
+def pairs() -> tuple[tuple[Training, ...], ...]:
+    """Return the trainings of each experiment and seed of which the file has both: as it was, and mended."""
+    places = dict.fromkeys((training.run.experiment.name, training.seed) for training in measured())
+    found = [tuple(t for t in measured() if (t.run.experiment.name, t.seed) == place) for place in places]
+    return tuple(pair for pair in found if tuple(training.run.version for training in pair) == VERSIONS)
 
 
 def rows(folders: Sequence[Path]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of the file: those of the finished trainings of some folders."""
+    """Yield the rows of the file: those of the finished trainings of some folders, the first of equal ones."""
+    written = set()
     for experiment in EXPERIMENTS:
         for folder in folders:
             for version in VERSIONS:
                 own = folder / experiment.name / version
                 run = read_run(experiment, version, own)
-                if run is not None:
+                if run is not None and (place := (experiment, run.record["seed"], version)) not in written:
+                    written.add(place)
                     yield _row(run, own / WEIGHTS)
 
 
 def _row(run: Run, weights: Path) -> dict[str, Any]:
-    experiment, record = run.experiment, run.record
-    options = f"--episodes {len(run.scores) // experiment.episodes(1)} --seed {record['seed']} --only {experiment.name}"
+    experiment, record, every = run.experiment, run.record, run.experiment.episodes(1)
+    options = f"--episodes {len(run.scores) // every} --seed {record['seed']} --only {experiment.name}"
     row = {"experiment": experiment.name, "version": run.version, "seed": record["seed"]}
     row |= {"command": f"indoor-explorers thesis {options} --versions {run.version}", "commit": record["commit"][:7]}
+    first = run.scores[: max(1, len(run.scores) // 10)].mean()
+    row |= dict(zip(SCORES, (round(float(first), 2), float(run.scores.max())), strict=True))
     row |= {name: run.row()[name] for name in FIGURES}
-    row["scores"] = " ".join(f"{score:.0f}" for score in run.scores[every(experiment) - 1 :: every(experiment)])
-    for name in CURVES:
-        row[name] = " ".join(f"{share:.3f}" for share in record[name][::STRIDE])
-    for name in EVALUATED:
-        row[f"at_{name}"] = " ".join(
-            f"{value:.3g}" if name != "episodes" else str(int(value)) for value in run.greedy(name)
-        )
+    row["scores"] = _text(run.scores[every - 1 :: every], ".0f")
+    row |= {name: _text(record[name][::STRIDE], ".3f") for name in CURVES}
+    row |= {f"at_{name}": _text(run.greedy(name), ".4g") for name in EVALUATED}
     if experiment.group == "obstacles":
-        row["flown_seed"], moves = _median_episode(experiment, weights)
-        row["moves"] = " ".join(moves)
+        row |= _greedy_episodes(experiment, weights)
     return row
 
 
-def _median_episode(experiment: ThesisExperiment, weights: Path) -> tuple[int, list[str]]:
-    """Return the seed and the moves of the greedy episode of median coverage."""
-    policy, found = make_policy("dddqn-thesis", weights=str(weights)), []
+def _text(numbers: Iterable[float], form: str) -> str:
+    return " ".join(f"{number:{form}}" for number in numbers)
+
+
+def _greedy_episodes(experiment: ThesisExperiment, weights: Path) -> dict[str, Any]:
+    """Fly greedy episodes; return what is counted in them, and the seed and the moves of that of median coverage."""
+    policy, found, most = make_policy("dddqn-thesis", weights=str(weights)), [], []
+    steps, alike = np.zeros(2, np.int64), np.zeros(2, np.int64)  # of pairs apart, and of those linked
     for seed in FLOWN:
         world = World(scenario(experiment.scenario))
         world.reset([seed])
-        flight = rollout(world, ask_pilots(policy, make_pilots(policy, world), world))
-        by_uav = np.array([actions[0] for actions in flight]).T
-        moves = ["".join(map(str, actions)).rstrip(str(int(Action.STAY))) for actions in by_uav.tolist()]
-        found.append((float(world.team_coverage[0]), seed, moves))
-    _, seed, moves = sorted(found)[len(found) // 2]
-    return seed, moves
+        state, flown = world.state, []
+        linked, flying = state.linked[0].copy(), world.flying[0].copy()
+        for actions in rollout(world, ask_pilots(policy, make_pilots(policy, world), world)):
+            flown.append(actions[0])
+            for one, other in combinations(np.flatnonzero(flying), 2):
+                steps[int(linked[one, other])] += 1
+                alike[int(linked[one, other])] += actions[0, one] == actions[0, other]
+            linked, flying = state.linked[0].copy(), world.flying[0].copy()
+        moves = ["".join(map(str, own)).rstrip(str(int(Action.STAY))) for own in np.array(flown).T.tolist()]
+        found.append((float(world.team_coverage[0]), seed, " ".join(moves)))
+        most.append(state.sensed_count[0].max() / state.sensed_count[0].sum())
+    _, seed, moves_of_median = sorted(found)[len(found) // 2]
+    apart, together = (
+        round(float(share), 4) if count else ""
+        for share, count in zip(alike / np.maximum(steps, 1), steps, strict=True)
+    )
+    counted = (int(steps[1]), together, int(steps[0]), apart, round(float(np.mean(most)), 4))
+    return {**dict(zip(COUNTED, counted, strict=True)), "flown_seed": seed, "moves": moves_of_median}
 
 
 def main(folders: Sequence[str], out: Path = MEASURED) -> None:
