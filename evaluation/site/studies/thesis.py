@@ -204,10 +204,13 @@ def _greedy_episodes(experiment: ThesisExperiment, weights: Path) -> dict[str, A
 
 def main(folders: Sequence[str], out: Path = MEASURED) -> None:
     """Write the file."""
+    found = list(rows([Path(folder) for folder in folders]))
+    if not found:
+        raise SystemExit(f"no finished trainings in {folders}; expected folders of indoor-explorers thesis")
     with written_whole(out) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
         table.writeheader()
-        table.writerows(rows([Path(folder) for folder in folders]))
+        table.writerows(found)
 
 
 if __name__ == "__main__":

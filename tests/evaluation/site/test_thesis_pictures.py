@@ -44,6 +44,16 @@ def test_scores_among_obstacles_are_never_positive_and_rise():
         assert training.figures["first_score"] < training.figures["training_score"]
 
 
+def test_uavs_in_contact_act_alike_unless_each_sees_itself():
+    for training in AMONG_OBSTACLES:
+        alike, linked = training.counted.get("alike_linked"), training.counted["linked"]
+        assert (alike is None) == (linked == 0)
+        if alike is not None:
+            assert alike == 1.0 if training.run.version == "thesis" else 0.5 < alike < 1.0
+            told = "all" if alike == 1.0 else f"{100 * alike:.0f} %"
+            assert re.search(rf"{told} of {linked:.0f}|and {linked:.0f} \(range", PAGE)
+
+
 @pytest.mark.parametrize("training", AMONG_OBSTACLES, ids=lambda each: f"{each.run.experiment.name}-{each.run.version}")
 def test_a_kept_episode_is_flown_to_its_end(training):
     world = last(replayed(training))
