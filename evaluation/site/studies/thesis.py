@@ -7,9 +7,9 @@ Written by hand from folders of ``indoor-explorers thesis``, of which it takes t
     python -P -m indoor_explorers.evaluation.site.studies.thesis results/brief results/brief-2
 
 A row has the command and the commit of its training, the figures of ``summary.csv``, the scores of the training
-episodes (among obstacles every fifth), the coverage at every fourth step, the greedy evaluations, and among obstacles
-what 101 further greedy episodes are like: the moves of one, how often two UAVs in contact or apart made the same move,
-and the share of the UAV that saw most. Lists are separated by spaces.
+episodes (among obstacles every fifth), the coverage at every fourth step, and the greedy evaluations. Among obstacles
+the last evaluation is flown again: the row has the moves of its episode of median coverage, how often two UAVs in
+contact and apart made the same move, and the share of the UAV that saw most. Lists are separated by spaces.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rol
 from indoor_explorers.evaluation.report.style.formatting import THIN_SPACE, fixed, percent
 from indoor_explorers.evaluation.thesis.experiments import AS_WAS, EXPERIMENTS, MENDED, ThesisExperiment
 from indoor_explorers.evaluation.thesis.results import WEIGHTS, Run, read_run
+from indoor_explorers.learners.sessions.seeds import evaluation_seeds
 
 MEASURED = Path(__file__).parent / "thesis.csv"
 VERSIONS = (AS_WAS, MENDED)
 #: Steps between two values of a curve.
 STRIDE = 4
-#: Greedy episodes among obstacles, of which that of median coverage is kept; and what is counted in all of them.
-FLOWN = range(1_000_000, 1_000_101)
+#: What is counted in the episodes of the last greedy evaluation among obstacles.
 COUNTED = ("linked", "alike_linked", "apart", "alike_apart", "most")
 #: The mean score of the first tenth of a training and its best score; figures of its row of ``summary.csv``, of its
 #: greedy evaluations, and its curves.
@@ -167,7 +167,7 @@ def _row(run: Run, weights: Path) -> dict[str, Any]:
     row |= {name: _text(record[name][::STRIDE], ".3f") for name in CURVES}
     row |= {f"at_{name}": _text(run.greedy(name), ".4g") for name in EVALUATED}
     if experiment.group == "obstacles":
-        row |= _greedy_episodes(experiment, weights)
+        row |= _greedy_episodes(run, weights)
     return row
 
 
@@ -175,12 +175,13 @@ def _text(numbers: Iterable[float], form: str) -> str:
     return " ".join(f"{number:{form}}" for number in numbers)
 
 
-def _greedy_episodes(experiment: ThesisExperiment, weights: Path) -> dict[str, Any]:
-    """Fly greedy episodes; return what is counted in them, and the seed and the moves of that of median coverage."""
+def _greedy_episodes(run: Run, weights: Path) -> dict[str, Any]:
+    """Fly the last evaluation again; return what is counted, and the episode of median coverage."""
     policy, found, most = make_policy("dddqn-thesis", weights=str(weights)), [], []
     steps, alike = np.zeros(2, np.int64), np.zeros(2, np.int64)  # of pairs apart, and of those linked
-    for seed in FLOWN:
-        world = World(scenario(experiment.scenario))
+    first = evaluation_seeds(run.record["seed"])
+    for seed in range(first, first + run.record["config"]["evaluation_episodes"]):
+        world = World(scenario(run.experiment.scenario))
         world.reset([seed])
         state, flown = world.state, []
         linked, flying = state.linked[0].copy(), world.flying[0].copy()
