@@ -39,7 +39,7 @@ GREEDY = {
     "stuck": ("UAVs stuck", COLOURS[4][0]),
 }
 #: Seeds for trials of three flights of the shipped weights: a round is enough, one is stuck after it, one before.
-CIRCLES = (37, 17, 10)
+CIRCLES = (37, 31, 10)
 #: Colours of UAVs, as in the thesis the first is blue; and how UAVs end, with their marks.
 UAVS = tuple(COLOURS[k][0] for k in (0, 1, 2, 3))
 _CRASHED, _STUCK = ("crashed", {"marker": "X", "markersize": 9}), ("stuck", {"marker": "s", "markersize": 7})
