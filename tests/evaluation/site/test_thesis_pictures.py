@@ -54,6 +54,11 @@ def test_uavs_in_contact_act_alike_unless_each_sees_itself():
             assert told in " ".join(PAGE.split())
 
 
+def test_the_page_tells_the_share_of_the_uav_of_four_that_saw_most():
+    was, mended = (each.counted["most"] for each in AMONG_OBSTACLES if each.run.experiment.name == "team-4-radio-0")
+    assert f"it saw {100 * was:.0f} % (mended {100 * mended:.0f} %)" in PAGE
+
+
 @pytest.mark.parametrize("training", AMONG_OBSTACLES, ids=lambda each: f"{each.run.experiment.name}-{each.run.version}")
 def test_a_kept_episode_is_flown_to_its_end(training):
     world = last(replayed(training))
