@@ -83,6 +83,13 @@ def _act(parts: Parts, b: int, agent: int, action: int) -> None:
 
 
 @inner()
+def _stay_ended(slam: Slam, b: int, agent: int, number: int) -> None:
+    """Let an agent that has ended keep its heading and the variance of its pose, which its view still tells."""
+    slam.heading[b, agent, number] = slam.heading[b, agent, number - 1]
+    slam.variance[b, agent, number] = slam.variance[b, agent, number - 1]
+
+
+@inner()
 def _contact(parts: Parts, b: int) -> None:
     """Let linked agents correct each other's poses, and exchange what they and the base know."""
     rules, state, component = parts.rules, parts.state, parts.work.component
@@ -177,6 +184,8 @@ def advance_uncertain(
         for k in range(state.end.shape[1]):
             if state.end[b, order[k]] == FLYING:
                 _act(parts, b, order[k], actions[b, order[k]])
+            else:
+                _stay_ended(slam, b, order[k], state.step[b] + 1)
         state.step[b] += 1
         for n in range(state.end.shape[1]):
             if state.end[b, n] == FLYING:
