@@ -1,7 +1,5 @@
 """Every policy flies where sensors and poses err: maps that are wrong and poses that drift are nothing to fail on."""
 
-import pytest
-
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.state import End

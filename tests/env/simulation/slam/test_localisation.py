@@ -1,0 +1,167 @@
+"""Poses that drift, and what corrects them."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from indoor_explorers.env import World
+from indoor_explorers.env.grid.cells import FREE, Action
+from indoor_explorers.env.maps.floorplan import Floorplan
+from tests.env.simulation.slam.flights import EVERYTHING, begun, disc, random_actions, task
+
+DOWN, LEFT, UP, RIGHT, STAY = (int(action) for action in Action)
+HALL = Floorplan(np.full((30, 30), FREE, np.uint8), "hall")
+ALONE = {"drift.closures": 0.0, "drift.mates": False}
+seeds = st.integers(0, 2**32)
+examples = settings(max_examples=12, deadline=None)
+
+
+def in_hall(team, *changes, seed=0, spawns=((15, 15),)):
+    world = World(task(team, *changes))
+    world.begin(0, seed, floorplan=HALL, spawns=spawns)
+    return world
+
+
+def fly(world, *actions):
+    for action in actions:
+        world.step(np.atleast_2d(action))
+
+
+def pose_error(world, n=0):
+    return float(np.linalg.norm(world.state.believed_cell[0, n] - world.state.cell[0, n]))
+
+
+@examples
+@given(seeds, st.integers(1, 3))
+def test_without_drift_the_believed_cell_is_the_true_one(seed, team):
+    world, rng = begun(task(team, disc(4.0), EVERYTHING, {"drift.rate": 0.0}), seed), np.random.default_rng(seed)
+    for _ in range(20):
+        world.step(random_actions(rng, world)[None])
+        np.testing.assert_array_equal(world.state.believed_cell, world.state.cell)
+        assert all(world.view(0, n).pose_std == 0.0 for n in range(team))
+    assert not world.slam.pose_error.any()
+
+
+def test_a_uav_slips_as_often_as_set_in_any_direction_and_only_when_it_flies():
+    world, batch = World(task(1, ALONE, {"drift.rate": 0.2, "lidar.range": 1.0}), 200), range(200)
+    for episode in batch:
+        world.begin(episode, episode, floorplan=HALL, spawns=[(15, 15)])
+    slips = []
+    for step in range(20):
+        action = (RIGHT, STAY, LEFT, STAY)[step % 4]
+        before = world.state.believed_cell - world.state.cell
+        world.step(np.full((200, 1), action))
+        slips.append((world.state.believed_cell - world.state.cell - before)[:, 0])
+        assert action != STAY or not slips[-1].any()
+    slips = np.concatenate(slips[::2])
+    slipped = slips[slips.any(axis=1)]
+    assert len(slipped) / len(slips) == pytest.approx(0.2, abs=0.03)
+    directions, counts = np.unique(slipped, axis=0, return_counts=True)
+    assert sorted(map(tuple, directions.tolist())) == [(-1, 0), (0, -1), (0, 1), (1, 0)]
+    assert counts / len(slipped) == pytest.approx(0.25, abs=0.06)
+
+
+def test_the_variance_is_that_of_a_random_walk_until_a_loop_is_closed():
+    world = in_hall(1, {"drift.rate": 0.25, "drift.closure_gap": 5})
+    for flown, action in enumerate((RIGHT, RIGHT, STAY, DOWN, LEFT), start=1):
+        fly(world, action)
+        moves = flown - (flown >= 3)
+        assert world.view(0, 0).pose_std == pytest.approx((0.25 * moves) ** 0.5)
+    fly(world, LEFT, UP)  # where it began, seven steps ago
+    assert world.view(0, 0).pose_std == 0.0
+
+
+def test_pose_std_is_the_error_that_poses_have():
+    """Over many flights without corrections, the mean squared error is the variance."""
+    world = World(task(1, ALONE, {"drift.rate": 0.3, "lidar.range": 1.0}), 500)
+    for episode in range(500):
+        world.begin(episode, episode, floorplan=HALL, spawns=[(15, 10)])
+    for _ in range(10):
+        world.step(np.full((500, 1), RIGHT))
+    squared = ((world.state.believed_cell - world.state.cell) ** 2).sum(axis=2)
+    assert squared.mean() == pytest.approx(world.view(0, 0).pose_std ** 2, rel=0.15)
+
+
+@examples
+@given(seeds)
+def test_the_first_cell_is_recognised_and_the_pose_is_right_there(seed):
+    world = in_hall(1, {"drift.rate": 0.5, "drift.closure_gap": 3}, seed=seed)
+    fly(world, RIGHT, RIGHT, RIGHT, DOWN, LEFT, LEFT, LEFT)
+    fly(world, UP)
+    assert pose_error(world) == 0.0
+    assert world.view(0, 0).pose_std == 0.0
+    steps = np.arange(9)
+    truth, drawn = world.slam.true_cell[0, 0, :9], world.slam.drawn_at[0, 0, 0, :9]
+    assert truth[0] == drawn[0] == truth[8] == drawn[8]
+    assert world.slam.variance[0, 0, :9].max() <= 0.5 * 8 / 4 + 1e-6, "that of a Brownian bridge of eight cells"
+    assert (world.slam.way[0, 0, :9] == steps).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "recognised"),
+    [({}, True), ({"drift.closure_gap": 5}, False), ({"drift.closures": 0.0}, False)],
+)
+def test_a_loop_is_closed_after_the_gap_and_with_the_chance_that_is_set(changes, recognised):
+    errors = []
+    for seed in range(12):
+        world = in_hall(1, {"drift.rate": 0.5, "drift.closure_gap": 4} | changes, seed=seed)
+        fly(world, RIGHT, DOWN, LEFT, UP)
+        errors.append(pose_error(world))
+    assert (max(errors) == 0.0) is recognised
+
+
+def test_closures_are_as_frequent_as_set():
+    world = World(task(1, {"drift.rate": 0.5, "drift.closure_gap": 4, "drift.closures": 0.3}), 400)
+    for episode in range(400):
+        world.begin(episode, episode, floorplan=HALL, spawns=[(15, 15)])
+    for action in (RIGHT, DOWN, LEFT, UP):
+        world.step(np.full((400, 1), action))
+    certain = [world.view(episode, 0).pose_std == 0.0 for episode in range(400)]
+    assert np.mean(certain) == pytest.approx(0.3, abs=0.07)
+
+
+@examples
+@given(seeds)
+def test_a_teammate_in_sight_that_never_moved_makes_the_pose_right(seed):
+    world = in_hall(2, {"drift.rate": 0.5}, disc(4.0), {"lidar.range": 4.0}, seed=seed, spawns=((15, 15), (15, 17)))
+    for action in (RIGHT, UP, UP, LEFT, LEFT, DOWN):
+        fly(world, [STAY, action])
+        assert world.state.linked[0, 0, 1]
+        assert pose_error(world, 1) == 0.0
+        assert world.view(0, 1).pose_std == 0.0
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"drift.mates": False}, {"radio.model": "none"}, {"lidar.range": 1.0}],
+    ids=["off", "unlinked", "unseen"],
+)
+def test_mates_correct_only_where_they_are_linked_and_in_sight(changes):
+    errors = []
+    for seed in range(12):
+        settings = ({"drift.rate": 0.5, "drift.closures": 0.0}, disc(9.0), {"lidar.range": 4.0}, changes)
+        world = in_hall(2, *settings, seed=seed, spawns=((15, 15), (15, 17)))
+        fly(world, *([STAY, action] for action in (RIGHT, UP, UP, LEFT)))
+        errors.append(pose_error(world, 1))
+    assert max(errors) > 0.0
+
+
+def test_walls_hide_mates():
+    truth = np.full((3, 9), FREE, np.uint8)
+    truth[1, 1:8] = 2
+    for seed in range(12):
+        world = World(task(2, {"drift.rate": 0.5, "drift.closures": 0.0}, disc(9.0)))
+        world.begin(0, seed, floorplan=Floorplan(truth, "two corridors"), spawns=[(0, 4), (2, 4)])
+        fly(world, [STAY, RIGHT], [STAY, LEFT], [STAY, RIGHT], [STAY, LEFT])
+        assert world.view(0, 1).pose_std == pytest.approx(2.0**0.5)
+
+
+def test_the_believed_cell_stays_on_the_map():
+    world = World(task(1, ALONE, {"drift.rate": 0.5}))
+    world.begin(0, 3, floorplan=Floorplan(np.full((1, 4), FREE, np.uint8), "alley"))
+    for action in (RIGHT, LEFT) * 25:
+        fly(world, action)
+        row, col = world.view(0, 0).cell
+        assert row == 0
+        assert 0 <= col < 4
