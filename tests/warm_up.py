@@ -38,9 +38,10 @@ def fly_policy(name: str) -> str:
 
 
 def fly_presets() -> None:
-    """Fly the world alone on every preset, and with the lidar and radio of plug-ins."""
+    """Fly the world alone on every preset, with the lidar and radio of plug-ins, and with sensors that err."""
     custom = {"lidar.model": f"{plugins.__name__}:exact", "radio.model": f"{plugins.__name__}:disc"}
-    for scenario in (*PRESETS.values(), ROOMS[1].with_settings(custom)):
+    erring = {"noise.misses": 0.1}
+    for scenario in (*PRESETS.values(), *(ROOMS[1].with_settings(changes) for changes in (custom, erring))):
         world = World(scenario, 2)
         world.reset([1, 2])
         world.step(np.zeros((2, scenario.team), np.int64))
