@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.randomness import Stream, stream_key
 from indoor_explorers.env.simulation.state import End
@@ -20,19 +21,19 @@ from tests.env.simulation.slam.reference_scans import DIRECTIONS, SlowScans, hal
 class Uav:
     """One agent. Lists have an entry for each of its scans; the last one belongs to where it is."""
 
-    cell: tuple[int, int]
-    believed: tuple[int, int]
-    headings: list
+    cell: Cell
+    believed: Cell
+    headings: list[int]
     end: int = End.FLYING
-    bumps: list = field(default_factory=lambda: [-1])
-    ways: list = field(default_factory=lambda: [0])
-    variances: list = field(default_factory=lambda: [np.float32(0)])
-    scanned_from: list = field(default_factory=list)
-    first_visits: dict = field(default_factory=dict)
-    listed: set = field(default_factory=set)
-    visited: set = field(default_factory=set)
-    sensed: set = field(default_factory=set)
-    heard: dict = field(default_factory=dict)
+    bumps: list[int] = field(default_factory=lambda: [-1])
+    ways: list[int] = field(default_factory=lambda: [0])
+    variances: list[np.float32] = field(default_factory=lambda: [np.float32(0)])
+    scanned_from: list[Cell] = field(default_factory=list)
+    first_visits: dict[Cell, int] = field(default_factory=dict)
+    listed: set[Cell] = field(default_factory=set)
+    visited: set[Cell] = field(default_factory=set)
+    sensed: set[Cell] = field(default_factory=set)
+    heard: dict[int, tuple[int, Cell]] = field(default_factory=dict)
     reward: float = 0.0
     discovered: int = 0
     received: int = 0

@@ -68,6 +68,25 @@ def test_an_episode_is_a_function_of_its_seed_and_actions(seed, team):
                     np.testing.assert_array_equal(array[0], getattr(batch.state, name)[b], name)
 
 
+def test_an_episode_begins_anew_beside_others():
+    """One place of a batch begins another episode: it is that of a new world, and the other one goes on."""
+    scenario = task(2, disc(4.0), EVERYTHING).with_settings(ROOM)
+    batch, alone, fresh = World(scenario, 2), World(scenario), World(scenario)
+    batch.reset([1, 2])
+    alone.reset([1])
+    drawn = np.random.default_rng(0).integers(0, scenario.actions, (30, 2, 2))
+    for step, actions in enumerate(drawn):
+        if step == 15:
+            batch.restart([1], [3])
+            fresh.reset([3])
+        batch.step(actions)
+        alone.step(actions[:1])
+        assert all(same_views(batch.view(0, n), alone.view(0, n)) for n in range(2))
+        if step >= 15:
+            fresh.step(actions[1:])
+            assert all(same_views(batch.view(1, n), fresh.view(0, n)) for n in range(2))
+
+
 @examples
 @given(seeds, st.integers(1, 3))
 def test_a_view_depends_on_no_cell_out_of_the_lidars_reach(seed, team):

@@ -36,7 +36,23 @@ SPECIAL = {
 }
 
 
+#: Attributes of a slow UAV, by the names that they have in the state.
+COUNTED = (
+    "cell",
+    "end",
+    "reward",
+    "discovered",
+    "received",
+    "collisions",
+    "blocked",
+    "path_length",
+    "sent_bytes",
+    "silent_until",
+)
+
+
 def mask(shape, cells):
+    """(H, W) bool of some cells."""
     found = np.zeros(shape, bool)
     for cell in cells:
         found[cell] = True
@@ -67,10 +83,6 @@ def expected(slow):
     }
 
 
-#: Attributes of a slow UAV, by the names that they have in the state.
-COUNTED = ("cell", "end", "reward", "discovered", "received", "collisions", "blocked", "path_length", "sent_bytes")
-
-
 def of_base(slow):
     return {
         "base_belief": slow.shown(slow.log_odds(BASE)),
@@ -81,6 +93,7 @@ def of_base(slow):
 
 
 def compare(world, slow):
+    """Assert that the two worlds are in the same state."""
     found, facts = {**world.state._asdict(), "log_odds": world.slam.log_odds[:, : len(slow.uavs) + 1]}, expected(slow)
     if world.scenario.base.exists:
         facts |= of_base(slow)
