@@ -12,7 +12,8 @@ Each step goes through the same states, whatever the planner::
        |
     next_action: blocked twice by a teammate? detour, other frontier, or retreat; else the next cell of the path
 
-If ``choose`` finds nothing, it is called once more without bans. :class:`~.navigator.Navigator` follows the paths.
+If ``choose`` finds nothing, it is called once more without bans; and where maps can be wrong, with doubtful obstacles
+taken as unknown, as wrong ones may close a door. :class:`~.navigator.Navigator` follows the paths.
 """
 
 from __future__ import annotations
@@ -24,10 +25,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
 from indoor_explorers.env.navigation.navigator import Navigator
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import on_frontier
+from indoor_explorers.env.sensing.inverse_model import HIT
+
+#: How sure obstacles are that are doubted when nothing else is left, in log-odds: less sure ones first.
+DOUBTED = (4 * HIT, 16 * HIT, 64 * HIT)
 
 
 class GoalPilot(Pilot):
@@ -97,8 +103,19 @@ class GoalPilot(Pilot):
         goal = self.choose(view)
         if goal is None and self.navigator.lift_bans():
             goal = self.choose(view)
+        if goal is None and view.log_odds is not None:
+            goal = self._beside_doubtful(view, view.log_odds)
         self.navigator.set_goal(view, goal)
         self.done = goal is None
+
+    def _beside_doubtful(self, view: View, log_odds: NDArray[np.float32]) -> Cell | None:
+        """Return a goal beside an obstacle that few readings speak for; None if there is none."""
+        for most in DOUBTED:
+            belief = np.where((view.belief == OCCUPIED) & (log_odds <= most), UNKNOWN, view.belief)
+            goal = self.choose(view._replace(belief=belief))
+            if goal is not None:
+                return goal
+        return None
 
     def tally(self) -> dict[str, float]:
         """Return the number of goals given up because teammates were in the way, and of goals chosen."""
@@ -118,7 +135,7 @@ class GoalPilot(Pilot):
 
     def _choice_is_due(self, view: View) -> bool:
         if self.goal is None:
-            return self.map_grew
+            return self.map_grew or view.log_odds is not None
         if self.is_spent(view, self.goal) or self.navigator.is_overdue(view):
             return True
         return self.navigator.may_replan and self.wants_replan(view)

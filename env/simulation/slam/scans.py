@@ -16,8 +16,9 @@ import numpy as np
 from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.sensing.inverse_model import CERTAIN, HIT, PASS
 from indoor_explorers.env.sensing.lidar import visible_cells
-from indoor_explorers.env.simulation.slam.state import CERTAIN, HIT, PASS, ErrorRules, Parts, Readings, Slam
+from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam
 from indoor_explorers.env.simulation.state import State
 
 #: Streams of one scan: distortion, and the two numbers of a normal error.

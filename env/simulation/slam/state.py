@@ -17,11 +17,6 @@ from indoor_explorers.env.sensing.lidar import LidarModel
 from indoor_explorers.env.simulation.engine import Work
 from indoor_explorers.env.simulation.state import Rules, State
 
-#: Log-odds that a cell is occupied after one reading that says so, or that says free: probabilities .706 and .4, as in
-#: OctoMap (Hornung et al. 2013, section 5). Sums of them are exact in single precision, whatever their order.
-HIT, PASS = np.float32(0.875), np.float32(-0.40625)
-#: Readings that a certain one is worth: that of the own cell, and of an obstacle that the UAV has flown into.
-CERTAIN = np.float32(16.0)
 #: Field of view without a limit.
 ALL_AROUND = 360.0
 

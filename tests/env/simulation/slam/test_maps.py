@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.simulation.slam.state import HIT, PASS
+from indoor_explorers.env.sensing.inverse_model import HIT, PASS
 from tests.env.simulation.slam.flights import EVERYTHING, begun, disc, random_actions, task
 
 seeds = st.integers(0, 2**32)
