@@ -52,6 +52,8 @@ def _world() -> Iterator[Benchmark]:
     """Yield the speeds of the worlds, and the ratios of two of them to the ancestor; each speed is measured once."""
     takes = {name: cache(take) for base in WORLDS for name, take in _variants(base)}
     yield from (Benchmark("World", name, SPEED, take) for name, take in takes.items())
+    for name, (task, batch) in worlds.UNCERTAIN.items():
+        yield Benchmark("World", name, SPEED, partial(worlds.world_speed, task, batch))
     for team in (1, 4):
         name = f"world-16x16-lidar3-team{team}"
         slow = cache(partial(ancestor.ancestor_speed, WORLDS[name][0]))

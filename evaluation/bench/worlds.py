@@ -45,6 +45,11 @@ WORLDS = {
     "world-64x64-lidar10-team4": (square(64, 10.0, 4), 256),
     "world-250x250-lidar35-team2": (square(250, 35.0, 2), 64),
 }
+#: The smaller of them with errors of lidar and poses, on one core.
+ERRORS = {"noise.misses": 0.05, "noise.false_returns": 0.001, "noise.range_std": 0.2, "drift.rate": 0.001}
+UNCERTAIN = {
+    f"{name}-errors-core": (task.with_settings(ERRORS), batch // 8) for name, (task, batch) in list(WORLDS.items())[:3]
+}
 
 
 def cores() -> int:
