@@ -19,7 +19,7 @@ from indoor_explorers.env.maps.sources import (
     RoomsMaps,
 )
 from indoor_explorers.env.scenarios.codes import StuckRuleName
-from indoor_explorers.env.scenarios.parts import Base, Lidar, Radio, Rewards, Stuck
+from indoor_explorers.env.scenarios.parts import Base, Drift, Lidar, Noise, Radio, Rewards, Stuck
 from indoor_explorers.env.scenarios.scenario import Scenario
 
 
@@ -105,6 +105,18 @@ def _with_base(preset: Scenario, team: int, budget: int) -> Scenario:
     return preset.model_copy(update={"name": name, "team": team, "base": base, "budget": budget})
 
 
+def _with_errors(preset: Scenario) -> Scenario:
+    """Return a building in which the lidar misses, invents and misplaces obstacles, and pose estimates drift."""
+    noise = Noise(misses=0.05, false_returns=0.001, range_std=0.2)
+    return preset.model_copy(update={"name": f"{preset.name}-errors", "noise": noise, "drift": Drift(rate=0.001)})
+
+
+def _with_camera(preset: Scenario) -> Scenario:
+    """Return a building that is seen by depth cameras, which look ahead."""
+    lidar = preset.lidar.model_copy(update={"field_of_view": 90.0})
+    return preset.model_copy(update={"name": f"{preset.name}-camera", "lidar": lidar})
+
+
 def _buildings() -> Iterator[Scenario]:
     """Yield the bundled office and generated buildings, each kind also small."""
     office = _building("office", OfficeMap(), 1500)
@@ -119,6 +131,8 @@ def _buildings() -> Iterator[Scenario]:
     ):
         building = _building(name, maps, budget)
         yield from (building, _small(building, small))
+        if name == "floors":
+            yield from (_with_errors(_small(building, small)), _with_camera(_small(building, small)))
 
 
 def _first_phase() -> Iterator[Scenario]:
