@@ -13,6 +13,8 @@ from indoor_explorers.env.rendering.overlays import OVERHANG, Chart
 from indoor_explorers.env.rendering.palette import (
     BAR,
     FAINT,
+    FALSE_FREE,
+    FALSE_OCCUPIED,
     HAIRLINE,
     HIDDEN,
     INK,
@@ -119,10 +121,13 @@ def _caption(canvas: Canvas, layout: FrameLayout, scene: Scene) -> None:
 def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]) -> None:
     """Paint the true map, dimmed where the team does not know it, and everything that happens in it.
 
-    Where a prior map differs from what is dimmed, walls that only one of both has have a colour of their own.
+    Where a prior map differs from what is dimmed, walls that only one of both has have a colour of their own, and so
+    have cells that the team's map shows wrongly.
     """
     known = scene.union != UNKNOWN
     ground = np.take(np.concatenate((HIDDEN, KNOWN)), scene.truth + 3 * known, axis=0)
+    ground[(scene.union == OCCUPIED) & (scene.truth == FREE)] = FALSE_OCCUPIED
+    ground[(scene.union == FREE) & (scene.truth == OCCUPIED)] = FALSE_FREE
     if scene.prior is not None:
         ground[~known & (scene.truth == FREE) & (scene.prior == OCCUPIED)] = ONLY_PRIOR
         ground[~known & (scene.truth == OCCUPIED) & (scene.prior == FREE)] = ONLY_TRUTH

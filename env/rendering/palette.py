@@ -28,6 +28,8 @@ HIDDEN = KNOWN.copy()
 HIDDEN[FREE], HIDDEN[OCCUPIED] = (193, 198, 206), (163, 169, 180)
 #: RGB of cells that no UAV knows yet and that are occupied in the prior map alone, and in the true map alone.
 ONLY_PRIOR, ONLY_TRUTH = (178, 166, 214), (226, 180, 142)
+#: RGB of cells that the team's map shows wrongly, as occupied and as free.
+FALSE_OCCUPIED, FALSE_FREE = (205, 52, 73), (247, 168, 182)
 #: RGB of the cross over a UAV that a failure has stopped.
 STOP = (190, 30, 45)
 

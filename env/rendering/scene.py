@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Mask
-from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.cells import MOVES, UNKNOWN
 from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.env.simulation.custom_models import custom_scan
 from indoor_explorers.env.simulation.state import End
@@ -161,7 +161,17 @@ def _in_view(world: World, episode: int) -> Mask:
             seen[n] = custom_scan(lidar.custom, truth, (row, col), lidar.range)
         else:
             seen[n] = scan(truth, (row, col), lidar.range, lidar.model) != UNKNOWN
+        if (heading := world.view(episode, n).heading) is not None:
+            seen[n] &= _is_ahead(truth.shape, (row, col), heading, lidar.field_of_view)
     return seen
+
+
+def _is_ahead(shape: tuple[int, ...], cell: tuple[int, int], heading: int, degrees: float) -> Mask:
+    """Return the (H, W) mask of the cells in a field of view, as the world's scans have it: all neighbours are."""
+    rows, cols = np.indices(shape) - np.reshape(cell, (2, 1, 1))
+    cosine = np.cos(np.radians(degrees / 2)) - 1e-9
+    near = np.maximum(abs(rows), abs(cols)) <= 1
+    return np.asarray(near | (rows * MOVES[heading, 0] + cols * MOVES[heading, 1] >= cosine * np.hypot(rows, cols)))
 
 
 def _heard(world: World, episode: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

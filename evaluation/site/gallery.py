@@ -32,7 +32,7 @@ PILOT = "frontier"
 #: The policies of the example of a report.
 EXAMPLE = ("frontier-nearest", "frontier", "pso", "reference")
 #: Names of scenarios that differ from others in rules or radio only, or are among the harder tasks.
-ALIKE = r"-rewards-|-radio-|-base-"
+ALIKE = r"-rewards-|-radio-|-base-|-errors$|-camera$"
 #: Pixels of a plane's side at least, of its frame, and the greys of both.
 SIDE, FRAME, WHITE, GREY = 120, 4, 255, 200
 
@@ -69,6 +69,18 @@ HARDER = {
         {"prior.kind": "outdated"},
         "With `prior.kind = outdated`: under what is unknown, walls that only the prior map has are violet, and walls "
         "that it lacks orange. The UAVs' own maps have the prior there.",
+    ),
+    "errors": Harder(
+        "frontier",
+        "small-floors-errors",
+        {},
+        "Free cells that the team's map shows as occupied are red, occupied ones that it shows as free pink.",
+    ),
+    "camera": Harder(
+        "frontier",
+        "small-floors-camera",
+        {},
+        "UAVs see ahead, 90 degrees wide, and their eight neighbours; shaded cells are in view.",
     ),
 }
 

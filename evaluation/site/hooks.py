@@ -21,6 +21,7 @@ from indoor_explorers.evaluation.site.pictures.dynamics import dynamics_pictures
 from indoor_explorers.evaluation.site.pictures.learners import learner_pictures
 from indoor_explorers.evaluation.site.pictures.planners import planner_pictures
 from indoor_explorers.evaluation.site.pictures.radio import radio_pictures
+from indoor_explorers.evaluation.site.pictures.sensor_errors import sensor_error_pictures
 from indoor_explorers.evaluation.site.pictures.statistics import statistics_pictures
 from indoor_explorers.evaluation.site.pictures.tabular import tabular_pictures
 from indoor_explorers.evaluation.site.pictures.thesis import thesis_pictures
@@ -71,6 +72,7 @@ DRAWN = (
     learner_pictures,
     planner_pictures,
     radio_pictures,
+    sensor_error_pictures,
     statistics_pictures,
     tabular_pictures,
     thesis_pictures,
