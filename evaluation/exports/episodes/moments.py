@@ -24,6 +24,8 @@ class Moment(NamedTuple):
     """(N,) which UAVs flew in this step; at the start all."""
     cells: NDArray[np.int64]
     """(N, 2) row and column."""
+    believed: NDArray[np.int64]
+    """(N, 2) where each UAV believes to be."""
     beliefs: NDArray[np.uint8]
     """(N, H, W) each UAV's own map."""
     team: Belief
@@ -51,7 +53,7 @@ def moments(record: Record, scenario: Scenario) -> Iterator[Moment]:
     for step, world in enumerate(resimulate(record, scenario)):
         state = world.state
         yield Moment(
-            *(step, flew, state.cell[0], state.belief[0], state.union[0], state.linked[0]),
+            *(step, flew, state.cell[0], state.believed_cell[0], state.belief[0], state.union[0], state.linked[0]),
             heard=(state.last_received_step[0] == step) & flew[:, None],
             discovered=state.discovered[0],
             received=state.received[0],

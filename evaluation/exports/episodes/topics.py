@@ -63,7 +63,7 @@ class _Topics:
         flying = np.flatnonzero(moment.flew).tolist()
         if moment.step == 0:
             self._keep("/true_map", messages.grid(self._record.floorplan.truth))
-        self._put("/tf", messages.frames({uav: moment.cells[uav].tolist() for uav in flying}))
+        self._put("/tf", messages.frames({uav: moment.believed[uav].tolist() for uav in flying}))
         self._put("/coverage", messages.number(moment.coverage))
         if self._bag.is_new("/map", moment.team):
             self._keep("/map", messages.grid(moment.team))
@@ -79,9 +79,9 @@ class _Topics:
         """Write where a UAV is, whom it hears, what its lidar measures and what it knows."""
         messages, name, belief = self._messages, f"/{uav_frame(uav)}", moment.beliefs[uav]
         row, col = moment.cells[uav].tolist()
-        self._put(f"{name}/pose", messages.pose((row, col)))
+        self._put(f"{name}/pose", messages.pose(moment.believed[uav].tolist()))
         for mate in np.flatnonzero(moment.heard[uav]).tolist():
-            self._put(f"{name}/heard/{uav_frame(mate)}", messages.pose(moment.cells[mate].tolist()))
+            self._put(f"{name}/heard/{uav_frame(mate)}", messages.pose(moment.believed[mate].tolist()))
         ranges = self._scanned((row, col))
         self._put(f"{name}/scan", messages.scan(uav, ranges, self._lidar_range, self._step_seconds))
         if self._bag.is_new(f"{name}/map", belief):
@@ -92,8 +92,8 @@ class _Topics:
     def _write_path(self, moment: Moment, uav: int) -> None:
         """Write the path so far now and then, and at the end of the episode."""
         name, steps = f"/{uav_frame(uav)}/path", self._record.steps
-        if self._bag.is_new(name, moment.cells[uav]):
-            self._poses[uav].append(self._messages.pose(moment.cells[uav].tolist()))
+        if self._bag.is_new(name, moment.believed[uav]):
+            self._poses[uav].append(self._messages.pose(moment.believed[uav].tolist()))
         if moment.step % (1 + steps // PATHS) == 0 or moment.step == steps:
             self._keep(name, self._messages.path(self._poses[uav]))
 

@@ -246,3 +246,22 @@ def test_uavs_that_have_ended_are_silent(tmp_path):
     for uav, last in enumerate(ends):
         assert max(topics[f"/uav_{uav}/pose"]) == max(topics[f"/uav_{uav}/scan"]) == last
     assert len(topics["/tf"][record.steps].transforms) == ends.count(record.steps)
+
+
+def test_poses_that_drift_are_those_that_uavs_believe(tmp_path):
+    scenario = (
+        PRESETS["thesis-team-2"]
+        .for_evaluation()
+        .with_settings({"on_collision": "block", "budget": 40, "drift.rate": 0.3, "radio.model": "unlimited"})
+    )
+    (record,) = fly(Wander(), "wander", scenario, [Task(scenario.name, 0, 3)])
+    write_bag(record, scenario, tmp_path / "bag", 1.0, mcap=False)
+    topics, apart = by_step(list(messages(tmp_path / "bag"))), 0
+    for step, world in enumerate(resimulate(record, scenario)):
+        state = world.state
+        for uav, (row, col) in enumerate(state.believed_cell[0].tolist()):
+            where = (col + 0.5, 16 - row - 0.5)
+            assert place(topics[f"/uav_{uav}/pose"][step].pose.position) == where
+            assert place(topics[f"/uav_{1 - uav}/heard/uav_{uav}"][step].pose.position) == where
+            apart += (row, col) != tuple(state.cell[0, uav].tolist())
+    assert apart > 10
