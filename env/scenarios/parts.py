@@ -196,7 +196,7 @@ class Drift(Part):
     """
 
     rate: float = Field(0.0, ge=0.0, le=0.5)
-    """Probability that the estimate slips by one cell, in a random direction, for each cell flown."""
+    """Probability that a UAV slips by one cell in a random direction, for each cell flown, and does not notice."""
     closures: float = Field(1.0, ge=0.0, le=1.0)
     """Loop closure: probability that a UAV recognises a cell in which it has been before, and takes the surer pose."""
     closure_gap: int = Field(20, ge=1)

@@ -1,11 +1,11 @@
 """Localisation, compiled: pose estimates that drift, and what corrects them.
 
-The believed cell drifts from the true one: after each cell flown, with a set probability, by one cell in a random
-direction. A UAV that comes back to a cell in which it has been before, some steps ago and with a surer pose, takes the
-pose estimate of then (loop closure), and one that sees a teammate with a surer pose, and is linked to it, takes the
-pose that follows from the teammate's. The correction is spread over the path since the last pose as sure as the new
-one, in proportion to the cells flown, and the map is drawn again. The variance of a pose is that of a random walk; of a
-path between two corrected poses that of a Brownian bridge.
+A UAV believes that its moves end where they should. After each cell flown, with a set probability, it slips by one
+cell in a random direction, if that cell is open, and does not notice. A UAV that comes back to a cell in which it has
+been before, some steps ago and with a surer pose, takes the pose estimate of then (loop closure), and one that sees a
+teammate with a surer pose, and is linked to it, takes the pose that follows from the teammate's. The correction is
+spread over the path since the last pose as sure as the new one, in proportion to the cells flown, and the map is drawn
+again. The variance of a pose is that of a random walk; of a path between two corrected poses that of a Brownian bridge.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from math import floor, sqrt
 
 import numpy as np
 
-from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.grid.cells import FREE, MOVES
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.sensing.lidar import LidarModel
 from indoor_explorers.env.simulation.radio import walls_between
@@ -41,13 +41,27 @@ def _believe(state: State, b: int, agent: int, row: int, col: int) -> None:
 
 
 @inner()
+def _is_open(state: State, b: int, row: int, col: int) -> bool:
+    """Tell whether a cell is free, and no agent flies in it."""
+    if row < 0 or row >= state.truth.shape[1] or col < 0 or col >= state.truth.shape[2]:
+        return False
+    for mate in range(state.end.shape[1]):
+        if state.cell[b, mate, 0] == row and state.cell[b, mate, 1] == col and state.end[b, mate] == FLYING:
+            return False
+    return bool(state.truth[b, row, col] == FREE)
+
+
+@inner()
 def drift(rules: ErrorRules, state: State, slam: Slam, b: int, agent: int, action: int) -> None:
-    """Update the believed cell of an agent that has moved."""
-    row, col = state.believed_cell[b, agent, 0] + MOVES[action, 0], state.believed_cell[b, agent, 1] + MOVES[action, 1]
+    """Let an agent that has moved believe in its move, and slip from it in truth."""
+    row, col = state.believed_cell[b, agent, 0], state.believed_cell[b, agent, 1]
+    _believe(state, b, agent, row + MOVES[action, 0], col + MOVES[action, 1])
     if rules.drift > 0.0 and _drawn(state, slam, b, agent, SLIP) < rules.drift:
         slip = int(4.0 * _drawn(state, slam, b, agent, DIRECTION))
-        row, col = row + MOVES[slip, 0], col + MOVES[slip, 1]
-    _believe(state, b, agent, row, col)
+        row, col = state.cell[b, agent, 0] + MOVES[slip, 0], state.cell[b, agent, 1] + MOVES[slip, 1]
+        if _is_open(state, b, row, col):
+            state.cell[b, agent, 0], state.cell[b, agent, 1] = row, col
+            state.path_length[b, agent] += -1 if slip == (action + 2) % 4 else 1
 
 
 @inner()

@@ -142,13 +142,17 @@ class SlowAgents:
             elif any(mate.cell == ahead and mate.end == End.FLYING for mate in self.uavs):
                 uav.blocked += 1
             else:
-                uav.cell, moved = ahead, True
-                uav.path_length += 1
-                believed = uav.believed[0] + DIRECTIONS[action][0], uav.believed[1] + DIRECTIONS[action][1]
+                before, uav.cell, moved = uav.cell, ahead, True
+                uav.believed = self.clamped(
+                    (uav.believed[0] + DIRECTIONS[action][0], uav.believed[1] + DIRECTIONS[action][1])
+                )
                 if self.drift_draw(n, 0) < rate:
                     slip = DIRECTIONS[int(4 * self.drift_draw(n, 1))]
-                    believed = believed[0] + slip[0], believed[1] + slip[1]
-                uav.believed = self.clamped(believed)
+                    aside = ahead[0] + slip[0], ahead[1] + slip[1]
+                    taken = any(mate.cell == aside and mate.end == End.FLYING for mate in self.uavs)
+                    if self.is_inside(aside) and self.truth[aside] == FREE and not taken:
+                        uav.cell = aside
+                uav.path_length += abs(uav.cell[0] - before[0]) + abs(uav.cell[1] - before[1])
         uav.headings.append(heading)
         uav.bumps.append(bump)
         uav.ways.append(uav.ways[-1] + moved)
