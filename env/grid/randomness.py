@@ -13,7 +13,7 @@ from enum import IntEnum
 import numpy as np
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.grid.compiled import leaf
+from indoor_explorers.env.grid.compiled import inner, leaf
 
 #: The first episode seed that is too large.
 SEED_LIMIT = 2**63
@@ -61,6 +61,12 @@ def draw(key: np.uint64, counter: np.uint64) -> np.uint64:
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return z ^ (z >> np.uint64(31))
+
+
+@inner()
+def uniform(key: np.uint64, counter: int) -> float:
+    """Draw a number in [0, 1) for (key, counter)."""
+    return float((draw(key, np.uint64(counter)) >> np.uint64(11)) * 2.0**-53)
 
 
 @leaf()

@@ -7,11 +7,9 @@ the same ones.
 
 from __future__ import annotations
 
-import numpy as np
-
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import inner
-from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.grid.randomness import uniform
 from indoor_explorers.env.simulation.state import End, Rules, State
 
 FLYING, STOPPED = int(End.FLYING), int(End.STOPPED)
@@ -24,8 +22,7 @@ def _happens(state: State, b: int, agent: int, kind: int, hazard: float) -> bool
     """Draw whether a failure of one kind happens to an agent in this step."""
     if hazard <= 0.0:
         return False
-    number = np.uint64((state.step[b] * state.end.shape[1] + agent) * KINDS + kind)
-    return bool((draw(state.failure_key[b], number) >> np.uint64(11)) * 2.0**-53 < hazard)
+    return uniform(state.failure_key[b], (state.step[b] * state.end.shape[1] + agent) * KINDS + kind) < hazard
 
 
 @inner()

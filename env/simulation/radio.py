@@ -17,7 +17,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
-from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.grid.randomness import uniform
 from indoor_explorers.env.scenarios.codes import RadioModel
 from indoor_explorers.env.simulation.state import Rules, State
 
@@ -84,8 +84,7 @@ def is_lost(rules: Rules, state: State, b: int, i: int, j: int) -> bool:
     if rules.radio_loss <= 0.0:
         return False
     team = state.end.shape[1]
-    number = np.uint64((state.step[b] * team + i) * team + j)
-    return bool((draw(state.radio_key[b], number) >> np.uint64(11)) * 2.0**-53 < rules.radio_loss)
+    return uniform(state.radio_key[b], (state.step[b] * team + i) * team + j) < rules.radio_loss
 
 
 @inner()

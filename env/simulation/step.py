@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid.randomness import shuffled
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
@@ -59,6 +59,15 @@ def _crash(rules: Rules, state: State, b: int, agent: int, end: int, reward: flo
 
 
 @inner()
+def is_taken(state: State, b: int, row: int, col: int) -> bool:
+    """Tell whether an agent flies in a cell."""
+    for n in range(state.end.shape[1]):
+        if state.cell[b, n, 0] == row and state.cell[b, n, 1] == col and state.end[b, n] == FLYING:
+            return True
+    return False
+
+
+@inner()
 def move(rules: Rules, state: State, b: int, agent: int, action: int) -> bool:
     """Carry out one agent's action; return whether it now is in another cell."""
     if action == 4:
@@ -68,11 +77,9 @@ def move(rules: Rules, state: State, b: int, agent: int, action: int) -> bool:
         return _crash(rules, state, b, agent, OUT_OF_BOUNDS, rules.reward_out_of_bounds)
     if state.truth[b, row, col] == OCCUPIED:
         return _crash(rules, state, b, agent, COLLISION, rules.reward_collision)
-    for mate in range(state.end.shape[1]):
-        in_the_way = state.cell[b, mate, 0] == row and state.cell[b, mate, 1] == col
-        if in_the_way and mate != agent and state.end[b, mate] == FLYING:
-            state.blocked[b, agent] += 1
-            return False
+    if is_taken(state, b, row, col):
+        state.blocked[b, agent] += 1
+        return False
     state.cell[b, agent, 0], state.cell[b, agent, 1] = row, col
     state.path_length[b, agent] += 1
     return True
@@ -118,12 +125,14 @@ def settle(rules: Rules, state: State, b: int) -> None:
 
 
 @inner()
-def _update_legal(state: State, b: int, agent: int) -> None:
-    height, width = state.truth.shape[1], state.truth.shape[2]
+def update_legal(state: State, b: int, agent: int, occupancy: np.ndarray) -> None:
+    """Set which moves from where an agent believes to be end neither off a map (H, W) nor in an obstacle of it."""
+    height, width = occupancy.shape
     for action in range(4):
-        row, col = state.cell[b, agent, 0] + MOVES[action, 0], state.cell[b, agent, 1] + MOVES[action, 1]
+        row = state.believed_cell[b, agent, 0] + MOVES[action, 0]
+        col = state.believed_cell[b, agent, 1] + MOVES[action, 1]
         inside = 0 <= row < height and 0 <= col < width
-        state.legal[b, agent, action] = inside and state.truth[b, row, col] == FREE
+        state.legal[b, agent, action] = inside and occupancy[row, col] != OCCUPIED
     state.legal[b, agent, 4] = True
 
 
@@ -137,7 +146,7 @@ def begin(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int) -> 
     for n in range(state.end.shape[1]):
         if rules.exact_scans:
             sense(state, lidar, b, n, work.scan)
-        _update_legal(state, b, n)
+        update_legal(state, b, n, state.truth[b])
     if rules.exact_scans and rules.radio_model != CUSTOM_RADIO:
         _contact(rules, state, work, b)
 
@@ -176,7 +185,7 @@ def _move_all(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int,
             if move(rules, state, b, n, actions[b, n]):
                 if rules.exact_scans:
                     sense(state, lidar, b, n, work.scan)
-                _update_legal(state, b, n)
+                update_legal(state, b, n, state.truth[b])
     state.step[b] += 1
 
 

@@ -51,6 +51,8 @@ class World:
         self._priors: dict[int, Belief] = {}
         """Prior maps of the episodes that were asked for theirs."""
         self._models: CustomModels | UncertainModel | None = CustomModels.of(scenario)
+        self.slam: Slam | None = None
+        """Scans, estimated poses and maps of log-odds, for reading; None where sensors and poses are exact."""
         self._threads = Threads(max(1, min(threads, batch)))
         self._preparation = Preparation(scenario, batch, self._threads)
         self._engines: list[Engine] = []
@@ -137,7 +139,8 @@ class World:
         exists, uncertain = self.scenario.base.exists, self.scenario.uncertain
         self._state = empty_state(self.batch, self.scenario.team, shape, window, base=exists, uncertain=uncertain)
         if uncertain:
-            self._models = UncertainModel(self.scenario, self.batch, shape)
+            self._models = model = UncertainModel(self.scenario, self.batch, shape)
+            self.slam = model.slam
         rules, lidar = rules_of(self.scenario), lidar_model(self.scenario.lidar.range, self.scenario.lidar.model)
         self._engines = [
             bind(rules, self._state, lidar, new_work(lidar, self.scenario.team)) for _ in range(self._threads.count)
@@ -205,7 +208,7 @@ class World:
         """Return the current view of one agent."""
         state = self.state
         belief, legal, visited = self._shown.get((episode, agent)) or self._show(episode, agent)
-        return View(
+        shown = View(
             belief=belief,
             cell=(state.believed_cell.item(episode, agent, 0), state.believed_cell.item(episode, agent, 1)),
             legal=legal,
@@ -214,13 +217,8 @@ class World:
             mates=self._mates(episode, agent) if self.scenario.team > 1 else (),
             visited=visited,
             base_age=self._base_age(episode, agent),
-            **({} if self.slam is None else self._uncertain(self.slam, episode, agent)),
         )
-
-    @property
-    def slam(self) -> Slam | None:
-        """Scans, estimated poses and maps of log-odds, for reading; None where sensors and poses are exact."""
-        return self._models.slam if isinstance(self._models, UncertainModel) else None
+        return shown if self.slam is None else shown._replace(**self._uncertain(self.slam, episode, agent))
 
     def _uncertain(self, slam: Slam, episode: int, agent: int) -> dict[str, Any]:
         """Return the fields of a view that only UAVs with maps of log-odds have."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.simulation.radio import CELL_BYTES, POSITION_BYTES, hear
-from indoor_explorers.env.simulation.slam.maps import draw_scan
+from indoor_explorers.env.simulation.slam.maps import move_scan
 from indoor_explorers.env.simulation.slam.scans import read_scan
 from indoor_explorers.env.simulation.slam.state import Parts, Slam
 from indoor_explorers.env.simulation.state import State
@@ -53,17 +53,14 @@ def _send(parts: Parts, b: int, agent: int, component: np.ndarray, root: int, so
             same = slam.revision[b, holder, agent] == revision
             start = min(start, slam.scans[b, holder, agent] if same else 0)
     for number in range(start, known):
-        pose, own, count = slam.drawn_at[b, source, agent, number], slam.true_cell[b, agent, number], 0
+        pose, count = slam.drawn_at[b, source, agent, number], 0
         for holder in range(holders):
             before = slam.drawn_at[b, holder, agent, number]
             if before == pose or not _takes_part(state, b, component, root, holder, based):
                 continue
             if count == 0:
                 count = read_scan(parts, b, agent, number)
-            if before >= 0:
-                draw_scan(parts, count, b, holder, own, before, -1.0)
-            new = draw_scan(parts, count, b, holder, own, pose, 1.0)
-            slam.drawn_at[b, holder, agent, number] = pose
+            new = move_scan(parts, count, b, holder, agent, number, pose)
             if holder < team:
                 state.received[b, holder] += new
             if source < team:

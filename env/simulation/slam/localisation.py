@@ -16,12 +16,13 @@ import numpy as np
 
 from indoor_explorers.env.grid.cells import FREE, MOVES
 from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.grid.randomness import uniform
 from indoor_explorers.env.sensing.lidar import LidarModel
 from indoor_explorers.env.simulation.radio import walls_between
 from indoor_explorers.env.simulation.slam.maps import redraw
-from indoor_explorers.env.simulation.slam.scans import uniform
 from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Slam
 from indoor_explorers.env.simulation.state import End, State
+from indoor_explorers.env.simulation.step import is_taken
 
 FLYING = int(End.FLYING)
 #: What is drawn for each agent in each step.
@@ -43,12 +44,8 @@ def _believe(state: State, b: int, agent: int, row: int, col: int) -> None:
 @inner()
 def _is_open(state: State, b: int, row: int, col: int) -> bool:
     """Tell whether a cell is free, and no agent flies in it."""
-    if row < 0 or row >= state.truth.shape[1] or col < 0 or col >= state.truth.shape[2]:
-        return False
-    for mate in range(state.end.shape[1]):
-        if state.cell[b, mate, 0] == row and state.cell[b, mate, 1] == col and state.end[b, mate] == FLYING:
-            return False
-    return bool(state.truth[b, row, col] == FREE)
+    inside = 0 <= row < state.truth.shape[1] and 0 <= col < state.truth.shape[2]
+    return inside and state.truth[b, row, col] == FREE and not is_taken(state, b, row, col)
 
 
 @inner()

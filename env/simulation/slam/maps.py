@@ -46,8 +46,24 @@ def _thresholded(log_odds: float) -> np.uint8:
     return OCCUPIED if log_odds > 0.0 else FREE
 
 
+@inner()
+def move_scan(parts: Parts, count: int, b: int, holder: int, agent: int, number: int, pose: int) -> int:
+    """Let a holder's map have the scan in ``readings`` in ``pose`` alone, wherever it had it before; -1 for nowhere.
+
+    Returns how many cells the holder has come to know for the first time.
+    """
+    slam, new = parts.slam, 0
+    own, before = slam.true_cell[b, agent, number], slam.drawn_at[b, holder, agent, number]
+    if before >= 0:
+        _draw_scan(parts, count, b, holder, own, before, -1.0)
+    if pose >= 0:
+        new = _draw_scan(parts, count, b, holder, own, pose, 1.0)
+    slam.drawn_at[b, holder, agent, number] = pose
+    return new
+
+
 @leaf(entry=False)
-def draw_scan(parts: Parts, count: int, b: int, holder: int, own: int, pose: int, sign: float) -> int:
+def _draw_scan(parts: Parts, count: int, b: int, holder: int, own: int, pose: int, sign: float) -> int:
     """Add the scan in ``readings``, made in the flat cell ``own``, to a holder's map as if made in ``pose``.
 
     ``sign`` is 1, or -1 to remove it. Returns how many cells the holder has come to know for the first time.
@@ -99,15 +115,9 @@ def place_agent(state: State, slam: Slam, b: int, agent: int) -> None:
 @inner()
 def redraw(parts: Parts, b: int, agent: int, number: int, pose: int) -> None:
     """Move a scan of an agent that flies to another pose, in its own map and the team's."""
-    slam = parts.slam
-    own, team = slam.true_cell[b, agent, number], parts.state.end.shape[1]
     count = read_scan(parts, b, agent, number)
-    for holder in (agent, team):
-        before = slam.drawn_at[b, holder, agent, number]
-        if before >= 0:
-            draw_scan(parts, count, b, holder, own, before, -1.0)
-        draw_scan(parts, count, b, holder, own, pose, 1.0)
-        slam.drawn_at[b, holder, agent, number] = pose
+    for holder in (agent, parts.state.end.shape[1]):
+        move_scan(parts, count, b, holder, agent, number, pose)
 
 
 @inner()
@@ -131,10 +141,4 @@ def forget_lost(parts: Parts, b: int) -> None:
         for number in range(slam.scans[b, agent, agent]):
             before, pose = slam.drawn_at[b, team, agent, number], _remaining_pose(state, slam, b, agent, number)
             if before != pose:
-                own = slam.true_cell[b, agent, number]
-                count = read_scan(parts, b, agent, number)
-                if before >= 0:
-                    draw_scan(parts, count, b, team, own, before, -1.0)
-                if pose >= 0:
-                    draw_scan(parts, count, b, team, own, pose, 1.0)
-                slam.drawn_at[b, team, agent, number] = pose
+                move_scan(parts, read_scan(parts, b, agent, number), b, team, agent, number, pose)

@@ -15,7 +15,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED
 from indoor_explorers.env.grid.compiled import inner, leaf
-from indoor_explorers.env.grid.randomness import draw
+from indoor_explorers.env.grid.randomness import draw, uniform
 from indoor_explorers.env.sensing.inverse_model import CERTAIN, HIT, PASS
 from indoor_explorers.env.sensing.lidar import visible_cells
 from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam
@@ -23,12 +23,6 @@ from indoor_explorers.env.simulation.state import State
 
 #: Streams of one scan: distortion, and the two numbers of a normal error.
 DISTORTION, ERROR, ANGLE, KINDS = 0, 1, 2, 3
-
-
-@inner()
-def uniform(key: np.uint64, counter: int) -> float:
-    """Draw a number in [0, 1)."""
-    return (draw(key, np.uint64(counter)) >> np.uint64(11)) * 2.0**-53
 
 
 @inner()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, TURN
+from indoor_explorers.env.grid.cells import TURN
 from indoor_explorers.env.grid.compiled import inner, kernel
 from indoor_explorers.env.grid.randomness import Stream, draw, shuffled, stream_key
 from indoor_explorers.env.simulation.engine import Engine
@@ -18,11 +18,11 @@ from indoor_explorers.env.simulation.home_base import link_base
 from indoor_explorers.env.simulation.radio import link
 from indoor_explorers.env.simulation.slam.exchange import share
 from indoor_explorers.env.simulation.slam.localisation import close_loop, count_errors, drift, meet_mates
-from indoor_explorers.env.simulation.slam.maps import draw_scan, forget_lost, place_agent
+from indoor_explorers.env.simulation.slam.maps import forget_lost, move_scan, place_agent
 from indoor_explorers.env.simulation.slam.scans import read_scan
 from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam
-from indoor_explorers.env.simulation.state import End, State
-from indoor_explorers.env.simulation.step import clear_step, move, settle
+from indoor_explorers.env.simulation.state import End
+from indoor_explorers.env.simulation.step import clear_step, move, settle, update_legal
 
 FLYING = int(End.FLYING)
 NOISE, DRIFT = int(Stream.NOISE), int(Stream.DRIFT)
@@ -34,15 +34,14 @@ def _sense(parts: Parts, b: int, agent: int) -> None:
     state, slam, readings = parts.state, parts.slam, parts.readings
     number, team = state.step[b], state.end.shape[1]
     row, col, width = state.cell[b, agent, 0], state.cell[b, agent, 1], state.truth.shape[2]
-    slam.true_cell[b, agent, number] = own = row * width + col
+    slam.true_cell[b, agent, number] = row * width + col
     if slam.first_visit[b, agent, row, col] < 0:
         slam.first_visit[b, agent, row, col] = number
     pose = state.believed_cell[b, agent, 0] * width + state.believed_cell[b, agent, 1]
     count = read_scan(parts, b, agent, number)
-    state.discovered[b, agent] += draw_scan(parts, count, b, agent, own, pose, 1.0)
-    draw_scan(parts, count, b, team, own, pose, 1.0)
+    state.discovered[b, agent] += move_scan(parts, count, b, agent, agent, number, pose)
+    move_scan(parts, count, b, team, agent, number, pose)
     for holder in (agent, team):
-        slam.drawn_at[b, holder, agent, number] = pose
         slam.scans[b, holder, agent] = number + 1
     sensed, counts = state.sensed[b, agent].flat, state.counts[b].flat
     for k in range(count):
@@ -50,18 +49,6 @@ def _sense(parts: Parts, b: int, agent: int) -> None:
         state.sensed_count[b, agent] += counts[cell] and not sensed[cell]
         sensed[cell] = True
     place_agent(state, slam, b, agent)
-
-
-@inner()
-def _update_legal(state: State, b: int, agent: int) -> None:
-    """Set which moves end neither off the map nor in what the agent takes for an obstacle."""
-    height, width = state.truth.shape[1], state.truth.shape[2]
-    for action in range(4):
-        row = state.believed_cell[b, agent, 0] + MOVES[action, 0]
-        col = state.believed_cell[b, agent, 1] + MOVES[action, 1]
-        inside = 0 <= row < height and 0 <= col < width
-        state.legal[b, agent, action] = inside and state.belief[b, agent, row, col] != OCCUPIED
-    state.legal[b, agent, 4] = True
 
 
 @inner()
@@ -101,7 +88,7 @@ def _contact(parts: Parts, b: int) -> None:
         share(parts, b, based)
     for n in range(state.end.shape[1]):
         place_agent(state, parts.slam, b, n)
-        _update_legal(state, b, n)
+        update_legal(state, b, n, state.belief[b, n])
 
 
 @inner()
