@@ -27,7 +27,7 @@ from indoor_explorers.env.rendering.palette import (
 )
 from indoor_explorers.env.rendering.primitives import Canvas, disc, fitting, stroke, text_width, write
 from indoor_explorers.env.rendering.resample import resample
-from indoor_explorers.env.rendering.scene import Scene
+from indoor_explorers.env.rendering.scene import Scene, with_base
 from indoor_explorers.env.simulation.state import End
 
 #: How strongly the cells in view take on the colour of the UAVs that see them.
@@ -158,9 +158,7 @@ def _drawn_links(scene: Scene) -> tuple[NDArray[np.int64], Mask]:
     linked = scene.linked if scene.team <= NUMBERED else nearest_links(scene)
     if scene.base is None or scene.base_linked is None:
         return scene.cells, linked
-    linked = np.pad(linked, (0, 1))
-    linked[-1, :-1] = linked[:-1, -1] = scene.base_linked
-    return np.concatenate((scene.cells, [scene.base])), linked
+    return np.concatenate((scene.cells, [scene.base])), with_base(linked, scene.base_linked)
 
 
 def _own_map(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[np.uint8]) -> None:

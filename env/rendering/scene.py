@@ -130,6 +130,13 @@ def scene_of(world: World, episode: int, trails: Trails | None = None, title: st
     )
 
 
+def with_base(linked: Mask, leads: Mask) -> Mask:
+    """Return the links (N + 1, N + 1) of UAVs (N, N) and of the home base, which comes last and leads to some (N,)."""
+    linked = np.pad(linked, (0, 1))
+    linked[-1, :-1] = linked[:-1, -1] = leads
+    return linked
+
+
 def base_links(linked: Mask, contact: Mask, cells: NDArray[np.int64], base: NDArray[np.int64]) -> Mask:
     """Return (N,) the UAVs that a link to the home base is drawn from: of each group in contact with it the nearest.
 

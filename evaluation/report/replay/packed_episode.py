@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import connected_components
 
 from indoor_explorers.env import Scenario, World
 from indoor_explorers.env.grid.arrays import Belief, Cell
-from indoor_explorers.env.rendering.scene import base_links
+from indoor_explorers.env.rendering.scene import base_links, with_base
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.resimulate import ended_as_recorded, resimulate
@@ -90,9 +90,7 @@ def _links(world: World) -> NDArray[np.bool_]:
     if not world.scenario.base.exists:
         return np.asarray(state.linked[0])
     leads = base_links(state.linked[0], state.base_contact[0], state.cell[0], state.base_cell[0])
-    linked = np.pad(state.linked[0], (0, 1))
-    linked[-1, :-1] = linked[:-1, -1] = leads
-    return linked
+    return with_base(state.linked[0], leads)
 
 
 def _logs(world: World) -> Iterator[tuple[NDArray[np.int32], int]]:

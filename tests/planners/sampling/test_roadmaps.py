@@ -1,8 +1,5 @@
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import networkx as nx
 import numpy as np
 import pytest
@@ -10,6 +7,7 @@ import pytest
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
 from indoor_explorers.planners.sampling.segments import ALL_KNOWN, fly
+from tests.planners.sampling.processes import assert_same_in_any_process_and_order
 
 DIGEST = """
 import hashlib, sys
@@ -41,15 +39,7 @@ def test_roadmaps_do_not_depend_on_process_or_order(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     some_roadmap()  # what has to be compiled is compiled here, where nobody minds that it says so
-    capsys.readouterr()
-    monkeypatch.setattr(sys, "argv", ["-", "1", "2", "3"])
-    exec(DIGEST, {})
-    here, errors = capsys.readouterr()
-    command = [sys.executable, "-c", DIGEST, "3", "1", "2", "2"]
-    there = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert set(here.splitlines()) == set(there.stdout.splitlines())
-    assert len(set(here.splitlines())) == 6
-    assert errors == there.stderr == ""
+    assert_same_in_any_process_and_order(DIGEST, monkeypatch, capsys)
 
 
 @pytest.mark.parametrize("optimal", [False, True])

@@ -9,6 +9,7 @@ import pytest
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.planners.sampling.segments import BLOCKED, fly
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
+from tests.planners.sampling.processes import assert_same_in_any_process_and_order
 
 DIGEST = """
 import hashlib, sys
@@ -41,15 +42,7 @@ def test_trees_do_not_depend_on_process_or_order(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     some_tree()  # what has to be compiled is compiled here, where nobody minds that it says so
-    capsys.readouterr()
-    monkeypatch.setattr(sys, "argv", ["-", "1", "2", "3"])
-    exec(DIGEST, {})
-    here, errors = capsys.readouterr()
-    command = [sys.executable, "-c", DIGEST, "3", "1", "2", "2"]
-    there = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert set(here.splitlines()) == set(there.stdout.splitlines())
-    assert len(set(here.splitlines())) == 6
-    assert errors == there.stderr == ""
+    assert_same_in_any_process_and_order(DIGEST, monkeypatch, capsys)
 
 
 def test_a_process_that_exits_in_flight_says_nothing() -> None:
