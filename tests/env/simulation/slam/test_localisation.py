@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from indoor_explorers.env import World
-from indoor_explorers.env.grid.cells import FREE, Action
+from indoor_explorers.env.grid.cells import FREE, MOVES, Action
 from indoor_explorers.env.maps.floorplan import Floorplan
 from tests.env.simulation.slam.flights import EVERYTHING, begun, disc, random_actions, task
 
@@ -72,6 +72,19 @@ def test_a_uav_slips_as_often_as_set_in_any_direction_and_only_when_it_flies():
     directions, counts = np.unique(slipped, axis=0, return_counts=True)
     assert sorted(map(tuple, directions.tolist())) == [(-1, 0), (0, -1), (0, 1), (1, 0)]
     assert counts / len(slipped) == pytest.approx(0.25, abs=0.06)
+
+
+def test_a_uav_believes_in_its_moves_so_its_actions_tell_no_slip():
+    slipped = 0
+    for seed in range(8):
+        world, rng = in_hall(1, ALONE, {"drift.rate": 0.5}, seed=seed), np.random.default_rng(seed)
+        believed = np.array([15, 15])
+        for action in rng.integers(0, 5, 12).tolist():
+            fly(world, action)
+            believed = believed + MOVES[action]
+            assert world.view(0, 0).cell == tuple(believed.tolist())
+            slipped += pose_error(world) > 0.0
+    assert slipped
 
 
 def test_the_variance_is_that_of_a_random_walk_until_a_loop_is_closed():
