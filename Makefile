@@ -4,7 +4,8 @@
 # make test-all  the tests that make test leaves out: trainings with other libraries, clusters, wheel, browser
 # make stress    kill a comparison fifty times and see that nothing is lost: some ten minutes
 # make soak      fly every policy over many maps, teams and radios and list who freezes, dithers or fails: an hour
-# make docs      write the documentation to results/site, from files and code alone; a dead link fails
+# make docs      write the documentation to results/site, from files and code alone; a dead link fails;
+#                with DATA=FOLDER also the reports of the suites on the maps that are cloned there
 # make dist      build wheel and sdist in dist/, and try the wheel in a fresh environment
 # make browser   have a Chromium for the tests of the report page, where Debian's can be installed
 
@@ -49,7 +50,7 @@ soak: $(VENV)/.installed-test
 	$(RUN)/python -m tests.behaviour.soak
 
 docs: $(VENV)/.installed-test
-	NO_MKDOCS_2_WARNING=1 $(RUN)/python -P -m mkdocs build --quiet --config-file evaluation/site/mkdocs.yml
+	INDOOR_EXPLORERS_SITE_DATA="$(DATA)" NO_MKDOCS_2_WARNING=1 $(RUN)/python -P -m mkdocs build --quiet --config-file evaluation/site/mkdocs.yml
 	@echo "Documentation: results/site/index.html"
 
 dist: $(VENV)/.installed-test

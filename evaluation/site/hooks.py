@@ -25,7 +25,7 @@ from indoor_explorers.evaluation.site.pictures.sensor_errors import sensor_error
 from indoor_explorers.evaluation.site.pictures.statistics import statistics_pictures
 from indoor_explorers.evaluation.site.pictures.tabular import tabular_pictures
 from indoor_explorers.evaluation.site.pictures.thesis import thesis_pictures
-from indoor_explorers.evaluation.site.published import published, reports_page
+from indoor_explorers.evaluation.site.published import experiments, published, reports_page, suites
 from indoor_explorers.evaluation.site.reference import (
     command_line_page,
     files_page,
@@ -89,10 +89,12 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, page, content=(ROOT / source).read_text("utf-8")))
     for page, make in MADE.items():
         files.append(File.generated(config, page, content=make()))
-    reports = list(published(Path(config.site_dir).parent / "published", config.extra["episodes"]))
+    data = config.extra["data"]
+    comparisons = [*experiments(config.extra["episodes"]), *(suites(Path(data).expanduser()) if data else ())]
+    reports = list(published(Path(config.site_dir).parent / "published", comparisons))
     for report in reports:
         files.append(File.generated(config, report.file, content=report.report))
-    files.append(File.generated(config, "reports/index.md", content=reports_page(reports)))
+    files.append(File.generated(config, "reports/index.md", content=reports_page(reports, with_suites=bool(data))))
     files.append(File.generated(config, "example-report.html", content=example_report()))
     files.append(File.generated(config, "playground.html", content=playground()))
     for draw in DRAWN:

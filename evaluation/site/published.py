@@ -2,26 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from indoor_explorers.env.scenarios.suites.catalogue import suite_of
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.leaderboard.board import Origin
+from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.results.results import Results
 
 EXPERIMENTS = Path(__file__).resolve().parents[1] / "experiments"
 #: The experiments whose reports are on the site.
 PUBLISHED = ("families",)
+#: The tasks of suites whose reports are on the site where their maps are at hand: suite, team and radio.
+SUITES = (
+    ("floors", 1, None),
+    ("floors", 4, "disc"),
+    ("floors", 4, "unlimited"),
+    ("dungeons", 1, None),
+    ("dungeons", 4, "disc"),
+)
+SUITE_POLICIES = (
+    "frontier-nearest",
+    "frontier",
+    "frontier-latency",
+    "frontier-predictive",
+    "rrt",
+    "pso",
+    "dddqn",
+    "reference",
+)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A comparison whose report is on the site."""
+
+    name: str
+    heading: str
+    about: str
+    options: Mapping[str, Any]
+    """The options of ``compare``."""
+    replays: int | None = None
+    """Episodes of each scenario to replay; None for as many as the report chooses."""
+
+    @property
+    def command(self) -> str:
+        """The command that flies it; folders are named DIR."""
+        words = ["indoor-explorers compare"]
+        for name, value in (dict(self.options) | {"out": Path()}).items():
+            told = "DIR" if isinstance(value, Path) else ",".join(value) if isinstance(value, tuple) else value
+            words.append(f"--{name.replace('_', '-')} {told}")
+        return " ".join(words)
 
 
 @dataclass(frozen=True)
 class PublishedReport:
-    """A report and where it comes from."""
+    """The report of a comparison and where its episodes come from."""
 
-    name: str
-    about: str
+    comparison: Comparison
     origin: Origin
     report: bytes
     """The HTML page."""
@@ -29,24 +70,44 @@ class PublishedReport:
     @property
     def file(self) -> str:
         """Its file on the site."""
-        return f"reports/{self.name}.html"
+        return f"reports/{self.comparison.name}.html"
 
 
-def published(folder: Path, episodes: int | None) -> Iterator[PublishedReport]:
-    """Fly the published experiments into ``folder`` where they are not there yet, and yield their reports.
+def experiments(episodes: int | None = None) -> Iterator[Comparison]:
+    """Yield the published experiments, with as many episodes as are published unless ``episodes`` is given."""
+    fewer = {} if episodes is None else {"episodes": episodes}
+    for name in PUBLISHED:
+        about = _about(EXPERIMENTS / f"{name}.toml")
+        yield Comparison(name, f"The experiment {name}", about, {"experiment": name} | fewer)
+
+
+def suites(data: Path) -> Iterator[Comparison]:
+    """Yield the published comparisons on test parts of suites, whose maps are in the folder ``data``."""
+    for suite, team, radio in SUITES:
+        name = f"{suite}-{team}" if radio is None else f"{suite}-{team}-{radio}"
+        heading = f"The suite {suite}, " + ("one UAV" if radio is None else f"{team} UAVs, radio {radio}")
+        about = suite_of(suite).about
+        about = f"{about[0].upper()}{about[1:]}. There are no replays, since the maps belong to others."
+        options = {"suite": suite, "part": "test", "team": team} | ({} if radio is None else {"radio": radio})
+        options |= {"policies": SUITE_POLICIES, "data": data, "ratio_to": ("frontier-nearest", "frontier-predictive")}
+        yield Comparison(name, heading, about, options, replays=0)
+
+
+def published(folder: Path, comparisons: Iterable[Comparison]) -> Iterator[PublishedReport]:
+    """Fly comparisons into ``folder`` where they are not there yet, and yield their reports.
 
     Args:
-        folder: holds a folder for each experiment between two builds.
-        episodes: of each policy and scenario; None for as many as are published.
+        folder: holds a folder for each comparison between two builds.
+        comparisons: what to fly.
 
     """
-    options: dict[str, Any] = {} if episodes is None else {"episodes": episodes}
-    for name in PUBLISHED:
-        file = EXPERIMENTS / f"{name}.toml"
-        out = folder / name
-        compare(out, experiment=file, **options)
-        origin = Origin.of(Results.load(out))
-        yield PublishedReport(name, _about(file), origin, (out / "report.html").read_bytes())
+    for each in comparisons:
+        out = folder / each.name
+        compare(out, command=each.command, **each.options)
+        results, page = Results.load(out), out / "report.html"
+        if each.replays is not None:
+            write_report(results, page, replays=each.replays, ratio_to=each.options.get("ratio_to"))
+        yield PublishedReport(each, Origin.of(results), page.read_bytes())
 
 
 def _about(file: Path) -> str:
@@ -56,22 +117,33 @@ def _about(file: Path) -> str:
     return " ".join(line.removeprefix("#").strip() for line in head)
 
 
-def reports_page(reports: list[PublishedReport]) -> str:
-    """Return the page that lists the reports."""
+def reports_page(reports: list[PublishedReport], *, with_suites: bool) -> str:
+    """Return the page that lists the reports, and tells how to have those of the suites where they are missing."""
     lines = [
         "# Reports",
         "",
-        "Every comparison writes a page like these: a league table, curves, tests, and each episode ",
+        "Every comparison writes a page like these: a league table, curves, tests, and episodes to replay. They were "
+        "flown when the site was built.",
+        "",
     ]
-    lines += ["to replay. These were flown when the site was built.", ""]
     for each in reports:
-        lines += [f"## The experiment {each.name}", "", f"[**Open the report**]({each.name}.html). {each.about}", ""]
+        it = each.comparison
+        lines += [f"## {it.heading}", "", f"[**Open the report**]({it.name}.html). {it.about}", ""]
         lines += [f"Flown on {', '.join(each.origin.machines)} at {each.origin.flown} with", ""]
-        lines += [f"    indoor-explorers compare --experiment {each.name} --out results/{each.name}", ""]
+        lines += [f"    {it.command}", ""]
+    if not with_suites:
+        lines += [
+            "## The suites",
+            "",
+            "The maps of the suites `floors` and `dungeons` belong to others. With clones of them in a folder, `make "
+            "docs DATA=FOLDER` flies the test parts and lists their reports here; [the "
+            "leaderboards](../leaderboard.md) have their tables.",
+            "",
+        ]
     lines += [
         "## A small one",
         "",
-        "[**Open the report**](../example-report.html). Four policies, two scenarios, eight ",
+        "[**Open the report**](../example-report.html). Four policies, two scenarios, eight episodes each.",
+        "",
     ]
-    lines += ["episodes each.", ""]
     return "\n".join(lines)
