@@ -91,6 +91,9 @@ class TrainingConfig(LearnerSettings):
     2015)."""
     reward_scale: float = Field(1.0, gt=0.0)
     """Factor of all rewards in the targets; 1 in the thesis, whose targets are some hundreds."""
+    terminal_reward: float | None = Field(None, gt=0.0)
+    """Reward for the goal, and penalty for a crash and for being stuck; None: those of the reward scenario, which are
+    100 to 10,000 times the reward of a cell, so that errors in their values hide what a cell is worth."""
 
     evaluation_every: int = Field(500, ge=1)
     """Training episodes between two evaluations; the thesis: 200 or 500."""
@@ -104,10 +107,16 @@ class TrainingConfig(LearnerSettings):
         settings: dict[str, Any] = {"on_collision": self.collision}
         rewards = scenario.rewards if self.reward_scenario is None else REWARDS[self.reward_scenario]
         received = rewards.discovered if self.received_rewarded else 0.0
-        settings["rewards"] = rewards.model_dump() | {"received": received}
+        settings["rewards"] = rewards.model_dump() | {"received": received} | self._terminal_rewards()
         if self.stuck_rule is not None:
             settings["stuck.rule"] = self.stuck_rule
         return scenario.with_settings(settings)
+
+    def _terminal_rewards(self) -> dict[str, float]:
+        if self.terminal_reward is None:
+            return {}
+        penalties = dict.fromkeys(("collision", "out_of_bounds", "stuck"), -self.terminal_reward)
+        return penalties | {"goal": self.terminal_reward}
 
     def epsilon(self, decisions: int) -> float:
         """Return the probability of a random move after a number of decisions in training."""

@@ -41,6 +41,13 @@ def test_received_cells_are_paid_like_discovered_ones_or_not_at_all(number, paid
     assert task.rewards.received == (TABLE[number][4] if paid else 0.0)
 
 
+def test_a_terminal_reward_is_that_of_the_goal_and_the_penalty_of_the_other_ends():
+    scenario = PRESETS["thesis-rewards-3-stuck-2"]
+    rewards = TrainingConfig(terminal_reward=10.0).task(scenario).rewards
+    ends = {"goal": 10.0, "collision": -10.0, "out_of_bounds": -10.0, "stuck": -10.0}
+    assert rewards.model_dump() == scenario.rewards.model_dump() | ends
+
+
 def test_the_stuck_rule_and_the_collisions_are_the_scenarios_unless_they_are_set():
     scenario = PRESETS["thesis-rewards-2-stuck-1"]
     assert TrainingConfig().task(scenario) == scenario
