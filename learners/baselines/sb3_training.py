@@ -23,6 +23,7 @@ from gymnasium.spaces import Box, Discrete
 from numpy.typing import NDArray
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.policies import BasePolicy
 
@@ -134,6 +135,7 @@ class StableBaselinesTrainee(BaselineTrainee):
     ) -> None:
         super().__init__(config, scenario, seed)
         self.model, self._algorithm = model, algorithm
+        model.set_logger(Logger(folder=None, output_formats=[]))  # the library's own makes a folder in /tmp
 
     @property
     def steps(self) -> int:
@@ -149,7 +151,7 @@ class StableBaselinesTrainee(BaselineTrainee):
     @property
     def loss(self) -> float:
         """The latest loss; NaN before the first one."""
-        told = self.model.logger.name_to_value if hasattr(self.model, "_logger") else {}
+        told = self.model.logger.name_to_value
         return float(told.get("train/loss", told.get("train/policy_loss", math.nan)))
 
     @property

@@ -10,6 +10,7 @@ import pickle
 import shutil
 import signal
 import sys
+import tempfile
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -43,10 +44,14 @@ SETTINGS = {
 
 @pytest.fixture(scope="module")
 def trained(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A folder for each learner."""
+    """A folder for each learner; the library leaves no folder of logs in that of temporary files."""
     folders = {learner: tmp_path_factory.mktemp("trained") / learner for learner in SETTINGS}
-    for learner, out in folders.items():
-        assert train(learner, out, *SETTINGS[learner]) == 0
+    temporary = tmp_path_factory.mktemp("temporary")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tempfile, "tempdir", str(temporary))
+        for learner, out in folders.items():
+            assert train(learner, out, *SETTINGS[learner]) == 0
+    assert not list(temporary.glob("SB3-*"))
     return folders
 
 
