@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
+from numpy.typing import NDArray
 
 from indoor_explorers.env import FREE, UNKNOWN, World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
@@ -158,16 +159,20 @@ def _greedy(title: str, trained: Sequence[Pair]) -> Row:
 
     def draw(axes: Axes, k: int) -> None:
         for pair in trained:
-            run = pair[k].run
-            for name, (_, colour) in GREEDY.items():
-                look = {"color": colour, "linestyle": SEEDS[pair[k].seed], "linewidth": 1.2}
-                axes.plot(run.greedy("episodes"), run.greedy(name), **look)
-        axes.set(xlim=(0, run.greedy("episodes")[-1]), ylim=(-0.03, 1.03), xlabel="training episode", ylabel="share")
-        axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: fixed(value, 0)))
-        axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+            draw_greedy(axes, pair[k].run.greedy, pair[k].seed)
 
     return Row(title, draw)
+
+
+def draw_greedy(axes: Axes, figures: Callable[[str], NDArray[np.float64]], seed: int) -> None:
+    """Draw the figures of a training's greedy evaluations, by the number of training episodes before them."""
+    episodes = figures("episodes")
+    for name, (_, colour) in GREEDY.items():
+        axes.plot(episodes, figures(name), color=colour, linestyle=SEEDS[seed], linewidth=1.2)
+    axes.set(xlim=(0, episodes[-1]), ylim=(-0.03, 1.03), xlabel="training episode", ylabel="share")
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: fixed(value, 0)))
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
 
 
 def _flights(title: str, pair: Pair) -> Row:
@@ -175,7 +180,7 @@ def _flights(title: str, pair: Pair) -> Row:
     return Row(f"{title}, seed {pair[0].seed}", lambda axes, k: _flight(axes, replayed(pair[k])), FLIGHT)
 
 
-def _legend(curves: Sequence[Curve] = (), *, greedy: bool = False, seeds: bool = False) -> list[Line2D]:
+def curve_legend(curves: Sequence[Curve] = (), *, greedy: bool = False, seeds: bool = False) -> list[Line2D]:
     """Return the lines of a legend: curves, each label once; figures of greedy evaluations; and seeds."""
     looks: dict[str, dict[str, Any]] = {curve.label: {"color": curve.colour} for curve in curves}
     if greedy:
@@ -190,7 +195,7 @@ def _rewards(figure: Figure, scores: str, explored: str, group: str) -> None:
     rows = [_scores(scores + letters, pair) for letters, pair in trained]
     rows.append(_explored(explored, [Curve(pair) for _, pair in trained]))
     rows.append(_greedy(f"{scores}c, greedy", _all(f"{group}-stuck-2")))
-    _sheet(figure, rows, _legend(greedy=True, seeds=True), 3)
+    _sheet(figure, rows, curve_legend(greedy=True, seeds=True), 3)
 
 
 def circle(seed: int) -> Iterator[World]:
@@ -252,20 +257,20 @@ def _open(figure: Figure) -> None:
         for _, pair in _distinct(group)
     ]
     rows = [_explored("4.8", curves), _explored("4.8, greedy", curves, greedy=True)]
-    _sheet(figure, rows, _legend(curves, seeds=True), 5)
+    _sheet(figure, rows, curve_legend(curves, seeds=True), 5)
 
 
 def _obstacles(figure: Figure) -> None:
     trained = _all("obstacles-1")
     rows = [_scores("4.9", pair) for pair in trained]
     rows += [_greedy("4.9, greedy", trained), _flights("4.10", trained[0])]
-    _sheet(figure, rows, _legend(greedy=True, seeds=True) + _marks(1), 3)
+    _sheet(figure, rows, curve_legend(greedy=True, seeds=True) + _marks(1), 3)
 
 
 def _two(figure: Figure) -> None:
     pair = _all("team-2-radio-0")[0]
     rows = [_scores("4.11", pair), _greedy("4.11, greedy", [pair]), _flights("4.12", pair)]
-    _sheet(figure, rows, _legend(greedy=True) + _marks(2))
+    _sheet(figure, rows, curve_legend(greedy=True) + _marks(2))
 
 
 def _radio(figure: Figure) -> None:
@@ -278,7 +283,7 @@ def _radio(figure: Figure) -> None:
         _explored("4.16", teams),
         _explored("4.16, greedy", teams, greedy=True),
     ]
-    _sheet(figure, rows, _legend(teams) + _marks(2), 3)
+    _sheet(figure, rows, curve_legend(teams) + _marks(2), 3)
 
 
 def _four(figure: Figure) -> None:
@@ -289,7 +294,7 @@ def _four(figure: Figure) -> None:
         _explored("4.19, 4.20", teams),
         _explored("4.20, greedy", teams, greedy=True),
     ]
-    _sheet(figure, rows, _legend(teams) + _marks(4), 3)
+    _sheet(figure, rows, curve_legend(teams) + _marks(4), 3)
 
 
 def _teams(*starts: str) -> list[Curve]:

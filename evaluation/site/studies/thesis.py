@@ -90,23 +90,24 @@ def measured() -> tuple[Training, ...]:
 
 def _training(experiment: ThesisExperiment, row: dict[str, str]) -> Training:
     figures = {name: float(row[name]) for name in (*SCORES, *FIGURES)}
-    points = zip(*(_numbers(row[f"at_{name}"]) for name in EVALUATED), strict=True)
+    points = zip(*(numbers(row[f"at_{name}"]) for name in EVALUATED), strict=True)
     record: dict[str, Any] = {
         "seed": int(row["seed"]),
         "evaluations": [dict(zip(EVALUATED, point, strict=True)) for point in points],
     }
     for name in CURVES:
-        kept = _numbers(row[name])
+        kept = numbers(row[name])
         steps = np.arange((len(kept) - 1) * STRIDE + 1)
         record[name] = np.interp(steps, steps[::STRIDE], kept).tolist()
-    run = Run(experiment, row["version"], record, _numbers(row["scores"]))
+    run = Run(experiment, row["version"], record, numbers(row["scores"]))
     counted = {name: float(row[name]) for name in COUNTED if row[name]}
     seed = int(row["flown_seed"]) if row["flown_seed"] else None
     return Training(run, figures, counted, seed, tuple(row["moves"].split()))
 
 
-def _numbers(text: str) -> NDArray[np.float64]:
-    return np.array(text.split(), np.float64)
+def numbers(listed: str) -> NDArray[np.float64]:
+    """Return the numbers of a cell."""
+    return np.array(listed.split(), np.float64)
 
 
 def replayed(training: Training) -> Iterator[World]:
@@ -163,16 +164,17 @@ def _row(run: Run, weights: Path) -> dict[str, Any]:
     first = run.scores[: max(1, len(run.scores) // 10)].mean()
     row |= dict(zip(SCORES, (round(float(first), 2), float(run.scores.max())), strict=True))
     row |= {name: run.row()[name] for name in FIGURES}
-    row["scores"] = _text(run.scores[every - 1 :: every], ".0f")
-    row |= {name: _text(record[name][::STRIDE], ".3f") for name in CURVES}
-    row |= {f"at_{name}": _text(run.greedy(name), ".4g") for name in EVALUATED}
+    row["scores"] = text(run.scores[every - 1 :: every], ".0f")
+    row |= {name: text(record[name][::STRIDE], ".3f") for name in CURVES}
+    row |= {f"at_{name}": text(run.greedy(name), ".4g") for name in EVALUATED}
     if experiment.group == "obstacles":
         row |= _greedy_episodes(run, weights)
     return row
 
 
-def _text(numbers: Iterable[float], form: str) -> str:
-    return " ".join(f"{number:{form}}" for number in numbers)
+def text(listed: Iterable[float], form: str) -> str:
+    """Return a cell with numbers in a format."""
+    return " ".join(f"{number:{form}}" for number in listed)
 
 
 def _greedy_episodes(run: Run, weights: Path) -> dict[str, Any]:
