@@ -170,9 +170,10 @@ def versions_figure(runs: Sequence[Run]) -> Figure:
     """Draw the end results of each experiment by version: greedy episodes that reached 90 %, coverage, and T90."""
     names = list(dict.fromkeys(run.experiment.name for run in runs))
     _, versions = _names(runs)
+    rows, legend = max(0.3, 0.12 * len(versions)) * len(names), 0.2 * len(versions)
     figure = _sheet(
         8.2,
-        1.1 + 0.3 * len(names),
+        1.1 + max(rows, legend),
         "Greedy, at the end of training: the thesis's learner, as it was and corrected",
     )
     panels = figure.subplots(1, 3, sharey=True)
@@ -180,7 +181,7 @@ def versions_figure(runs: Sequence[Run]) -> Figure:
     for axes, (key, label) in zip(panels, figures, strict=True):
         for rank, version in enumerate(versions):
             own = [run for run in runs if run.version == version]
-            beside = 0.4 * (rank - (len(versions) - 1) / 2) / len(versions)  # so that equal values are both visible
+            beside = 0.6 * (rank - (len(versions) - 1) / 2) / len(versions)  # so that equal values are both visible
             places = [names.index(run.experiment.name) + beside for run in own]
             dots: dict[str, Any] = {"color": hue_of(versions, version), "marker": MARKERS[rank % len(MARKERS)][1]}
             axes.plot([run.greedy(key)[-1] for run in own], places, linestyle="", label=version, markersize=5, **dots)

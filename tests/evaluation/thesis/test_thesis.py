@@ -8,9 +8,10 @@ import pytest
 
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.evaluation.cli.parser import main
-from indoor_explorers.evaluation.thesis.drawing import moving_average
+from indoor_explorers.evaluation.thesis.drawing import moving_average, versions_figure
 from indoor_explorers.evaluation.thesis.experiments import EXPERIMENTS, chosen, versions
-from indoor_explorers.evaluation.thesis.results import COLUMNS
+from indoor_explorers.evaluation.thesis.results import COLUMNS, Run
+from indoor_explorers.learners.thesis.config import MENDED
 
 SWITCHES = {"terminal_target": "reward", "frame_stack": 4}
 QUICK = ("--set", "environments=4", "evaluation_every=2", "evaluation_episodes=2", "memory=64", "batch=8")
@@ -96,6 +97,16 @@ def test_the_versions_differ_in_the_switches_and_teams_start_from_one_uav(flown)
     for version in ("thesis", "mended"):
         weights = str((flown / "obstacles-1" / version / "weights.safetensors").resolve())
         assert configs["team-2-radio-3", version]["initial_weights"] == weights
+
+
+@pytest.mark.filterwarnings("error")
+def test_all_versions_of_one_experiment_fit_their_figure():
+    names = versions(["thesis", "mended", "each"], MENDED)
+    last = {"reached": 0.5, "coverage": 0.7, "t90": 200.0}
+    figure = versions_figure([Run(EXPERIMENTS[0], name, {"evaluations": [last]}, np.zeros(1)) for name in names])
+    figure.draw_without_rendering()
+    panels = [axes.get_window_extent() for axes in figure.axes]
+    assert min(min(box.width, box.height) for box in panels) > 100
 
 
 @pytest.mark.slow
