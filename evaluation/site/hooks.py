@@ -25,6 +25,7 @@ from indoor_explorers.evaluation.site.pictures.sensor_errors import sensor_error
 from indoor_explorers.evaluation.site.pictures.statistics import statistics_pictures
 from indoor_explorers.evaluation.site.pictures.tabular import tabular_pictures
 from indoor_explorers.evaluation.site.pictures.thesis import thesis_pictures
+from indoor_explorers.evaluation.site.pictures.thesis_changes import thesis_changes_pictures
 from indoor_explorers.evaluation.site.published import experiments, published, reports_page, suites
 from indoor_explorers.evaluation.site.reference import (
     command_line_page,
@@ -76,6 +77,7 @@ DRAWN = (
     statistics_pictures,
     tabular_pictures,
     thesis_pictures,
+    thesis_changes_pictures,
 )
 #: Files that are no pages, which the site has a copy of: pictures and short texts.
 COPIED = (".svg", ".png", ".gif", ".cff", ".csv", ".toml", ".py", "LICENSE")

@@ -122,8 +122,8 @@ def reports_page(reports: list[PublishedReport], *, with_suites: bool) -> str:
     lines = [
         "# Reports",
         "",
-        "Every comparison writes a page like these: a league table, curves, tests, and episodes to replay. They were "
-        "flown when the site was built.",
+        "Every comparison writes a page like these, with a league table, curves, tests, and episodes to replay. These "
+        "were flown when the site was built.",
         "",
     ]
     for each in reports:

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
-from numpy.typing import NDArray
 
 from indoor_explorers.env import FREE, UNKNOWN, World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
@@ -22,23 +21,14 @@ from indoor_explorers.evaluation.report.style.palette import COLOURS
 from indoor_explorers.evaluation.site.pictures.drawing import MARKED, UAV, cells, svg
 from indoor_explorers.evaluation.site.pictures.map_marks import legend as map_legend
 from indoor_explorers.evaluation.site.pictures.map_marks import line, mark, uav_at
-from indoor_explorers.evaluation.site.studies.thesis import VERSIONS, Training, pairs, replayed
+from indoor_explorers.evaluation.site.pictures.thesis_lines import LABELS, SEEDS, Curve, Pair, curve_legend, draw_greedy
+from indoor_explorers.evaluation.site.studies.thesis import VERSIONS, pairs, replayed
 from indoor_explorers.evaluation.thesis.drawing import BUDGET, draw_scores, greedy_curve, hue_of, training_curve
 
 #: Inches; wide enough for two panels whose labels are legible on a phone.
 WIDTH, ROW, FLIGHT = 5.2, 1.65, 2.6
 #: Of the dots, which as vectors would be most of the file.
 DPI = 240
-LABELS = ("as it was", "mended")
-#: Lines of the first and of the second seed.
-SEEDS: dict[int, Any] = {1: "-", 2: (0, (3, 1.5))}
-#: The figures of greedy evaluations: labels and colours.
-GREEDY = {
-    "coverage": ("coverage", COLOURS[2][0]),
-    "reached": ("90 % reached", COLOURS[3][0]),
-    "crashed": ("UAVs crashed", COLOURS[6][0]),
-    "stuck": ("UAVs stuck", COLOURS[4][0]),
-}
 #: Seeds for trials of three flights of the shipped weights: a round is enough, one is stuck after it, one before.
 CIRCLES = (37, 31, 10)
 #: Colours of UAVs, as in the thesis the first is blue; and how UAVs end, with their marks.
@@ -50,8 +40,6 @@ ENDS: dict[End, tuple[str, dict[str, Any]]] = {
     End.STUCK: _STUCK,
 }
 
-Pair = tuple[Training, ...]
-
 
 class Row(NamedTuple):
     """Two panels side by side."""
@@ -60,15 +48,6 @@ class Row(NamedTuple):
     draw: Callable[[Axes, int], None]
     """Draws the panel of a version, by its place."""
     height: float = ROW
-
-
-class Curve(NamedTuple):
-    """The trainings that a line of a plot is about."""
-
-    pair: Pair
-    label: str = ""
-    colour: str | None = None
-    """None: that of the version."""
 
 
 def thesis_pictures() -> dict[str, bytes]:
@@ -164,30 +143,9 @@ def _greedy(title: str, trained: Sequence[Pair]) -> Row:
     return Row(title, draw)
 
 
-def draw_greedy(axes: Axes, figures: Callable[[str], NDArray[np.float64]], seed: int) -> None:
-    """Draw the figures of a training's greedy evaluations, by the number of training episodes before them."""
-    episodes = figures("episodes")
-    for name, (_, colour) in GREEDY.items():
-        axes.plot(episodes, figures(name), color=colour, linestyle=SEEDS[seed], linewidth=1.2)
-    axes.set(xlim=(0, episodes[-1]), ylim=(-0.03, 1.03), xlabel="training episode", ylabel="share")
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: fixed(value, 0)))
-    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
-
-
 def _flights(title: str, pair: Pair) -> Row:
     """Return the row with a greedy episode of each version."""
     return Row(f"{title}, seed {pair[0].seed}", lambda axes, k: _flight(axes, replayed(pair[k])), FLIGHT)
-
-
-def curve_legend(curves: Sequence[Curve] = (), *, greedy: bool = False, seeds: bool = False) -> list[Line2D]:
-    """Return the lines of a legend: curves, each label once; figures of greedy evaluations; and seeds."""
-    looks: dict[str, dict[str, Any]] = {curve.label: {"color": curve.colour} for curve in curves}
-    if greedy:
-        looks |= {label: {"color": colour} for label, colour in GREEDY.values()}
-    if seeds:
-        looks |= {f"seed {seed}": {"color": "#222222", "linestyle": dash} for seed, dash in SEEDS.items()}
-    return [Line2D([], [], label=label, **look) for label, look in looks.items()]
 
 
 def _rewards(figure: Figure, scores: str, explored: str, group: str) -> None:

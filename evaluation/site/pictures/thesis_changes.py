@@ -6,17 +6,18 @@ from matplotlib.figure import Figure
 
 from indoor_explorers.evaluation.site.pictures.drawing import svg
 from indoor_explorers.evaluation.site.pictures.map_marks import legend as map_legend
-from indoor_explorers.evaluation.site.pictures.thesis import LABELS, ROW, WIDTH, curve_legend, draw_greedy
+from indoor_explorers.evaluation.site.pictures.thesis import ROW, WIDTH
+from indoor_explorers.evaluation.site.pictures.thesis_lines import LABELS, curve_legend, draw_greedy
 from indoor_explorers.evaluation.site.studies.thesis import VERSIONS
 from indoor_explorers.evaluation.site.studies.thesis_changes import ChangedTraining, measured
 
 #: What a panel is called after its changes.
-NAMES = {"centred": "centred", "terminal_reward": "small terminal rewards"}
+NAMES = {"centred": "centred", "terminal_reward": "small rewards"}
 
 
 def thesis_changes_pictures() -> dict[str, bytes]:
     """Return the SVG file of the page by name."""
-    return {"thesis-changes.svg": svg(_changes)}
+    return {"changed-learner.svg": svg(_changes)}
 
 
 def _changes(figure: Figure) -> None:
