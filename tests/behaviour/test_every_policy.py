@@ -35,6 +35,7 @@ SLOW_CONFORMANCE = [
     "rrt-aep",
     "rrt-frontier",
     "rrt-nbv",
+    "rrt-predictive",
     "horizon",
     "frontier-predictive",
     "pso-predictive",

@@ -3,7 +3,7 @@
 Written by hand from folders of ``indoor-explorers thesis``, of which it takes the trainings that are finished::
 
     indoor-explorers thesis --episodes 500 --out results/brief
-    indoor-explorers thesis --episodes 500 --seed 2 --only 'rewards-*-stuck-2,obstacles-1' --out results/brief-2
+    indoor-explorers thesis --episodes 500 --seed 2 --only 'rewards-*,obstacles-1' --out results/brief-2
     python -P -m indoor_explorers.evaluation.site.studies.thesis results/brief results/brief-2
 
 A row has the command and the commit of its training, the figures of ``summary.csv``, the scores of the training

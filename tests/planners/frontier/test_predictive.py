@@ -17,7 +17,12 @@ def steps(policy: Policy, seed: int, goal: float) -> int:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "without", "goal"), [("frontier-predictive", "frontier-latency", 0.99), ("pso-predictive", "pso", 0.9)]
+    ("name", "without", "goal"),
+    [
+        ("frontier-predictive", "frontier-latency", 0.99),
+        ("pso-predictive", "pso", 0.9),
+        ("rrt-predictive", "rrt-frontier", 0.9),
+    ],
 )
 def test_on_most_floors_it_needs_fewer_steps_than_without_estimates(name: str, without: str, goal: float) -> None:
     predictive, other = make_policy(name), make_policy(without)
@@ -25,7 +30,7 @@ def test_on_most_floors_it_needs_fewer_steps_than_without_estimates(name: str, w
     assert np.median(ratios) < 0.97
 
 
-@pytest.mark.parametrize("name", ["frontier-predictive", "pso-predictive"])
+@pytest.mark.parametrize("name", ["frontier-predictive", "pso-predictive", "rrt-predictive"])
 def test_it_tells_what_its_estimates_saw(name: str) -> None:
     policy = make_policy(name)
     assert policy.seen_maps() == {"training": ["floors/train", "dungeons/train"]}
@@ -36,3 +41,8 @@ def test_it_tells_what_its_estimates_saw(name: str) -> None:
 def test_bad_parameters_are_refused(name: str) -> None:
     with pytest.raises(InputError, match=f"expected {name} of at least"):
         make_policy("frontier-predictive", **{name: -1.0})
+
+
+def test_the_paper_s_revenue_has_no_estimates() -> None:
+    with pytest.raises(InputError, match="expected as_published=false"):
+        make_policy("rrt-predictive", as_published=True)
