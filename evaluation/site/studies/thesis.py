@@ -130,7 +130,7 @@ def results_table() -> list[str]:
         cells = [f"{group}{experiment.title}", str(pair[0].seed)]
         cells.append(" / ".join(fixed(each.figures["training_score"], 0).replace(THIN_SPACE, ",") for each in pair))
         for name in ("training_positive", "coverage", "reached", "crashed", "stuck"):
-            cells.append(" / ".join(percent(each.figures[name]).replace(THIN_SPACE, " ") for each in pair))
+            cells.append(" / ".join(percent(each.figures[name]) for each in pair))
         rows.append(f"| {' | '.join(cells)} |")
     return rows
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.style.formatting import THIN_SPACE, percent
+from indoor_explorers.evaluation.report.style.formatting import percent
 from indoor_explorers.evaluation.site.studies.thesis import EVALUATED, VERSIONS, numbers, text
 from indoor_explorers.evaluation.thesis.experiments import EXPERIMENTS
 from indoor_explorers.evaluation.thesis.results import Run, read_run
@@ -67,7 +67,7 @@ def results_table() -> list[str]:
     rows = []
     for training in measured():
         made = ["yes" if name in training.changes else "" for name in CHANGES]
-        shares = [percent(training.greedy[name][-LAST:].mean()).replace(THIN_SPACE, " ") for name in EVALUATED[1:]]
+        shares = [percent(training.greedy[name][-LAST:].mean()) for name in EVALUATED[1:]]
         rows.append(f"| {' | '.join([f'`{training.version}`', *made, str(training.seed), *shares])} |")
     return rows
 
