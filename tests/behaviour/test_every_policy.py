@@ -28,22 +28,23 @@ ROWS = covering_array()
 REAL_MAP = Path(__file__).resolve().parents[3] / "shared" / "maps" / "slam" / "Sarmis2_map_adj.yaml"
 #: Policies that fly as `frontier` where there is no base or no prior map, which their own tests compare.
 AS_FRONTIER = ["return-to-base", "prior-tour"]
-every_explorer = parametrized(EXPLORERS, slow=AS_FRONTIER)
+#: Policies that fly as others do, by the estimates of `frontier-predictive`; `make test` flies their golden episodes.
+BY_ESTIMATES = ["pso-predictive", "rrt-predictive"]
+every_explorer = parametrized(EXPLORERS, slow=[*AS_FRONTIER, *BY_ESTIMATES])
 #: Policies whose decisions take longest, and those that decide much as another one does.
 SLOW_CONFORMANCE = [
     "prm-tour",
     "rrt-aep",
     "rrt-frontier",
     "rrt-nbv",
-    "rrt-predictive",
     "horizon",
     "frontier-predictive",
-    "pso-predictive",
     "tours",
     "dddqn-places",
     "pomdp",
     "bat",
     *AS_FRONTIER,
+    *BY_ESTIMATES,
 ]
 #: The policies that fly the office and a real map in `make test`: one of each family; `make test-all` flies the others.
 OFFICE = ("frontier-nearest", "frontier-predictive", "pso", "dddqn")
@@ -68,7 +69,7 @@ def test_it_passes_the_conformance_suite(name):
     assert hidden.endswith("knows the true map" if policy.privileged else "changed nothing")
 
 
-@parametrized(EXPLORERS, slow=["prm-tour", *AS_FRONTIER])
+@parametrized(EXPLORERS, slow=["prm-tour", *AS_FRONTIER, *BY_ESTIMATES])
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: "-".join(map(str, list(row.values())[1:])))
 def test_it_explores_all_with_any_team_radio_and_lidar(name: str, row: dict[str, Any], map_files: Path) -> None:
     settings = {
