@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -11,7 +9,7 @@ from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST
 from indoor_explorers.evaluation.statistics.resampling import resampled_weights
 from indoor_explorers.evaluation.statistics.small_samples import SmallSample
 
-#: Numbers of resampled curves in memory at a time.
+#: Weights, and numbers of resampled curves, in memory at a time.
 IN_MEMORY = 2**22
 #: A standard deviation below this share of the largest value is rounding.
 ROUNDING = 1e-12
@@ -45,23 +43,26 @@ def curve_band(
         return mean, np.full_like(mean, np.nan), np.full_like(mean, np.nan)
     spread, largest = np.empty_like(mean), np.zeros(resamples)
     rounding = ROUNDING * np.abs(curves).max(initial=0.0)
-    for steps, drawn in _resampled_curves(curves, maps, resamples):
-        deviation = drawn.std(axis=0)
+    drawn = _resampled_curves(curves, maps, resamples)
+    wide = max(1, IN_MEMORY // resamples)
+    for start in range(0, curves.shape[1], wide):
+        steps = slice(start, start + wide)
+        deviation = drawn[:, steps].std(axis=0)
         moving = deviation > rounding
         spread[steps] = np.where(moving, deviation, 0.0)
-        t = np.abs(drawn - mean[steps])[:, moving] / deviation[moving]
+        t = np.abs(drawn[:, steps] - mean[steps])[:, moving] / deviation[moving]
         largest = np.maximum(largest, t.max(axis=1, initial=0.0))
     multiplier = float(np.quantile(largest, CONFIDENCE))
     width = SmallSample.of(len(curves), maps).widened(multiplier) * spread
     return mean, mean - width, mean + width
 
 
-def _resampled_curves(
-    curves: NDArray[np.float64], maps: ArrayLike | None, resamples: int
-) -> Iterator[tuple[slice, NDArray[np.float64]]]:
-    """Yield some steps and the (R, t) resampled means at them, the same resamples for all steps."""
-    weights = np.concatenate(list(resampled_weights(len(curves), resamples, maps)))
-    wide = max(1, IN_MEMORY // resamples)
-    for start in range(0, curves.shape[1], wide):
-        steps = slice(start, start + wide)
-        yield steps, weights @ curves[:, steps]
+def _resampled_curves(curves: NDArray[np.float64], maps: ArrayLike | None, resamples: int) -> NDArray[np.float64]:
+    """Return (R, T) resampled means."""
+    parts, waiting = [], []
+    for weights in resampled_weights(len(curves), resamples, maps):
+        waiting.append(weights)
+        if len(waiting) * weights.size >= IN_MEMORY:
+            parts.append(np.concatenate(waiting) @ curves)
+            waiting = []
+    return np.concatenate([*parts, *([np.concatenate(waiting) @ curves] if waiting else [])])

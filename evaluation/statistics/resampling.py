@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.grid.compiled import leaf
 from indoor_explorers.evaluation.statistics.estimate import FEWEST
 
 #: Weights in memory at a time.
@@ -64,11 +65,9 @@ class MapGroups:
 
     def within(self, draws: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
         """Draw ``draws[r, m]`` episodes of map m with replacement; return how often each was drawn, (R, E)."""
-        rows, maps = draws.shape
-        slots = np.repeat(np.arange(rows * maps), draws.ravel())
-        row, drawn = np.divmod(slots, maps)
-        place = self.first[drawn] + (rng.random(len(slots)) * self.size[drawn]).astype(np.int64)
-        return _counted(row, self.order[place], (rows, len(self.label)))
+        counts = np.zeros((len(draws), len(self.label)), np.int64)
+        _count_draws(draws, rng.random(int(draws.sum())), self.order, self.first, self.size, counts)
+        return counts
 
 
 def maps_are_sampled(maps: ArrayLike | None) -> bool:
@@ -131,6 +130,24 @@ class _Fixed:
 
     def __call__(self, rows: int) -> NDArray[np.float64]:
         return self.layout.within(np.tile(self.layout.size, (rows, 1)), self.episodes) / len(self.layout.label)
+
+
+@leaf()
+def _count_draws(
+    draws: NDArray[np.int64],
+    uniform: NDArray[np.float64],
+    order: NDArray[np.int64],
+    first: NDArray[np.int64],
+    size: NDArray[np.int64],
+    counts: NDArray[np.int64],
+) -> None:
+    """Add to (R, E) ``counts`` the episodes that numbers from 0 to 1 choose within maps, ``draws[r, m]`` of map m."""
+    used = 0
+    for row in range(draws.shape[0]):
+        for drawn in range(draws.shape[1]):
+            for _ in range(draws[row, drawn]):
+                counts[row, order[first[drawn] + int(uniform[used] * size[drawn])]] += 1
+                used += 1
 
 
 def _counted(row: NDArray[np.int64], column: NDArray[np.int64], shape: tuple[int, int]) -> NDArray[np.int64]:
