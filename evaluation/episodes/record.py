@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import signal
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
-from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,17 +91,15 @@ class FlownEpisode(Steps):
         own = rows[:, 1 : 1 + self.team]
         return np.asarray({"worst": own.min(axis=1), "mean": own.mean(axis=1)}[who] / self.reachable)
 
-    @cached_property
-    def distance(self) -> NDArray[np.int64]:
-        """(S + 1,) cells flown by all UAVs together up to each step."""
-        moved = np.abs(np.diff(self.cells.astype(np.int64), axis=0)).sum(axis=(1, 2))
-        return np.concatenate(([0], np.cumsum(moved)))
-
     def flew_like(self, other: FlownEpisode) -> bool:
         """Return whether both are the same step for step; decision times are ignored."""
         names = ("covered", "cells", "actions", "sent")
         same_end = (self.outcome, self.steps) == (other.outcome, other.steps)
         return same_end and all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    def with_metrics(self, metrics: dict[str, float | None]) -> Self:
+        """Return the episode with other metrics."""
+        return replace(self, metrics=metrics)
 
     def spent(self, axis: str) -> NDArray[np.float64]:
         """Return (S + 1,) the amount of one of :data:`AXES` spent up to each step; it never decreases."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +25,21 @@ def step_type(team: int, base: bool = False) -> np.dtype[Any]:
             ("sent", np.int64),
         ]
     )
+
+
+class StepFacts(NamedTuple):
+    """What reports need of the steps of every episode."""
+
+    flight: bytes
+    """Digest of actions and covered cells."""
+    track: bytes
+    """Digest of where the UAVs were."""
+    start: bytes
+    """Where they were at first."""
+    spent: dict[str, float]
+    """What was spent in the end: distance, seconds and bytes."""
+    first_seconds: float
+    """The first seconds above 0; infinite where there are none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,3 +69,28 @@ class Steps:
     def steps(self) -> int:
         """How many steps were flown."""
         return len(self.actions)
+
+    @property
+    def size(self) -> int:
+        """Bytes of all arrays."""
+        return sum(array.nbytes for array in (self.covered, self.cells, self.actions, self.seconds, self.sent))
+
+    @cached_property
+    def distance(self) -> NDArray[np.int64]:
+        """(S + 1,) cells flown by all UAVs together up to each step."""
+        moved = np.abs(np.diff(self.cells.astype(np.int64), axis=0)).sum(axis=(1, 2))
+        return np.concatenate(([0], np.cumsum(moved)))
+
+    @property
+    def facts(self) -> StepFacts:
+        """What reports need of every episode, in few bytes."""
+        ends = {"distance": float(self.distance[-1]), "seconds": float(self.seconds[-1]), "bytes": float(self.sent[-1])}
+        first = float(self.seconds[np.argmax(self.seconds > 0)]) if ends["seconds"] > 0 else np.inf
+        return StepFacts(_digest(self.actions, self.covered), _digest(self.cells), self.cells[0].tobytes(), ends, first)
+
+
+def _digest(*arrays: NDArray[Any]) -> bytes:
+    digest = hashlib.sha256()
+    for array in arrays:
+        digest.update(np.ascontiguousarray(array).data)
+    return digest.digest()[:16]

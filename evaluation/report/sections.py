@@ -28,6 +28,8 @@ from indoor_explorers.evaluation.statistics import FEWEST
 
 #: Limits of all replays and of all charts in bytes; plotly.js takes 5 MB besides.
 REPLAY_BYTES, CHART_BYTES = 3_000_000, 1_200_000
+#: Limit of the points of all episodes of a policy, which are in memory at once.
+CHART_VALUES = 2_000_000
 #: Names of the axes on the buttons of a chart.
 AXIS_NAMES = {"steps": "Steps", "distance": "Distance", "seconds": "Thinking time", "bytes": "Bytes sent"}
 
@@ -187,4 +189,5 @@ def _points(results: Results) -> int:
     """Return the number of points of a curve for which all charts stay within their limit."""
     who = max(len(whose(settings)) for settings in results.scenarios.values())
     curves = max(1, len(results.groups)) * who * 3 * (1 + (len(AXES) - 1) / 2)
-    return int(min(400, max(60, CHART_BYTES / (curves * 2.7))))
+    episodes = max(map(len, results.groups.values()), default=1)
+    return int(min(400, max(60, min(CHART_BYTES / (curves * 2.7), CHART_VALUES / (episodes * who)))))

@@ -43,7 +43,7 @@ def with_metrics(results: Results, names: Sequence[str]) -> Results:
     if not found:
         return results
     records = [
-        replace(record, metrics={**record.metrics, **{key: _value(key, each, record) for key, each in found.items()}})
+        record.with_metrics({**record.metrics, **{key: _value(key, each, record) for key, each in found.items()}})
         for record in results.records
     ]
     return replace(results, records=records, custom_measures={**results.custom_measures, **found})

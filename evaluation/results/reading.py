@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -29,7 +29,8 @@ from indoor_explorers.evaluation.results.damage import (
     damaged,
     damaged_episodes,
 )
-from indoor_explorers.evaluation.results.rows import Row, checksum, floorplan_of, record_of
+from indoor_explorers.evaluation.results.rows import Row, checksum, floorplan_of, steps_of
+from indoor_explorers.evaluation.results.stored_record import StoredRecord, StoredSteps
 
 FORMAT = 3
 #: The tables that describe the experiment; without them, episodes have no meaning.
@@ -39,6 +40,14 @@ EPISODES = (
     "SELECT episode.rowid, episode.*, policy.name, scenario.name FROM episode"
     " LEFT JOIN policy ON policy.name = policy LEFT JOIN scenario ON scenario.name = scenario"
 )
+#: Their order in results.
+ORDER = (
+    "SELECT episode.rowid FROM episode"
+    " LEFT JOIN policy ON policy.name = policy LEFT JOIN scenario ON scenario.name = scenario"
+    " ORDER BY scenario.position, policy.position, map_index, seed"
+)
+#: Episodes in memory at a time while they are checked.
+CHUNK = 256
 #: Errors of reading a database; SQLite's messages may quote damaged text that is no UTF-8.
 SQL_ERRORS = (sqlite3.Error, UnicodeDecodeError)
 #: Seconds to wait for another process that writes.
@@ -52,7 +61,7 @@ def _decoded(text: bytes) -> str:
 
 def connect(address: str) -> sqlite3.Connection:
     """Open a database by its URI."""
-    return sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True)
+    return sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True, check_same_thread=False)
 
 
 def _connect_read_only(path: Path) -> sqlite3.Connection:
@@ -117,8 +126,8 @@ class StoreReader:
 
     # -- episodes -------------------------------------------------------------------------------------
 
-    def records(self) -> Iterable[Record]:
-        """Return all episodes, ordered by policy, scenario, map and seed.
+    def records(self) -> list[Record]:
+        """Return all episodes, ordered by policy, scenario, map and seed; their steps are read when asked for.
 
         Raises:
             InputError: some are damaged.
@@ -147,17 +156,16 @@ class StoreReader:
     def _episodes(self) -> list[Record | Damage]:
         """Return all episodes in order; those that cannot be read as damage."""
         plans, known = self._maps(), self._checksums()
-        order = "ORDER BY scenario.position, policy.position, map_index, seed"
-        read = [(row[0], _episode(row, plans, known)) for row in self._rows(f"{EPISODES} {order}")]
-        if known is not None:
-            return [each for _, each in read]
-        wrong = contradictions([each for _, each in read if isinstance(each, Record)])
-        return [
-            Damage(rowid, each.policy, each.task, wrong[each.policy, each.task])
-            if (each.policy, each.task) in wrong
-            else each
-            for rowid, each in read
-        ]
+        source = StoredSteps(self.path, _connect_read_only, checked=known is not None)
+        read: dict[int, Record | Damage] = {}
+        last = -(2**63)
+        while rows := self._rows(f"{EPISODES} WHERE episode.rowid > {last} ORDER BY 1 LIMIT {CHUNK}"):
+            last = rows[-1][0]
+            here = {row[0]: _episode(row, plans, known, source) for row in rows}
+            if known is None:
+                here |= _contradicting(here)
+            read |= here
+        return [read[rowid] for (rowid,) in self._rows(ORDER)]
 
     def _damages(self) -> list[Damage]:
         """Return the damaged episodes; those with a checksum are not unpacked, as there may be a million."""
@@ -248,13 +256,28 @@ def _complaint(row: Row, plans: Mapping[str, Floorplan], known: set[bytes] | Non
     return "" if row[6] in plans else "its map is damaged"
 
 
-def _episode(row: Row, plans: Mapping[str, Floorplan], known: set[bytes] | None) -> Record | Damage:
+def _episode(
+    row: Row, plans: Mapping[str, Floorplan], known: set[bytes] | None, source: StoredSteps
+) -> Record | Damage:
     if why := _complaint(row, plans, known):
         return _damage(row, why)
     try:
-        return record_of(row[1:-2], plans)
+        if known is None:
+            steps_of(row[1:-2])
+        return StoredRecord.of_row(row[1:-2], row[0], plans, source)
     except UNREADABLE as error:
         return _damage(row, str(error) or type(error).__name__)
+
+
+def _contradicting(read: Mapping[int, Record | Damage]) -> dict[int, Damage]:
+    """Return the damage of those episodes whose facts contradict each other."""
+    records = {rowid: each for rowid, each in read.items() if isinstance(each, Record)}
+    wrong = contradictions(list(records.values()))
+    return {
+        rowid: Damage(rowid, each.policy, each.task, wrong[each.policy, each.task])
+        for rowid, each in records.items()
+        if (each.policy, each.task) in wrong
+    }
 
 
 def _damage(row: Row, why: str) -> Damage:

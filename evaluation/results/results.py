@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -72,10 +73,8 @@ class Results(ResultNotes):
         with StoreReader(path) as store:
             text = store.experiment()
             experiments = (text,) if text else ()
-            records = list(store.records())
-            return cls(
-                store.policies(), store.scenarios(), store.runs(), records, experiments, store.notes(), store.retries()
-            )
+            facts = store.policies(), store.scenarios(), store.runs()
+            return cls(*facts, store.records(), experiments, store.notes(), store.retries())
 
     @cached_property
     def groups(self) -> dict[tuple[str, str], list[Record]]:
@@ -140,11 +139,48 @@ class Results(ResultNotes):
         length = 1 + max(record.budget for record in records)
         return np.stack([extended(record.coverage(who), length) for record in records])
 
+    def mean_curve(self, scenario: str, policy: str) -> NDArray[np.float64]:
+        """Return (T,) mean team coverage by step, up to the last step of any episode."""
+        if (scenario, policy) not in self._mean_curves:
+            self._mean_curves[scenario, policy] = mean_curve(self.groups[scenario, policy])
+        return self._mean_curves[scenario, policy]
+
+    @cached_property
+    def _mean_curves(self) -> dict[tuple[str, str], NDArray[np.float64]]:
+        return {}
+
     def values(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
         """Return (E,) values of a metric; NaN where missing; T_q never reached counts as the budget."""
         if metric == "t99_to_reference":
             return self.to_reference(scenario, policy, "t99")
-        return np.array([_value(record, metric) for record in self.groups[scenario, policy]], np.float64)
+        columns, records = self._columns(scenario, policy), self.groups[scenario, policy]
+        told = columns.get(metric, np.full(len(records), np.nan))
+        if metric in LEVELS:
+            never = np.isnan(told)
+        elif metric in TIMES_OF_BASE:
+            never = np.isnan(told) & ~np.isnan(columns.get("auc_base", np.full(len(records), np.nan)))
+        else:
+            return told.copy()
+        return np.where(never, [float(record.budget) for record in records], told)
+
+    def metric_names(self, scenario: str, policy: str) -> list[str]:
+        """Return the metrics that any episode of a policy has, measured or not."""
+        return list(self._columns(scenario, policy))
+
+    def _columns(self, scenario: str, policy: str) -> dict[str, NDArray[np.float64]]:
+        """Return (E,) what is stored of each metric; NaN where missing."""
+        if (scenario, policy) not in self._metrics:
+            records = self.groups[scenario, policy]
+            found: defaultdict[str, NDArray[np.float64]] = defaultdict(lambda: np.full(len(records), np.nan))
+            for place, record in enumerate(records):
+                for metric, value in record.metrics.items():
+                    found[metric][place] = np.nan if value is None else value
+            self._metrics[scenario, policy] = dict(found)
+        return self._metrics[scenario, policy]
+
+    @cached_property
+    def _metrics(self) -> dict[tuple[str, str], dict[str, NDArray[np.float64]]]:
+        return {}
 
     def to_reference(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
         """Return (E,) values of T_q / T_q of the reference; NaN where there is none or the goal is below q.
@@ -153,8 +189,11 @@ class Results(ResultNotes):
         """
         records = self.groups[scenario, policy]
         known = self.references.get(scenario, {}) if self.applies_to(scenario, metric) else {}
+        if not known:
+            return np.full(len(records), np.nan)
         least = [_value(known[record.task], metric) if record.task in known else 0.0 for record in records]
-        return np.array([_value(r, metric) / (b or np.nan) for r, b in zip(records, least, strict=True)], np.float64)
+        values = self.values(scenario, policy, metric).tolist()
+        return np.array([value / (b or np.nan) for value, b in zip(values, least, strict=True)], np.float64)
 
     def maps(self, scenario: str, policy: str) -> NDArray[np.str_]:
         """Return (E,) which map each episode was flown on; equal maps have equal labels, whatever their files.
@@ -179,8 +218,13 @@ class Results(ResultNotes):
         """Return (E,) whether each episode reached T_q, or for other metrics the scenario's goal."""
         records = self.groups[scenario, policy]
         if metric in LEVELS:
-            return np.array([record.metrics[metric] is not None for record in records])
+            return self.measured(scenario, policy, metric)
         return np.array([record.outcome is Outcome.COMPLETE for record in records])
+
+    def measured(self, scenario: str, policy: str, metric: str) -> NDArray[np.bool_]:
+        """Return (E,) whether each episode has a value of a metric; T_q has none where it was never reached."""
+        missing = np.full(len(self.groups[scenario, policy]), np.nan)
+        return ~np.isnan(self._columns(scenario, policy).get(metric, missing))
 
     def success(self, scenario: str, policy: str, metric: str) -> Estimate:
         """Return the share of episodes that :meth:`reached` it with its exact interval."""
@@ -212,7 +256,7 @@ class Results(ResultNotes):
 
     def _estimated(self, scenario: str, policy: str) -> dict[str, Estimate]:
         """Estimate the metrics that all episodes have from one set of resamples, the others one by one."""
-        extra = sorted({name for record in self.groups[scenario, policy] for name in record.metrics} - set(MEASURES))
+        extra = sorted(self._columns(scenario, policy).keys() - set(MEASURES))
         values = {metric: self.values(scenario, policy, metric) for metric in (*MEASURES, *extra)}
         maps = self.maps(scenario, policy)
         held = {metric: ~np.isnan(column) for metric, column in values.items()}
@@ -250,6 +294,16 @@ class Results(ResultNotes):
             **({"t99_to_reference": ratio} if self.references else {}),
             **({"retries": self.retries.get((record.policy, record.task), 0)} if self.retries else {}),
         }
+
+
+def mean_curve(records: Sequence[Record]) -> NDArray[np.float64]:
+    """Return (T,) mean team coverage by step, each curve constant after its end; one episode is read at a time."""
+    total = np.zeros(1 + max(record.steps for record in records))
+    for record in records:
+        curve = record.curve
+        total[: len(curve)] += curve
+        total[len(curve) :] += curve[-1]
+    return total / len(records)
 
 
 def _can_change_results(key: str) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import zlib
-from collections.abc import Mapping
 from hashlib import sha256
 from typing import Any
 
@@ -12,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, Record
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.episodes.record import FlownEpisode
+from indoor_explorers.evaluation.episodes.steps import Steps
 
 Row = tuple[Any, ...]
 
@@ -100,20 +99,10 @@ def episode_row(record: FlownEpisode, run: int, floorplan: str) -> Row:
     )
 
 
-def record_of(row: Row, plans: Mapping[str, Floorplan]) -> Record:
-    """Return the record of an episode's row; raises one of several errors where the row is damaged."""
-    policy, scenario, index, seed, _, plan, team, budget, reachable, outcome, reason, steps, *blobs = row
-    metrics, covered, cells, actions, seconds, sent = blobs
-    return Record(
-        policy=policy,
-        task=Task(scenario, index, seed),
-        floorplan=plans[plan],
-        team=team,
-        budget=budget,
-        reachable=reachable,
-        outcome=Outcome(outcome),
-        reason=reason,
-        metrics=json.loads(metrics),
+def steps_of(row: Row) -> Steps:
+    """Return the steps of an episode's row; raises one of several errors where the row is damaged."""
+    team, steps, (covered, cells, actions, seconds, sent) = row[6], row[11], row[13:]
+    return Steps(
         covered=unpacked(covered, np.int32, steps + 1, -1),
         cells=unpacked(cells, np.int16, steps + 1, team, 2),
         actions=unpacked(actions, np.uint8, steps, team),

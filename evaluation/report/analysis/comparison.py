@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.results.ratios import Censoring
 from indoor_explorers.evaluation.results.results import Results
@@ -106,14 +107,16 @@ class Comparison:
     def reference_censoring(self, policy: str) -> Censoring:
         """Count the tasks on which a policy or the reference never reached the threshold."""
         known = self.results.references.get(self.scenario, {})
-        pairs = [(record, known[record.task]) for record in self.groups[policy] if record.task in known]
+        pairs = [
+            (record, known[record.task]) for record in (self.groups[policy] if known else ()) if record.task in known
+        ]
         reached = [[record.metrics.get(self.level.key) is not None for record in pair] for pair in pairs]
         return Censoring.of(*np.array(reached, np.bool_).reshape(-1, 2).T)
 
     @property
     def tallies(self) -> list[str]:
         """The names of the pilot statistics, such as ``pilot_guarded``."""
-        names = {name for records in self.groups.values() for record in records for name in record.metrics}
+        names = {name for policy in self.groups for name in self.results.metric_names(self.scenario, policy)}
         return sorted(name for name in names if name.startswith("pilot_"))
 
     @cached_property
@@ -130,6 +133,18 @@ class Comparison:
     def ranked_policies(self) -> list[str]:
         """The policies that are :meth:`ranked`, best first; all policies when none is."""
         return [policy for policy in self.ranking if self.ranked(policy)] or self.ranking
+
+    @cached_property
+    def task_places(self) -> tuple[list[Task], dict[str, list[int]], NDArray[np.str_]]:
+        """The tasks of the ranked policies in order, the place of each episode's by policy, and (E,) their maps."""
+        groups = {policy: self.groups[policy] for policy in (self.ranked_policies if self.groups else [])}
+        tasks = sorted({record.task for records in groups.values() for record in records})
+        place = {task: row for row, task in enumerate(tasks)}
+        places = {policy: [place[record.task] for record in records] for policy, records in groups.items()}
+        labels: dict[int, str] = {}
+        for policy, rows in places.items():
+            labels |= dict(zip(rows, self.maps(policy).tolist(), strict=True))
+        return tasks, places, np.array([labels[row] for row in range(len(tasks))], np.str_)
 
     @cached_property
     def aligned(self) -> bool:
@@ -202,9 +217,9 @@ class Comparison:
 
 
 def _flights(records: Sequence[Record], metric: str) -> str:
-    """Return a digest of tasks, actions and coverage."""
+    """Return a digest of tasks, times, actions and coverage."""
     digest = hashlib.sha256()
     for record in records:
         digest.update(repr((record.task, record.metrics.get(metric))).encode())
-        digest.update(record.actions.tobytes() + record.covered.tobytes())
+        digest.update(record.facts.flight)
     return digest.hexdigest()

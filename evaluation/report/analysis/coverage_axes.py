@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 from indoor_explorers.evaluation.episodes.record import AXES, Record
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.outliers import near_groups
+from indoor_explorers.evaluation.results.results import mean_curve
 
+#: Episodes of a policy that tell where a curve rises.
+ENOUGH = 1000
 #: How much farther than the last curve's time to the threshold an axis goes, as a factor.
 MARGIN = 1.15
 
@@ -39,7 +42,7 @@ TITLES = {"steps": "step", "distance": "distance flown by the team", "seconds": 
 def axes_of(comparison: Comparison, points: int) -> list[CoverageAxis]:
     """Return the axes with an amount above 0, steps first, with about ``points`` amounts each."""
     records = comparison.records
-    others = [key for key in AXES if key != "steps" and max(record.spent(key)[-1] for record in records) > 0]
+    others = [key for key in AXES if key != "steps" and max(record.facts.spent[key] for record in records) > 0]
     steps = sampled_steps(comparison, points).astype(np.float64)
     first = CoverageAxis("steps", TITLES["steps"], AXES["steps"], False, steps, float(focus_step(comparison)))
     return [first, *(_spending(comparison, key, points // 2) for key in others)]
@@ -47,9 +50,9 @@ def axes_of(comparison: Comparison, points: int) -> list[CoverageAxis]:
 
 def _spending(comparison: Comparison, key: str, points: int) -> CoverageAxis:
     records = comparison.records
-    most = max(float(record.spent(key)[-1]) for record in records)
+    most = max(record.facts.spent[key] for record in records)
     if key == "seconds":
-        least = min(float(spent[spent > 0][0]) for record in records if (spent := record.spent(key))[-1] > 0)
+        least = min(record.facts.first_seconds for record in records)
         rounded = [float(f"{amount:.4g}") for amount in np.geomspace(least, most, points)[:-1].tolist()]
         return CoverageAxis(key, TITLES[key], AXES[key], True, np.unique([*rounded, most]), most)
     focus = min(most, MARGIN * _focus(comparison, key, np.linspace(0, most, 1000)))
@@ -59,7 +62,8 @@ def _spending(comparison: Comparison, key: str, points: int) -> CoverageAxis:
 
 def _focus(comparison: Comparison, key: str, amounts: NDArray[np.float64]) -> float:
     """Return the amount at which the last mean curve reaches the threshold; the largest if none does."""
-    means = [coverage_at(group, amounts, axis=key).mean(axis=0) for group in near_groups(comparison).values()]
+    groups = [group[:: 1 + len(group) // ENOUGH] for group in near_groups(comparison).values()]
+    means = [coverage_at(group, amounts, axis=key).mean(axis=0) for group in groups]
     enough = comparison.level.share
     return float(max((amounts[np.argmax(m >= enough)] for m in means if m[-1] >= enough), default=amounts[-1]))
 
@@ -76,7 +80,9 @@ def sampled_steps(comparison: Comparison, points: int) -> NDArray[np.int64]:
 
 def focus_step(comparison: Comparison) -> int:
     """Return the step after which curves hardly change, by the policies that are not far behind."""
-    return last_active_step(list(near_groups(comparison).values()), comparison.level.share)
+    near = near_groups(comparison)
+    curves = [comparison.results.mean_curve(comparison.scenario, policy) for policy in near]
+    return _active_until(curves, max(r.budget for group in near.values() for r in group), comparison.level.share)
 
 
 def last_active_step(groups: Sequence[Sequence[Record]], share: float) -> int:
@@ -85,22 +91,23 @@ def last_active_step(groups: Sequence[Sequence[Record]], share: float) -> int:
     Groups whose mean never reaches it are ignored; the result is the budget when no group reaches it.
     """
     budget = max(record.budget for records in groups for record in records)
-    reached = [step for records in groups if (step := _mean_reaches(records, share)) is not None]
+    return _active_until([mean_curve(records) for records in groups], budget, share)
+
+
+def _active_until(curves: Sequence[NDArray[np.float64]], budget: int, share: float) -> int:
+    reached = [step for curve in curves if (step := _reaches(curve, share)) is not None]
     return min(budget, int(np.ceil(max(reached) * MARGIN)) + 1) if reached else budget
 
 
-def _mean_reaches(records: Sequence[Record], share: float) -> int | None:
-    """Return the first step at which the mean team coverage is at least a share, by bisection; None for never."""
-
-    def there(step: int) -> bool:
-        return float(coverage_at(records, np.array([step])).mean()) >= share - 1e-12
-
-    low, high = 0, max(record.steps for record in records)
-    if not there(high):
+def _reaches(curve: NDArray[np.float64], share: float) -> int | None:
+    """Return the first step at which a mean curve is at least a share, by bisection; None for never."""
+    there = curve >= share - 1e-12
+    low, high = 0, len(curve) - 1
+    if not there[high]:
         return None
     while low < high:
         middle = (low + high) // 2
-        low, high = (low, middle) if there(middle) else (middle + 1, high)
+        low, high = (low, middle) if there[middle] else (middle + 1, high)
     return low
 
 
@@ -111,7 +118,20 @@ def coverage_at(
 
     ``who`` is as in :meth:`~indoor_explorers.evaluation.episodes.record.Record.coverage`.
     """
-    return np.stack([record.coverage(who, _step(record, amounts, axis)) for record in records])
+    return coverage_along(records, {axis: amounts}, [who])[axis, who]
+
+
+def coverage_along(
+    records: Sequence[Record], axes: Mapping[str, NDArray[np.integer | np.floating]], who: Sequence[str]
+) -> dict[tuple[str, str], NDArray[np.float64]]:
+    """Return :func:`coverage_at` by axis and ``who`` for the amounts of several axes; each episode is read once."""
+    found = {(axis, each): np.empty((len(records), len(axes[axis]))) for axis in axes for each in who}
+    for place, record in enumerate(records):
+        for axis, amounts in axes.items():
+            steps = _step(record, amounts, axis)
+            for each in who:
+                found[axis, each][place] = record.coverage(each, steps)
+    return found
 
 
 def _step(record: Record, amounts: NDArray[np.integer | np.floating], axis: str) -> NDArray[np.integer]:

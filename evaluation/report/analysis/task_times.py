@@ -48,18 +48,13 @@ class TaskTimes:
         """Collect a metric of the ranked policies, by default the steps to the threshold of the scenario."""
         metric = metric or comparison.level.key
         policies = comparison.ranked_policies if comparison.groups else []
-        tasks = sorted({record.task for policy in policies for record in comparison.groups[policy]})
-        place = {task: row for row, task in enumerate(tasks)}
+        tasks, places, maps = comparison.task_places
         times = np.full((len(tasks), len(policies)), np.nan)
         reached = np.zeros(times.shape, np.bool_)
-        labels: dict[int, str] = {}
         for column, policy in enumerate(policies):
-            records = comparison.groups[policy]
-            rows = [place[record.task] for record in records]
-            labels |= dict(zip(rows, comparison.maps(policy).tolist(), strict=True))
+            rows = places[policy]
             times[rows, column] = comparison.results.values(comparison.scenario, policy, metric)
-            reached[rows, column] = [record.metrics.get(metric) is not None for record in records]
-        maps = np.array([labels[row] for row in range(len(tasks))], np.str_)
+            reached[rows, column] = comparison.results.measured(comparison.scenario, policy, metric)
         return cls(tasks, policies, times, reached, maps, comparison.level)
 
     def pair(self, policy: str, other: str) -> PairedTimes:

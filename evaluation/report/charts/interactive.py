@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.coverage_axes import CoverageAxis, axes_of, coverage_at
+from indoor_explorers.evaluation.report.analysis.coverage_axes import CoverageAxis, axes_of, coverage_along
 from indoor_explorers.evaluation.report.analysis.outliers import near_groups
 from indoor_explorers.evaluation.report.style.packing import shares
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles, crowded
@@ -40,8 +40,7 @@ def chart_data(comparison: Comparison, styles: Styles, points: int = 360) -> dic
         "who": who,
         "bands": "hidden" if crowded(len(comparison.groups)) else "shown",
         "policies": [
-            _about(comparison, policy, styles[policy])
-            | {"curves": {axis.key: {each: _curves(comparison, policy, axis, each) for each in who} for axis in axes}}
+            _about(comparison, policy, styles[policy]) | {"curves": _curves(comparison, policy, axes, who)}
             for policy in comparison.groups
         ],
     }
@@ -60,11 +59,19 @@ def _axis_data(axis: CoverageAxis) -> dict[str, Any]:
     return about | {"amounts": amounts}
 
 
-def _curves(comparison: Comparison, policy: str, axis: CoverageAxis, who: str) -> dict[str, Any]:
-    curves = coverage_at(comparison.groups[policy], axis.amounts, who, axis.key)
+def _curves(
+    comparison: Comparison, policy: str, axes: Sequence[CoverageAxis], who: Sequence[str]
+) -> dict[str, dict[str, Any]]:
+    """Return the curves of a policy by axis and by whose coverage they are."""
+    along = coverage_along(comparison.groups[policy], {axis.key: axis.amounts for axis in axes}, who)
+    maps = comparison.maps(policy)
+    return {axis.key: {each: _curve(along.pop((axis.key, each)), maps) for each in who} for axis in axes}
+
+
+def _curve(curves: NDArray[np.float64], maps: NDArray[np.str_]) -> dict[str, Any]:
     if len(curves) < FEWEST:
         return {"mean": shares(curves.mean(axis=0)), "each": [shares(curve) for curve in curves]}
-    mean, low, high = curve_band(curves, maps=comparison.maps(policy))
+    mean, low, high = curve_band(curves, maps=maps)
     return {"mean": shares(mean), "low": shares(low), "high": shares(high)}
 
 

@@ -129,7 +129,7 @@ def _unlike(results: Results) -> Iterator[str]:
 
 
 def _start(record: Record) -> tuple[object, ...]:
-    return record.floorplan.digest, record.cells[0].tobytes(), record.team, record.budget, record.reachable
+    return record.floorplan.digest, record.facts.start, record.team, record.budget, record.reachable
 
 
 def _copies(results: Results) -> tuple[list[str], list[str]]:
@@ -140,7 +140,7 @@ def _copies(results: Results) -> tuple[list[str], list[str]]:
     grave: defaultdict[tuple[str, int, int], list[str]] = defaultdict(list)
     slight: defaultdict[tuple[str, int, int], list[str]] = defaultdict(list)
     for (scenario, policy), records in results.groups.items():
-        flights = len({(record.floorplan.digest, record.cells.tobytes()) for record in records})
+        flights = len({(record.floorplan.digest, record.facts.track) for record in records})
         if flights < len(records):
             many = flights < (1 - FEW_COPIES) * len(records)
             (grave if many else slight)[scenario, len(records), flights].append(policy)
