@@ -1,13 +1,18 @@
-"""The report page: one self-contained HTML file, the same bytes for the same results."""
+"""The report page: one self-contained HTML file, the same bytes for the same results.
+
+A page of more than :data:`WHOLE` bytes leaves its scenarios to files beside it, which it loads when asked to.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -21,7 +26,7 @@ from indoor_explorers.evaluation.report.changes.against import Against
 from indoor_explorers.evaluation.report.charts.dot_plots import swatch
 from indoor_explorers.evaluation.report.custom_panels import custom_panels
 from indoor_explorers.evaluation.report.panels import sweep_sections
-from indoor_explorers.evaluation.report.sections import section_of
+from indoor_explorers.evaluation.report.sections import TaskSummary, section_of
 from indoor_explorers.evaluation.report.style.formatting import counted, percent, seed_span
 from indoor_explorers.evaluation.report.style.palette import INKS, Styles, policy_styles
 from indoor_explorers.evaluation.report.summary.definitions import definitions
@@ -34,6 +39,8 @@ from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
+#: Bytes of a page above which its scenarios are in files beside it, and how the name of their folder ends.
+WHOLE, BESIDE = 16_000_000, "_files"
 #: Limit of listed episodes of a scenario that failed or ended early.
 LISTED = 60
 
@@ -47,17 +54,40 @@ def write_report(
     replays: int | None = None,
     ratio_to: Sequence[str] | None = None,
     panels: Sequence[str] = (),
+    whole: bool = False,
 ) -> None:
-    """Write one HTML file that shows ``results`` and needs neither other files nor a network.
+    """Write an HTML file that shows ``results`` and needs no network.
+
+    It needs no other files either, unless it would have more than :data:`WHOLE` bytes: then each scenario is in a file
+    of the folder ``NAME_files`` beside ``NAME.html``. ``whole`` keeps it in one file all the same.
 
     ``against`` adds what changed since other results. ``replays`` is the number of episodes to embed for each scenario;
     by default as many as keep the page under 10 MB. ``ratio_to`` names the baselines of the
     ratios of steps, see :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`. ``panels`` names
     plug-ins, see :mod:`indoor_explorers.evaluation.report.custom_panels`.
     """
+    page = _Page(results, title, against, replays, ratio_to, panels)
     path.parent.mkdir(parents=True, exist_ok=True)
+    parts = {} if whole or page.size <= WHOLE else dict(page.parts(f"{path.stem}{BESIDE}"))
+    for name, text in parts.items():
+        (path.parent / name).parent.mkdir(exist_ok=True)
+        _write(path.parent / name, text)
+    _write(path, page.text(list(parts)))
+    remove_parts(path, kept=parts)
+
+
+def remove_parts(path: Path, *, kept: Collection[str] = ()) -> None:
+    """Delete the files beside a page that another page left there."""
+    folder = path.with_name(f"{path.stem}{BESIDE}")
+    for file in folder.glob("part-s*.js"):
+        if f"{folder.name}/{file.name}" not in kept:
+            file.unlink()
+    if folder.is_dir() and not any(folder.iterdir()):
+        folder.rmdir()
+
+
+def _write(path: Path, text: str) -> None:
     with written_whole(path) as partial:
-        text = render(results, title=title, against=against, replays=replays, ratio_to=ratio_to, panels=panels)
         partial.write_text(text, encoding="utf-8", newline="\n")
 
 
@@ -70,28 +100,73 @@ def render(
     ratio_to: Sequence[str] | None = None,
     panels: Sequence[str] = (),
 ) -> str:
-    """Return the page as text; its arguments are those of :func:`write_report`."""
-    ratios = Ratios.of(results, ratio_to)
-    common, styles = results.on_common_tasks, policy_styles(results.policies)
-    comparisons = {f"s{number}": Comparison(common, name) for number, name in enumerate(results.scenarios, 1)}
-    return (
-        _environment()
-        .get_template("page.html")
-        .render(
-            title=title or "Exploration policies compared",
-            subtitle=_subtitle(results),
-            overview=overview(results, comparisons, styles),
-            against=against,
-            ratios=ratio_tables(ratios),
-            ratio_notes=bound_notes(ratios.rows),
-            sections=[section_of(each, section_id, styles, replays) for section_id, each in comparisons.items()],
-            sweeps=sweep_sections(common, styles),
-            custom_panels=custom_panels(common, panels),
-            definitions=definitions(shared(results.levels), results.measures),
-            policies=_policies(results, styles),
-            provenance=provenance(results),
+    """Return the page, in one piece, as text; its arguments are those of :func:`write_report`."""
+    return _Page(results, title, against, replays, ratio_to, panels).text()
+
+
+class _Page:
+    """A page and its sections of scenarios, whose data is dropped as soon as it is text."""
+
+    def __init__(
+        self,
+        results: Results,
+        title: str | None,
+        against: Against | None,
+        replays: int | None,
+        ratio_to: Sequence[str] | None,
+        panels: Sequence[str],
+    ) -> None:
+        ratios = Ratios.of(results, ratio_to)
+        common, styles = results.on_common_tasks, policy_styles(results.policies)
+        comparisons = {f"s{number}": Comparison(common, name) for number, name in enumerate(results.scenarios, 1)}
+        self._shown = {
+            "title": title or "Exploration policies compared",
+            "subtitle": _subtitle(results),
+            "overview": overview(results, comparisons, styles),
+            "against": against,
+            "ratios": ratio_tables(ratios),
+            "ratio_notes": bound_notes(ratios.rows),
+            "sweeps": sweep_sections(common, styles),
+            "custom_panels": custom_panels(common, panels),
+            "definitions": definitions(shared(results.levels), results.measures),
+            "policies": _policies(results, styles),
+            "provenance": provenance(results),
+        }
+        several = len(comparisons) > 1
+        template = _environment().get_template("scenario.html")
+        self._stubs: list[_Stub] = []
+        self._bodies: list[Markup] = []
+        for section_id, comparison in comparisons.items():
+            section = section_of(comparison, section_id, styles, replays)
+            self._stubs.append(_Stub(section_id, section.name, section.task, section.headline))
+            self._bodies.append(Markup(template.render(self._shown, section=section, several=several)))
+
+    @property
+    def size(self) -> int:
+        """The approximate number of bytes of the page in one piece."""
+        return len(get_plotlyjs()) + sum(map(len, self._bodies))
+
+    def parts(self, folder: str) -> Iterator[tuple[str, str]]:
+        """Yield the file of each scenario, by its path from the page's folder; other contents have other names."""
+        for stub, body in zip(self._stubs, self._bodies, strict=True):
+            text = f"Parts.receive({json.dumps(stub.id)}, {json.dumps(body)});\n"
+            yield f"{folder}/part-{stub.id}-{sha256(text.encode()).hexdigest()[:12]}.js", text
+
+    def text(self, parts: Sequence[str] = ()) -> str:
+        """Return the page with its scenarios, or with the files to load them from."""
+        template = _environment().get_template("page.html")
+        return template.render(
+            self._shown, sections=self._stubs, bodies=self._bodies, parts=[quote(name) for name in parts]
         )
-    )
+
+
+class _Stub(NamedTuple):
+    """What the page has of a scenario that is in a file beside it."""
+
+    id: str
+    name: str
+    task: TaskSummary
+    headline: Markup
 
 
 @dataclass(frozen=True)

@@ -105,8 +105,8 @@ def published(folder: Path, comparisons: Iterable[Comparison]) -> Iterator[Publi
         out = folder / each.name
         compare(out, command=each.command, **each.options)
         results, page = Results.load(out), out / "report.html"
-        if each.replays is not None:
-            write_report(results, page, replays=each.replays, ratio_to=each.options.get("ratio_to"))
+        if each.replays is not None or page.with_name("report_files").is_dir():
+            write_report(results, page, replays=each.replays, ratio_to=each.options.get("ratio_to"), whole=True)
         yield PublishedReport(each, Origin.of(results), page.read_bytes())
 
 

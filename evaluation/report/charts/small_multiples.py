@@ -27,6 +27,8 @@ UNLIKE = 5
 LEFT, RIGHT, TOP, BOTTOM = 30.0, 236.0, 6.0, 122.0
 #: Steps at which a curve is drawn.
 POINTS = 50
+#: Limit of the points of all curves of all scenarios, and the fewest of a curve.
+MOST_POINTS, FEWEST_POINTS = 24_000, 16
 
 Groups = dict[str, list[Record]]
 
@@ -122,11 +124,12 @@ def scenario_multiples(sections: Sequence[tuple[str, Comparison]], styles: Style
     flown = [(section, each) for section, each in sections if each.groups]
     if len(flown) < 2:
         return []
+    points = max(FEWEST_POINTS, min(POINTS, MOST_POINTS // sum(len(each.groups) for _, each in flown[:MOST])))
     return [
         Panel(
             each.scenario,
             f"{family(each)}, {counted(each.results.scenarios[each.scenario]['team'], 'UAV')}",
-            _drawing(each.groups, focus_step(each), styles, each.level),
+            _drawing(each.groups, focus_step(each), styles, each.level, points),
             section=section,
         )
         for section, each in flown[:MOST]
@@ -140,9 +143,9 @@ def family(comparison: Comparison) -> str:
     return " and ".join(folders) if 0 < len(folders) <= 2 else f"{source} maps"
 
 
-def _drawing(groups: Groups, limit: int, styles: Styles, level: CoverageThreshold) -> Markup:
+def _drawing(groups: Groups, limit: int, styles: Styles, level: CoverageThreshold, points: int = POINTS) -> Markup:
     """Draw the mean coverage of each policy over 0 to ``limit`` steps, with a line at ``level``."""
-    steps = np.unique(np.linspace(0, limit, POINTS).round()).astype(np.int64)
+    steps = np.unique(np.linspace(0, limit, points).round()).astype(np.int64)
     x = LEFT + (RIGHT - LEFT) * steps / limit
     lines = [
         _line(policy, x, _height(coverage_at(records, steps).mean(axis=0)), styles[policy])

@@ -87,4 +87,6 @@ class CoverageChart extends Chart {
   }
 }
 
-for (const box of document.querySelectorAll(".chart[id^='chart-']")) new CoverageChart(box.id.slice("chart-".length));
+Parts.each((part) => {
+  for (const box of part.querySelectorAll(".chart[id^='chart-']")) new CoverageChart(box.id.slice("chart-".length));
+});

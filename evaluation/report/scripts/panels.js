@@ -98,4 +98,6 @@ class PanelPlot {
   }
 }
 
-for (const box of document.querySelectorAll(".plot")) new PanelPlot(box);
+Parts.each((part) => {
+  for (const box of part.querySelectorAll(".plot")) new PanelPlot(box);
+});

@@ -1,3 +1,4 @@
+const viewers = new Map();
 /* Opens a replay at a step: from the address, openReplay(), or elements with a data-replay attribute. */
 const Address = {
   /* Read ``replay=s1;task=0,7;step=57;panels=pso,dddqn;map=uav-1;layers=truth,trails``; unknown parts are left out. */
@@ -68,14 +69,18 @@ const Address = {
   follow(hash) {
     clearTimeout(this.timer);
     this.timer = null;
-    const asked = this.read(hash), replay = asked && viewers.get(asked.section);
-    if (replay) replay.restore(asked);
+    const asked = this.read(hash);
+    if (asked) withReplay(asked.section, (replay) => replay.restore(asked));
   },
 };
 
+/* Do something with the replay of a section, at once where it is there. */
+function withReplay(section, act) {
+  if (viewers.has(section)) act(viewers.get(section));
+  else if (document.getElementById(section)?.dataset.part) Parts.load(section).then(() => viewers.has(section) && act(viewers.get(section)));
+}
 window.openReplay = (section, { policy = null, task = null, step = null } = {}) => {
-  const replay = viewers.get(section);
-  if (replay) replay.reveal(policy, task, step);
+  withReplay(section, (replay) => replay.reveal(policy, task, step));
 };
 
 function openFrom(source) {
@@ -93,9 +98,10 @@ document.addEventListener("keydown", (event) => {
 });
 window.addEventListener("hashchange", (event) => Address.follow(new URL(event.newURL).hash));
 
-const viewers = new Map();
-for (const box of document.querySelectorAll(".replay")) {
-  const replay = new Replay(box);
-  viewers.set(replay.section, replay);
-}
+Parts.each((part) => {
+  for (const box of part.querySelectorAll(".replay")) {
+    const replay = new Replay(box);
+    viewers.set(replay.section, replay);
+  }
+});
 Address.follow(location.hash);

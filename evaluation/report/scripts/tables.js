@@ -71,8 +71,10 @@ function unfold() {
 }
 
 document.addEventListener("DOMContentLoaded", () => {
-  for (const table of document.querySelectorAll("table.sortable")) new SortedTable(table);
-  for (const box of document.querySelectorAll(".scroll")) new Sideways(box);
+  Parts.each((part) => {
+    for (const table of part.querySelectorAll("table.sortable")) new SortedTable(table);
+    for (const box of part.querySelectorAll(".scroll")) new Sideways(box);
+  });
   unfold();
 });
 window.addEventListener("hashchange", unfold);

@@ -69,4 +69,6 @@ class TimesChart extends Chart {
   }
 }
 
-for (const box of document.querySelectorAll(".chart[id^='times-']")) new TimesChart(box.id.slice("times-".length));
+Parts.each((part) => {
+  for (const box of part.querySelectorAll(".chart[id^='times-']")) new TimesChart(box.id.slice("times-".length));
+});
