@@ -72,8 +72,9 @@ class Steps:
 
     @property
     def size(self) -> int:
-        """Bytes of all arrays."""
-        return sum(array.nbytes for array in (self.covered, self.cells, self.actions, self.seconds, self.sent))
+        """Bytes of all arrays and of :attr:`distance`."""
+        arrays = (self.covered, self.cells, self.actions, self.seconds, self.sent)
+        return self.sent.nbytes + sum(array.nbytes for array in arrays)
 
     @cached_property
     def distance(self) -> NDArray[np.int64]:

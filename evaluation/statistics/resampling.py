@@ -25,8 +25,8 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.grid.compiled import leaf
 from indoor_explorers.evaluation.statistics.estimate import FEWEST
 
-#: Weights in memory at a time.
-CHUNK = 2**18
+#: Weights in memory at a time, and the fewest resamples; products with fewer rows are slow.
+CHUNK, FEWEST_ROWS = 2**18, 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,9 +63,9 @@ class MapGroups:
         sampled = maps is None or len(size) >= FEWEST
         return cls(label, size, np.argsort(label, kind="stable"), np.cumsum(size) - size, sampled)
 
-    def within(self, draws: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
+    def within(self, draws: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.float64]:
         """Draw ``draws[r, m]`` episodes of map m with replacement; return how often each was drawn, (R, E)."""
-        counts = np.zeros((len(draws), len(self.label)), np.int64)
+        counts = np.zeros((len(draws), len(self.label)))
         _count_draws(draws, rng.random(int(draws.sum())), self.order, self.first, self.size, counts)
         return counts
 
@@ -94,7 +94,7 @@ def resampled_weights(count: int, resamples: int, maps: ArrayLike | None = None)
     if len(layout.size) == 1:
         layout = MapGroups.of(None, count)
     draw = _Sampled(layout) if layout.sampled else _Fixed(layout)
-    rows = max(1, CHUNK // max(1, count))
+    rows = max(FEWEST_ROWS, CHUNK // max(1, count))
     for start in range(0, resamples, rows):
         yield draw(min(rows, resamples - start))
 
@@ -117,8 +117,10 @@ class _Sampled:
         times = _counted(np.arange(rows)[:, None], self.maps.integers(0, maps, (rows, maps)), (rows, maps))
         if maps == len(layout.label):
             return times / maps
-        counts = layout.within(times * layout.size, self.episodes)
-        return np.asarray(counts / counts.sum(axis=1, keepdims=True))
+        draws = times * layout.size
+        weights = layout.within(draws, self.episodes)
+        weights /= draws.sum(axis=1, keepdims=True)
+        return weights
 
 
 class _Fixed:
@@ -139,7 +141,7 @@ def _count_draws(
     order: NDArray[np.int64],
     first: NDArray[np.int64],
     size: NDArray[np.int64],
-    counts: NDArray[np.int64],
+    counts: NDArray[np.float64],
 ) -> None:
     """Add to (R, E) ``counts`` the episodes that numbers from 0 to 1 choose within maps, ``draws[r, m]`` of map m."""
     used = 0

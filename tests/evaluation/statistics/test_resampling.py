@@ -63,6 +63,7 @@ def test_too_few_maps_are_fixed():
 def test_chunks_are_small_and_make_no_difference(monkeypatch):
     whole = drawn(16, 300, UNEVEN)
     monkeypatch.setattr("indoor_explorers.evaluation.statistics.resampling.CHUNK", 16 * 7)
+    monkeypatch.setattr("indoor_explorers.evaluation.statistics.resampling.FEWEST_ROWS", 1)
     chunks = list(resampled_weights(16, 300, UNEVEN))
     assert max(len(chunk) for chunk in chunks) == 7
     assert (np.concatenate(chunks) == whole).all()
