@@ -36,10 +36,14 @@ class StepFacts(NamedTuple):
     """Digest of where the UAVs were."""
     start: bytes
     """Where they were at first."""
-    spent: dict[str, float]
-    """What was spent in the end: distance, seconds and bytes."""
     first_seconds: float
     """The first seconds above 0; infinite where there are none."""
+    distance: float
+    """Cells flown in the end."""
+    seconds: float
+    """Seconds of decisions in the end."""
+    bytes: float
+    """Bytes sent in the end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,9 +89,10 @@ class Steps:
     @property
     def facts(self) -> StepFacts:
         """What reports need of every episode, in few bytes."""
-        ends = {"distance": float(self.distance[-1]), "seconds": float(self.seconds[-1]), "bytes": float(self.sent[-1])}
-        first = float(self.seconds[np.argmax(self.seconds > 0)]) if ends["seconds"] > 0 else np.inf
-        return StepFacts(_digest(self.actions, self.covered), _digest(self.cells), self.cells[0].tobytes(), ends, first)
+        first = float(self.seconds[np.argmax(self.seconds > 0)]) if self.seconds[-1] > 0 else np.inf
+        ends = float(self.distance[-1]), float(self.seconds[-1]), float(self.sent[-1])
+        flight, track = _digest(self.actions, self.covered), _digest(self.cells)
+        return StepFacts(flight, track, self.cells[0].tobytes(), first, *ends)
 
 
 def _digest(*arrays: NDArray[Any]) -> bytes:

@@ -9,8 +9,8 @@ from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST
 from indoor_explorers.evaluation.statistics.resampling import resampled_weights
 from indoor_explorers.evaluation.statistics.small_samples import SmallSample
 
-#: Weights, and numbers of resampled curves, in memory at a time.
-IN_MEMORY = 2**22
+#: Numbers of resampled curves, and weights of the resamples, in memory at a time.
+IN_MEMORY, WEIGHTS = 2**22, 2**21
 #: A standard deviation below this share of the largest value is rounding.
 ROUNDING = 1e-12
 
@@ -42,7 +42,7 @@ def curve_band(
     if len(curves) < FEWEST:
         return mean, np.full_like(mean, np.nan), np.full_like(mean, np.nan)
     spread, largest = np.empty_like(mean), np.zeros(resamples)
-    rounding = ROUNDING * np.abs(curves).max(initial=0.0)
+    rounding = ROUNDING * max(curves.max(initial=0.0), -curves.min(initial=0.0))
     drawn = _resampled_curves(curves, maps, resamples)
     wide = max(1, IN_MEMORY // resamples)
     for start in range(0, curves.shape[1], wide):
@@ -62,7 +62,7 @@ def _resampled_curves(curves: NDArray[np.float64], maps: ArrayLike | None, resam
     parts, waiting = [], []
     for weights in resampled_weights(len(curves), resamples, maps):
         waiting.append(weights)
-        if len(waiting) * weights.size >= IN_MEMORY:
+        if len(waiting) * weights.size >= WEIGHTS:
             parts.append(np.concatenate(waiting) @ curves)
             waiting = []
     return np.concatenate([*parts, *([np.concatenate(waiting) @ curves] if waiting else [])])

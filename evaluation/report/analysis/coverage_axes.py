@@ -42,7 +42,7 @@ TITLES = {"steps": "step", "distance": "distance flown by the team", "seconds": 
 def axes_of(comparison: Comparison, points: int) -> list[CoverageAxis]:
     """Return the axes with an amount above 0, steps first, with about ``points`` amounts each."""
     records = comparison.records
-    others = [key for key in AXES if key != "steps" and max(record.facts.spent[key] for record in records) > 0]
+    others = [key for key in AXES if key != "steps" and max(getattr(record.facts, key) for record in records) > 0]
     steps = sampled_steps(comparison, points).astype(np.float64)
     first = CoverageAxis("steps", TITLES["steps"], AXES["steps"], False, steps, float(focus_step(comparison)))
     return [first, *(_spending(comparison, key, points // 2) for key in others)]
@@ -50,7 +50,7 @@ def axes_of(comparison: Comparison, points: int) -> list[CoverageAxis]:
 
 def _spending(comparison: Comparison, key: str, points: int) -> CoverageAxis:
     records = comparison.records
-    most = max(record.facts.spent[key] for record in records)
+    most = max(getattr(record.facts, key) for record in records)
     if key == "seconds":
         least = min(record.facts.first_seconds for record in records)
         rounded = [float(f"{amount:.4g}") for amount in np.geomspace(least, most, points)[:-1].tolist()]
