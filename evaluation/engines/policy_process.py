@@ -19,7 +19,7 @@ from indoor_explorers.env.errors import PolicyError
 from indoor_explorers.env.grid.arrays import Cell, read_only
 from indoor_explorers.env.policies.view import Mate
 from indoor_explorers.env.simulation.rollout import Uav
-from indoor_explorers.evaluation.engines.serving import begin_serving, die_with_parent_thread
+from indoor_explorers.evaluation.engines.serving import begin_serving
 from indoor_explorers.evaluation.episodes.failures import BREAKING, describe_error
 from indoor_explorers.evaluation.episodes.pilots import BatchFailed, Decision, LocalPilots, Tallies, any_briefing
 from indoor_explorers.evaluation.episodes.shared_clock import DecisionTimeout
@@ -40,8 +40,7 @@ def serve_policy(connection: Connection, views: SharedViews, parent: int) -> Non
     A question is the name of a method of :class:`PolicyServer` and its arguments. When the parent is gone, no code of
     a policy is run any more.
     """
-    die_with_parent_thread()
-    begin_serving(views.clock, parent)
+    begin_serving(views.clock, connection, parent)
     server = PolicyServer(views)
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
         connection.send_bytes(b"null")

@@ -162,7 +162,7 @@ class Answers:
     """A process that answers what it is told to."""
 
     def __init__(self, *answers):
-        self.views, self.answers = SharedViews(), list(answers)
+        self.views, self.answers, self.seconds = SharedViews(), list(answers), 1.0
 
     def load(self, choice):
         return self.ask()
