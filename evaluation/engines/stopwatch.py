@@ -63,6 +63,6 @@ class Stopwatch:
         most = min(passed, MOST_COMPILING - self._excused)
         if busy is not None and self._busy is not None:
             most = min(most, busy - self._busy)
-        excused = max(0.0, min(most, self._clock.compiled - self._compiled))
+        excused = max(0.0, min(self._clock.compiled - self._compiled, most))
         self._excused += excused
         return excused

@@ -232,6 +232,50 @@ class HangsInC(Breaks):
         sum(itertools.repeat(1))
 
 
+def of_the_process(name):
+    """A variable of the code that serves the one that asks."""
+    frame = sys._getframe()
+    while name not in frame.f_locals:
+        frame = frame.f_back
+    return frame.f_locals[name]
+
+
+class Deceives(Breaks):
+    """Hang in a way that those who wait for it may not notice."""
+
+    way: str
+
+    def __init__(self, way):
+        object.__setattr__(self, "way", way)
+
+    def break_down(self, view):
+        answers, clock = of_the_process("connection").fileno(), of_the_process("server")._clock
+        if self.way == "stops its worker":
+            keeper = Path(f"/proc/{os.getppid()}/stat").read_text()
+            os.kill(int(keeper.rpartition(")")[2].split()[1]), signal.SIGSTOP)
+        clock.__exit__()
+        if self.way == "says that it compiles":
+            clock.begin_compiling()
+        os.write(answers, {"begins to answer": b"\0\0", "answers slowly": b"\0\0\7\7"}.get(self.way, b""))
+        while True:
+            with contextlib.suppress(BaseException):
+                time.sleep(0.05)
+                os.write(answers, b"[" if self.way == "answers slowly" else b"")
+
+
+class Forks(Wander):
+    """Copy its process at each decision; the copies go on."""
+
+    class Mind(Wanderer):
+        def act(self, view):
+            if len(os.listdir("/proc")) < 1000:  # noqa: PTH208  # a bound where the copies do not end
+                os.fork()
+            return super().act(view)
+
+    def pilot(self, briefing):
+        return self.Mind(briefing)
+
+
 class HangsTogether(Breaks):
     """One forward pass for all, which hangs as soon as a guilty UAV takes part in it."""
 

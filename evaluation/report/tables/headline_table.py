@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
@@ -61,7 +62,7 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
     if to_bound:
         table.add_column("T99 / bound", justify="right", no_wrap=True)
     if known:
-        table.add_column(f"{level.title if level else 'steps'} / {known}", justify="right", no_wrap=True)
+        table.add_column(escape(f"{level.title if level else 'steps'} / {known}"), justify="right", no_wrap=True)
     notes = footnotes(results, [policy for _, policy in results.groups], times=width >= wide)
     notes += [BOLD] if len(results.policies) - len(results.privileged_policies) > 1 else []
     bounds: set[str] = set()
@@ -80,7 +81,7 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
             table.add_row(*_row(comparison, policy, times, best)[: 1 + len(shown)], *ratio)
         table.add_section()
     notes += [f"{' and '.join(sorted(bounds))}: a bound, as some episodes never reached it."] if bounds else []
-    table.caption = "\n".join(notes) or None
+    table.caption = escape("\n".join(notes)) or None
     return table
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from rich import box
 from rich.console import RenderableType
+from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
@@ -119,7 +120,7 @@ def ratio_lines(ratios: Ratios) -> Iterator[RenderableType]:
 
 def _printed(to: str, ratios: Ratios, rows: list[RatioRow]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column(f"steps / {to}'s", overflow="fold", min_width=24)
+    table.add_column(escape(f"steps / {to}'s"), overflow="fold", min_width=24)
     for metric in ratios.metrics:
         table.add_column(MEASURES[metric].title, justify="right", no_wrap=True)
         table.add_column("of means", justify="right", no_wrap=True, style="dim")
