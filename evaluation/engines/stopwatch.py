@@ -8,7 +8,7 @@ from indoor_explorers.evaluation.engines.process_tree import busy_time
 from indoor_explorers.evaluation.episodes.shared_clock import Clock
 
 #: Seconds that a process may spend with compiling, all in all, without their counting.
-MOST_COMPILING = 300.0
+MOST_COMPILING = 900.0
 
 
 class Stopwatch:
@@ -16,14 +16,14 @@ class Stopwatch:
 
     A process notes in its clock when decisions begin and end and when it compiles. One that holds a policy could write
     anything there. So the time starts anew only when more decisions have ended, and at most as many as it was asked
-    for; and what it calls compiling counts as such only where its threads were busy, up to :data:`MOST_COMPILING`.
+    for; and after compiling only if its threads were busy then, up to :data:`MOST_COMPILING` with what was before.
     """
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self.asked = 0.0
         """When the current decision began, as the process says."""
-        self._began, self._waited, self._excused = 0.0, 0.0, 0.0
+        self._began, self._waited, self._left = 0.0, 0.0, MOST_COMPILING
         self._due: float | None = None
         """How many more decisions it is asked for; None where it is trusted."""
         self._ended, self._compiled = 0.0, 0.0
@@ -45,8 +45,11 @@ class Stopwatch:
         busy, passed = busy_time(pid), min(passed, time.monotonic() - self._began)
         if fresh := self._progress():
             self._waited = 0.0
+        elif (compiled := self._compiling(passed, busy)) and self._waited + compiled <= self._left:
+            self._left -= self._waited + compiled
+            self._waited = passed - compiled
         else:
-            self._waited += passed - self._excuse(passed, busy)
+            self._waited += passed
         self.asked, self._compiled, self._busy = self._clock.asked, self._clock.compiled, busy
         return self._waited, fresh
 
@@ -58,11 +61,7 @@ class Stopwatch:
             self._ended, self._due = self._ended + more, self._due - more
         return fresh
 
-    def _excuse(self, passed: float, busy: float | None) -> float:
+    def _compiling(self, passed: float, busy: float | None) -> float:
         """Return how much of the time that passed was spent with compiling."""
-        most = min(passed, MOST_COMPILING - self._excused)
-        if busy is not None and self._busy is not None:
-            most = min(most, busy - self._busy)
-        excused = max(0.0, min(self._clock.compiled - self._compiled, most))
-        self._excused += excused
-        return excused
+        most = passed if busy is None or self._busy is None else min(passed, busy - self._busy)
+        return max(0.0, min(self._clock.compiled - self._compiled, most))

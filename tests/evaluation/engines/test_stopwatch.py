@@ -3,7 +3,7 @@
 import pytest
 
 from indoor_explorers.evaluation.engines import stopwatch
-from indoor_explorers.evaluation.engines.stopwatch import MOST_COMPILING, Stopwatch
+from indoor_explorers.evaluation.engines.stopwatch import Stopwatch
 from indoor_explorers.evaluation.episodes.shared_clock import COMPILED, ENDED, Clock
 
 
@@ -50,13 +50,14 @@ def test_where_the_process_is_trusted_it_is_the_clock_of_decisions(timed):
 def test_compiling_counts_only_while_it_is_asleep_and_not_for_ever(timed):
     clock, watch, after = timed
     watch.ask(1)
-    after(0.0)
-    clock._times[COMPILED] += 4.0
-    assert after(1.0, running=1.0) == 0.0
-    clock._times[COMPILED] = float("inf")
     assert after(1.0) == 1.0
-    assert after(1.0, running=1.0) == 2.0, "nothing more was compiled"
-    clock._times[COMPILED] = 5.0
-    after(0.0)
-    clock._times[COMPILED] = 1e9
-    assert after(MOST_COMPILING + 9.0, running=1e9) == 2.0 + 10.0
+    clock._times[COMPILED] += 4.0
+    assert after(2.0, running=1.5) == 0.5
+    clock._times[COMPILED] = float("inf")
+    assert after(1.0) == 1.5
+    assert after(1.0, running=1.0) == 2.5, "nothing more was compiled"
+    clock._times[COMPILED] = 0.0
+    assert after(1.0) == 3.5
+    for compiled, waited in ((450.0, 0.0), (900.0, 450.0)):
+        clock._times[COMPILED] = compiled
+        assert after(450.0, running=450.0) == waited
