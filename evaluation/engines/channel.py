@@ -9,11 +9,11 @@ from multiprocessing.connection import Connection
 
 #: Bytes that are read at once.
 CHUNK = 1 << 20
-_SHORT, _LONG = struct.Struct("!i"), struct.Struct("!Q")
+_SIZE = struct.Struct("!i")
 
 
 class Channel:
-    """Sends and receives messages, framed as the other end, a plain connection of multiprocessing, does."""
+    """Sends and receives messages, framed as the other end, a plain connection of multiprocessing, does below 2 GB."""
 
     def __init__(self, connection: Connection, longest: int) -> None:
         """Take over a connection; messages of more than ``longest`` bytes are refused."""
@@ -32,8 +32,7 @@ class Channel:
 
     def send(self, message: bytes) -> None:
         """Send what can be sent at once, and the rest in :meth:`transfer`; nothing where nobody reads any more."""
-        size = _SHORT.pack(len(message)) if len(message) < 1 << 31 else _SHORT.pack(-1) + _LONG.pack(len(message))
-        self._unsent = memoryview(bytes(self._unsent) + size + message)
+        self._unsent = memoryview(bytes(self._unsent) + _SIZE.pack(len(message)) + message)
         self._write()
 
     def transfer(self) -> None:
@@ -61,21 +60,16 @@ class Channel:
             ValueError: it would be too long.
 
         """
-        held, begin = len(self._read), _SHORT.size
-        if held < begin:
+        if len(self._read) < _SIZE.size:
             return None
-        (size,) = _SHORT.unpack_from(self._read)
-        if size == -1:
-            begin += _LONG.size
-            if held < begin:
-                return None
-            (size,) = _LONG.unpack_from(self._read, _SHORT.size)
+        (size,) = _SIZE.unpack_from(self._read)
         if not 0 <= size <= self._longest:
             raise ValueError(f"expected a message of at most {self._longest} bytes, got one of {size}")
-        if held < begin + size:
+        end = _SIZE.size + size
+        if len(self._read) < end:
             return None
-        message = bytes(self._read[begin : begin + size])
-        del self._read[: begin + size]
+        message = bytes(self._read[_SIZE.size : end])
+        del self._read[:end]
         return message
 
     def close(self) -> None:

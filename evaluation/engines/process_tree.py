@@ -46,7 +46,10 @@ def all_pids() -> set[int]:
 
 
 class ProcessTree:
-    """The descendants of a process; those found once stay members when their parents are gone."""
+    """The descendants of a process; those found once stay members when their parents are gone.
+
+    Can be used by several threads: what one replaces, another may still read.
+    """
 
     def __init__(self, root: int) -> None:
         self._root = root
@@ -56,16 +59,16 @@ class ProcessTree:
     def update(self) -> set[int]:
         """Find and return the descendants that run now; only processes not seen before cost more than a look."""
         present = all_pids() - {self._root}
-        self._others &= present
+        self._others = self._others & present
         found = {pid: process for pid in present - self._others if (process := process_of(pid))}
         self._started = {
             pid: started for pid, started in self._started.items() if pid in found and found[pid].started == started
         }
         new = found.keys() - self._started.keys()
         while more := {pid for pid in new if found[pid].parent in self._started.keys() | {self._root}}:
-            self._started |= {pid: found[pid].started for pid in more}
+            self._started = self._started | {pid: found[pid].started for pid in more}
             new -= more
-        self._others |= new
+        self._others = self._others | new
         return set(self._started)
 
     def threads(self) -> int:
@@ -76,7 +79,7 @@ class ProcessTree:
         """Kill all members, and return whether there were any; they are stopped first, so that none starts another."""
         stopped: set[int] = set()
         for _ in range(ROUNDS):
-            self._others.clear()
+            self._others = set()
             if not (running := self.update() - stopped):
                 break
             _signal(running, signal.SIGSTOP)

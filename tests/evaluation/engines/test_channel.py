@@ -49,7 +49,7 @@ def test_a_long_message_waits_until_it_is_read(ends):
     assert channel.events < writes
 
 
-@pytest.mark.parametrize("header", [b"\x7f\xff\xff\xff", b"\xff\xff\xff\xff" + b"\x01" * 8, b"\xff\xff\xff\xfe"])
+@pytest.mark.parametrize("header", [b"\x7f\xff\xff\xff", b"\xff\xff\xff\xff"])
 def test_messages_that_are_too_long_are_refused(header, ends):
     channel, other = ends
     os.write(other.fileno(), header)
