@@ -53,7 +53,7 @@ class ProcessExit(NamedTuple):
 class ProcessHandle:
     """One process that serves this one: a fresh interpreter that never imports the caller's main module.
 
-    It is not started by this one but by its keeper, which is: see :mod:`~.keeper`.
+    Between the two is its :mod:`~.keeper`.
     """
 
     def __init__(
@@ -106,8 +106,9 @@ class ProcessHandle:
                 self.kill()
                 return ProcessExit(UNREADABLE, fresh=self._jobs <= 1)
             self._events.modify(self._channel.fileno(), self._channel.events)
-            ready = [descriptor for descriptor, _ in self._events.poll(0 if message else 1000 * self._interval)]
-            due = not (ready or message) or time.monotonic() > self._checked + self._interval
+            wait = 1000 * self._interval if message is None else 0
+            ready = [descriptor for descriptor, _ in self._events.poll(wait)]
+            due = (not ready and message is None) or time.monotonic() > self._checked + self._interval
             if due and (reason := self._violation()) is not None:
                 self.kill()
                 return ProcessExit(reason, reason.startswith(STOPPED), self._jobs <= 1)

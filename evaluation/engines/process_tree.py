@@ -52,7 +52,7 @@ class ProcessTree:
     """
 
     def __init__(self, root: int) -> None:
-        self._root = root
+        self._root, self._born = root, process_of(root)
         self._others: set[int] = set()
         self._started: dict[int, int] = {}
 
@@ -64,8 +64,9 @@ class ProcessTree:
         self._started = {
             pid: started for pid, started in self._started.items() if pid in found and found[pid].started == started
         }
-        new = found.keys() - self._started.keys()
-        while more := {pid for pid in new if found[pid].parent in self._started.keys() | {self._root}}:
+        now, new = process_of(self._root), found.keys() - self._started.keys()
+        roots = {self._root} if now and self._born and now.started == self._born.started else set()
+        while more := {pid for pid in new if found[pid].parent in self._started.keys() | roots}:
             self._started = self._started | {pid: found[pid].started for pid in more}
             new -= more
         self._others = self._others | new

@@ -110,7 +110,7 @@ class ComparisonRequest(Request):
     decision_timeout: Annotated[float | None, Option(metavar="SECONDS", read=read_seconds)] = DECISION_TIMEOUT
     """Fail an episode when a decision takes longer; compiling does not count."""
     memory_limit: Annotated[float | None, Option(metavar="GB", read=read_gigabytes)] = None
-    """Fail an episode when its process uses more memory (default: four fifths of the machine's memory / workers)."""
+    """Fail an episode when its processes use more memory (default: four fifths of the machine's memory / workers)."""
     isolate: Annotated[Isolated, Option(choices=get_args(Isolated))] = "plug-ins"
     """Which policies decide in a process of their own, which is shown what their UAVs know and never has the true map:
     by default those from outside this package. Results say which did."""
