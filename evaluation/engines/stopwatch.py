@@ -45,7 +45,7 @@ class Stopwatch:
         busy, passed = busy_time(pid), min(passed, time.monotonic() - self._began)
         if fresh := self._progress():
             self._waited = 0.0
-        elif (compiled := self._compiling(passed, busy)) and self._waited + compiled <= self._left:
+        elif (compiled := self._compiling(passed, busy)) > passed / 2 and self._waited + compiled <= self._left:
             self._left -= self._waited + compiled
             self._waited = passed - compiled
         else:

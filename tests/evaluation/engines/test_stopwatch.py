@@ -53,8 +53,10 @@ def test_compiling_counts_only_while_it_is_asleep_and_not_for_ever(timed):
     assert after(1.0) == 1.0
     clock._times[COMPILED] += 4.0
     assert after(2.0, running=1.5) == 0.5
+    clock._times[COMPILED] += 4.0
+    assert after(0.5, running=0.2) == 1.0, "mostly asleep"
     clock._times[COMPILED] = float("inf")
-    assert after(1.0) == 1.5
+    assert after(0.5) == 1.5
     assert after(1.0, running=1.0) == 2.5, "nothing more was compiled"
     clock._times[COMPILED] = 0.0
     assert after(1.0) == 3.5
