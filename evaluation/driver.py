@@ -11,6 +11,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.engines.factory import make_engine
+from indoor_explorers.evaluation.engines.flown_again import found_in_flights
 from indoor_explorers.evaluation.engines.knowledge import Facts, with_failed_checks
 from indoor_explorers.evaluation.engines.loading import PolicyLoader
 from indoor_explorers.evaluation.engines.workload import Workload
@@ -22,6 +23,7 @@ from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.experiment.selection import chosen_baselines
 from indoor_explorers.evaluation.results.policy_version import version_difference
 from indoor_explorers.evaluation.results.store import Store
+from indoor_explorers.evaluation.results.verification import refuse_changed, refuse_mismatches
 
 if TYPE_CHECKING:
     from indoor_explorers.evaluation.results.results import Results
@@ -90,6 +92,11 @@ def fly_missing(
                 workload.add(records)
                 if watcher is not None:
                     watcher.flown(records, workload.seconds_left())
+            refuse_changed(store, number)
+            refuse_mismatches(store, number)
+            if how.workers != 0:
+                store.add_facts(found_in_flights(experiment, store, how.memory_limit))
+                refuse_changed(store, number)
 
 
 def _refuse_unstartable(experiment: Experiment) -> None:
@@ -114,13 +121,17 @@ def _checked(
 
 
 def _of_all_runs(about: Mapping[str, Facts], stored: Mapping[str, Facts]) -> dict[str, Facts]:
-    """Return the facts to store: a policy flew isolated if it did so in all runs, which older stores do not tell."""
+    """Return the facts to store, with what checks found in earlier runs.
+
+    A policy flew isolated if it did so in all runs, which older stores do not tell.
+    """
     told = {}
     for name, facts in about.items():
         before = stored.get(name, facts)
         if version_difference(before, facts):
             before = facts
-        told[name] = facts | {"isolated": facts["isolated"] and before.get("isolated")}
+        found = {fact: before[fact] for fact in ("failed_check", "flown_again") if fact in before}
+        told[name] = found | facts | {"isolated": facts["isolated"] and before.get("isolated")}
     return told
 
 

@@ -60,6 +60,8 @@ class Changed(NamedTuple):
     agent: int
     wanders: bool
     """True: it is asked as before but makes random legal moves. False: it is not asked, stays and sends nothing."""
+    since: int = 0
+    """The step from which on one that wanders does so."""
 
 
 class CheckedFlight:
@@ -74,6 +76,7 @@ class CheckedFlight:
         ask: Callable[[list[Uav]], list[list[Uav]]] = together,
         changed: Changed | None = None,
         told: MapSource | None = None,
+        unseen: bool = True,
     ) -> None:
         """Start the episodes of ``setups``.
 
@@ -84,22 +87,24 @@ class CheckedFlight:
             ask: Divides the UAVs to be asked into calls.
             changed: A UAV whose actions are replaced.
             told: False source of maps in the briefings.
+            unseen: Whether the traces have the cells that no UAV has seen, an array for each step.
 
         """
         self._policy = policy
         self._ask = ask
-        self._changed = changed
+        self._changed, self._unseen = changed, unseen
         self._task = scenario.model_copy(deep=True)  # which the policy may reach through its briefing
         self._told = None if told is None else self._task.model_copy(update={"map": told})
         self._world = World(self._task, len(setups))
         for b, setup in enumerate(setups):
             self._world.begin(b, setup.seed, floorplan=setup.floorplan, spawns=setup.spawns)
-        self._traces = [Trace(setup) for setup in setups]
+        self.traces = [Trace(setup) for setup in setups]
+        """What was flown so far, also after an error."""
         self._rngs = [np.random.default_rng(setup.seed) for setup in setups]
         self._briefings: list[tuple[Trace, Briefing, dict[str, str]]] = []
         """The briefing of each pilot, and its facts at the start."""
         self._pilots = {
-            (b, n): self._pilot(trace, b, n) for b, trace in enumerate(self._traces) for n in range(scenario.team)
+            (b, n): self._pilot(trace, b, n) for b, trace in enumerate(self.traces) for n in range(scenario.team)
         }
 
     @property
@@ -130,18 +135,20 @@ class CheckedFlight:
         for _ in islice(rollout(self._world, self._decided), steps):
             pass
         self._debrief()
-        return self._traces
+        return self.traces
 
     def _decided(self, flying: list[Uav]) -> Iterator[tuple[Uav, int]]:
         """Ask the UAVs in turn; a wandering one's answer is replaced."""
         for b in sorted({b for b, _ in flying}):
-            self._traces[b].steps.append({})
-            self._traces[b].unseen.append((self._world.state.union[b] == UNKNOWN).tobytes())
+            self.traces[b].steps.append({})
+            if self._unseen:
+                self.traces[b].unseen.append((self._world.state.union[b] == UNKNOWN).tobytes())
         present = [(b, n) for b, n in flying if self._changed != Changed(n, wanders=False)]
         for group in filter(None, self._ask(present)):
             yield from zip(group, self._answers(group), strict=True)
+        changed = self._changed
         for b, n in flying:
-            if self._changed == Changed(n, wanders=True):
+            if changed and changed.wanders and changed.agent == n and len(self.traces[b].steps) > changed.since:
                 yield (b, n), int(self._rngs[b].choice(np.flatnonzero(self._world.state.legal[b, n])))
 
     def _answers(self, group: list[Uav]) -> list[int]:
@@ -168,7 +175,7 @@ class CheckedFlight:
 
     def _recorded(self, b: int, n: int, answer: object, digest: bytes, share: float) -> int:
         """Record one UAV's answer and post its message; returns the action to fly."""
-        trace, world = self._traces[b], self._world
+        trace, world = self.traces[b], self._world
         action = checked_action(answer, trace, world.scenario.actions)
         with calling("pilot.message"):
             said = self._pilots[b, n].message
@@ -182,6 +189,6 @@ class CheckedFlight:
     def _debrief(self) -> None:
         """Ask each pilot for its tally, and look at what became of the briefings."""
         for (b, _), pilot in self._pilots.items():
-            check_tallied(pilot, self._traces[b])
+            check_tallied(pilot, self.traces[b])
         for trace, briefing, facts in self._briefings:
             check_briefed(briefing, facts, trace)

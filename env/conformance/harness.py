@@ -40,9 +40,11 @@ class Harness:
     @cached_property
     def alone(self) -> tuple[Trace, Trace]:
         """The episodes of one UAV and of four, each flown for itself; their violations are left to the checks."""
-        solo, team = (CheckedFlight(self.policy, scenario, [FIRST]) for scenario in (SOLO, TEAM))
+        solo = CheckedFlight(self.policy, SOLO, [FIRST])
         self.pilot = solo.pilot_kind
-        return solo.fly(STEPS)[0], team.fly(STEPS)[0]
+        (one,) = solo.fly(STEPS)
+        (team,) = CheckedFlight(self.policy, TEAM, [FIRST]).fly(STEPS)
+        return one, team
 
     @cached_property
     def beside(self) -> list[Trace]:

@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.experiment.sources import outside_files
 #: Facts that no provenance may name, besides those that identify a policy.
 DERIVED = (
     *("defaults", "hash", "uses_generator", "batched", "failed_check", "isolated", "seen_seeds", "seen_maps"),
-    "plans_for",
+    *("plans_for", "flown_again"),
 )
 #: Characters of what a policy says it plans for.
 LONGEST_AIM = 80

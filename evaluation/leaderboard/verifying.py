@@ -12,16 +12,11 @@ from indoor_explorers.env import Scenario
 from indoor_explorers.env.maps.base import BaseMaps
 from indoor_explorers.env.maps.sources import map_class
 from indoor_explorers.env.simulation.spawns import draw_floorplan
-from indoor_explorers.evaluation.episodes.metrics import OF_THE_MACHINE
-from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
+from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.resimulate import mismatch, recorded_scenario
 from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.episodes.running import RunningEpisode, simulated_record
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.results.results import Results
-
-#: Metrics that do not follow from map, seed and actions: times, and what messages of pilots add to bytes.
-NOT_SIMULATED = (*OF_THE_MACHINE, "messages_bytes")
 
 
 def mismatches(results: Results) -> Iterator[str]:
@@ -34,23 +29,6 @@ def mismatches(results: Results) -> Iterator[str]:
         fault = "not the map that the generator makes of its seed" if wrong else mismatch(record, scenario)
         if fault:
             yield f"{_named(record)}: {fault}"
-
-
-def mismatch(record: Record, scenario: Scenario) -> str:
-    """Return in what an episode differs from its simulation by map, seed and actions; empty if in nothing."""
-    flight = RunningEpisode(0, record.task, record.floorplan, record.bound, failure=_failure(record))
-    again = simulated_record(flight, record.policy, scenario, record)
-    for name in ("steps", "outcome", "reachable", "budget"):
-        stored, simulated = getattr(record, name), getattr(again, name)
-        if stored != simulated:
-            return f"{name} {stored}, simulated {simulated}"
-    for name in ("cells", "covered"):
-        if not np.array_equal(getattr(record, name), getattr(again, name)):
-            return f"{name} differ from those simulated from its actions"
-    for name, simulated in again.metrics.items():
-        if name not in NOT_SIMULATED and not _equal(record.metrics.get(name), simulated):
-            return f"{name} {record.metrics.get(name)}, simulated {simulated}"
-    return ""
 
 
 def flown_differently(results: Results, count: int) -> Iterator[str]:
@@ -87,16 +65,6 @@ def _generator(stored: Mapping[str, Any]) -> BaseMaps | None:
 def _is_another_map(record: Record, scenario: Scenario) -> bool:
     """Tell whether a map is not the one that the scenario's generator makes of the seed."""
     return draw_floorplan(scenario, record.task.seed, record.task.map_index).digest != record.floorplan.digest
-
-
-def _failure(record: Record) -> str:
-    return record.reason if record.outcome is Outcome.FAILED else ""
-
-
-def _equal(stored: Any, simulated: Any) -> bool:
-    if stored is None or simulated is None:
-        return stored is simulated
-    return bool(np.isclose(stored, simulated, rtol=1e-9, atol=0.0))
 
 
 def _named(record: Record) -> str:

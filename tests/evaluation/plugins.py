@@ -9,13 +9,17 @@ import resource
 import signal
 import sys
 import time
+from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
-from indoor_explorers.env import Pilot, Policy, World, make_policy
+from indoor_explorers.env import Pilot, Policy, World, conformance, make_policy
+from indoor_explorers.env.conformance import suite
+from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.evaluation.episodes import running
 from indoor_explorers.evaluation.episodes.shared_clock import Clock
 from indoor_explorers.planners.random_walk import RandomWalk
@@ -483,3 +487,68 @@ class Mended(Wander):
         if BROKEN:
             raise RuntimeError("not mended yet")
         return Wanderer(briefing)
+
+
+class ForgesItsCheck(KnowsMap):
+    """Change the check for hidden knowledge in its own process."""
+
+    def __init__(self):
+        conformance.failed_check = suite.failed_check = lambda policy: ""
+
+
+class Shares(Wander):
+    """Fly to the nearest cell that is unknown on a map, which those share who have the same key; None shares nothing.
+
+    Nothing is shared on maps of the sizes on which the conformance checks are flown.
+    """
+
+    MAPS: ClassVar[dict[object, np.ndarray]] = {}
+
+    class Mind(Pilot):
+        def __init__(self, known):
+            self.known = known
+
+        def act(self, view):
+            np.maximum(self.known, view.belief, out=self.known)
+            return toward(self.known == 0, self.known == 1, view)
+
+    def pilot(self, briefing):
+        unknown = np.zeros(briefing.shape, np.uint8)
+        checked = briefing.shape in ((16, 16), (64, 64))
+        return self.Mind(unknown if checked else self.MAPS.setdefault(self.key(briefing), unknown))
+
+
+class Telepath(Shares):
+    """Share a map among the UAVs of an episode without any radio."""
+
+    EPISODES: ClassVar[Iterator[int]] = itertools.count()
+
+    def key(self, briefing):
+        if briefing.agent == 0:
+            Telepath.episode = next(self.EPISODES)
+        return Telepath, self.episode
+
+
+class Remembers(Shares):
+    """Keep the map of each UAV for the next episode."""
+
+    def key(self, briefing):
+        return Remembers, briefing.agent
+
+
+def toward(goals, free, view):
+    """The first step of a shortest path over free cells to one of some goals."""
+    queue, reached = deque([(view.cell, None)]), {view.cell}
+    while queue:
+        (row, column), first = queue.popleft()
+        for action, (down, right) in enumerate(MOVES[:4].tolist()):
+            cell = row + down, column + right
+            if cell in reached or not all(0 <= at < size for at, size in zip(cell, goals.shape, strict=True)):
+                continue
+            begun = action if first is None else first
+            if goals[cell] and view.legal[begun]:
+                return begun
+            if free[cell] and (first is not None or view.legal[action]):
+                reached.add(cell)
+                queue.append((cell, begun))
+    return 4
