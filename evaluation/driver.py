@@ -93,7 +93,7 @@ def fly_missing(
                 if watcher is not None:
                     watcher.flown(records, workload.seconds_left())
             refuse_changed(store, number)
-            refuse_mismatches(store, number)
+            refuse_mismatches(store, experiment, number)
             if how.workers != 0:
                 store.add_facts(found_in_flights(experiment, store, how.memory_limit))
                 refuse_changed(store, number)

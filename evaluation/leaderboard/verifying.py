@@ -12,8 +12,9 @@ from indoor_explorers.env import Scenario
 from indoor_explorers.env.maps.base import BaseMaps
 from indoor_explorers.env.maps.sources import map_class
 from indoor_explorers.env.simulation.spawns import draw_floorplan
+from indoor_explorers.evaluation.episodes.mismatch import mismatch
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.episodes.resimulate import mismatch, recorded_scenario
+from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.episodes.runner import fly
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.results.results import Results

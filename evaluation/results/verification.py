@@ -11,7 +11,8 @@ import numpy as np
 from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.policies.registry import is_own_policy
-from indoor_explorers.evaluation.episodes.resimulate import mismatch, recorded_scenario
+from indoor_explorers.evaluation.episodes.mismatch import mismatch
+from indoor_explorers.evaluation.experiment.experiment import Experiment
 from indoor_explorers.evaluation.results.store import Store, some_of
 
 #: Seconds of simulating episodes of earlier runs again; the rest is not simulated.
@@ -40,7 +41,7 @@ def refuse_changed(store: Store, run: int) -> None:
         )
 
 
-def refuse_mismatches(store: Store, run: int) -> None:
+def refuse_mismatches(store: Store, experiment: Experiment, run: int) -> None:
     """Refuse episodes of earlier runs that are not what their actions give; they are set aside.
 
     Where plug-ins were flown, episodes are simulated in a random order for some seconds. Runs of other versions of the
@@ -52,7 +53,6 @@ def refuse_mismatches(store: Store, run: int) -> None:
     """
     if all(_is_own(facts) for facts in store.policies().values()):
         return
-    scenarios = {name: recorded_scenario(settings) for name, settings in store.scenarios().items()}
     rows = np.random.default_rng().permutation(store.rows_of(_alike(store.all_runs(), run))).tolist()
     faults: dict[int, str] = {}
     until = time.process_time() + SECONDS
@@ -60,7 +60,7 @@ def refuse_mismatches(store: Store, run: int) -> None:
         some, rows = rows[:AT_ONCE], rows[AT_ONCE:]
         for rowid, record in zip(some, store.records_at(some), strict=True):
             task = record.task
-            if fault := mismatch(record, scenarios[task.scenario]):
+            if fault := mismatch(record, experiment.scenario(task.scenario)):
                 faults[rowid] = f"{record.policy} on {task.scenario}, map {task.map_index}, seed {task.seed}: {fault}"
     if faults:
         store.set_aside(faults)

@@ -9,7 +9,6 @@ import resource
 import signal
 import sys
 import time
-from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -497,29 +496,30 @@ class ForgesItsCheck(KnowsMap):
 
 
 class Shares(Wander):
-    """Fly to the nearest cell that is unknown on a map, which those share who have the same key; None shares nothing.
+    """Go to the neighbouring cell that was entered least often, as those count together who have the same key.
 
-    Nothing is shared on maps of the sizes on which the conformance checks are flown.
+    All count for themselves on maps of the sizes on which the conformance checks are flown.
     """
 
-    MAPS: ClassVar[dict[object, np.ndarray]] = {}
+    COUNTS: ClassVar[dict[object, np.ndarray]] = {}
 
     class Mind(Pilot):
-        def __init__(self, known):
-            self.known = known
+        def __init__(self, counts):
+            self.counts = counts
 
         def act(self, view):
-            np.maximum(self.known, view.belief, out=self.known)
-            return toward(self.known == 0, self.known == 1, view)
+            self.counts[view.cell] += 1
+            moves = np.flatnonzero(view.legal[:4])
+            return int(min(moves, key=lambda move: self.counts[tuple(MOVES[move] + view.cell)], default=4))
 
     def pilot(self, briefing):
-        unknown = np.zeros(briefing.shape, np.uint8)
+        mine = np.zeros(briefing.shape, int)
         checked = briefing.shape in ((16, 16), (64, 64))
-        return self.Mind(unknown if checked else self.MAPS.setdefault(self.key(briefing), unknown))
+        return self.Mind(mine if checked else self.COUNTS.setdefault(self.key(briefing), mine))
 
 
 class Telepath(Shares):
-    """Share a map among the UAVs of an episode without any radio."""
+    """Share the counts of an episode among its UAVs without any radio."""
 
     EPISODES: ClassVar[Iterator[int]] = itertools.count()
 
@@ -530,25 +530,7 @@ class Telepath(Shares):
 
 
 class Remembers(Shares):
-    """Keep the map of each UAV for the next episode."""
+    """Keep the counts of each UAV for the next episode."""
 
     def key(self, briefing):
         return Remembers, briefing.agent
-
-
-def toward(goals, free, view):
-    """The first step of a shortest path over free cells to one of some goals."""
-    queue, reached = deque([(view.cell, None)]), {view.cell}
-    while queue:
-        (row, column), first = queue.popleft()
-        for action, (down, right) in enumerate(MOVES[:4].tolist()):
-            cell = row + down, column + right
-            if cell in reached or not all(0 <= at < size for at, size in zip(cell, goals.shape, strict=True)):
-                continue
-            begun = action if first is None else first
-            if goals[cell] and view.legal[begun]:
-                return begun
-            if free[cell] and (first is not None or view.legal[action]):
-                reached.add(cell)
-                queue.append((cell, begun))
-    return 4
