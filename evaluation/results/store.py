@@ -24,7 +24,6 @@ from indoor_explorers.evaluation.results.rows import (
     CHECKSUMS,
     SCHEMA,
     Row,
-    checksum,
     episode_row,
     floorplan_row,
 )
@@ -104,10 +103,8 @@ class Store(WrittenRows):
 
     def _sign(self, table: str, which: str = "true", *values: Any) -> None:
         """Store the checksums of some rows of a table, of all by default."""
-        rows = self._db.execute(f"SELECT rowid, * FROM {table} WHERE {which}", values).fetchall()
-        digests = {(table, rowid): checksum(table, tuple(row)) for rowid, *row in rows}
-        self._written |= digests
-        self._db.executemany("INSERT OR IGNORE INTO checksum VALUES (?)", [(each,) for each in digests.values()])
+        digests = [(digest,) for digest in self._note(table, which, *values)]
+        self._db.executemany("INSERT OR IGNORE INTO checksum VALUES (?)", digests)
 
     def _set_aside_damaged(self) -> None:
         """Move damaged episodes to a table of their own, and drop damaged maps, so that both are made again."""
@@ -147,7 +144,7 @@ class Store(WrittenRows):
             self._refuse_another(experiment)
             others = self._other_versions(policies)
             self._refuse_versions({} if refly else others)
-        self._written.clear()
+        self._noted.clear()
         with transaction(self._db, self.path):
             if self._fresh:
                 for table in TABLES:
@@ -174,6 +171,8 @@ class Store(WrittenRows):
             for table in SETTINGS:
                 self._sign(table)
         self._set_aside_damaged()
+        for table in ("floorplan", "episode"):
+            self._note(table)
         assert run is not None
         return run
 
@@ -256,11 +255,13 @@ class Store(WrittenRows):
         """Add another attempt at a failed episode: the first one counts unless the machine failed."""
         which = "FROM episode WHERE policy = ? AND scenario = ? AND map_index = ? AND seed = ? AND outcome = ?"
         key = (record.policy, *record.task)
-        first = self._db.execute(f"SELECT outcome, reason, steps {which}", (*key, Outcome.FAILED)).fetchone()
-        if first is None:
+        found = self._db.execute(f"SELECT rowid, outcome, reason, steps {which}", (*key, Outcome.FAILED)).fetchone()
+        if found is None:
             return
+        rowid, *first = found
         if is_of_machine(first[1]):
             self._db.execute(f"DELETE {which}", (*key, Outcome.FAILED))
+            self._noted.pop(("episode", rowid), None)
             self._insert("attempt", (*key, *first))
         else:
             self._insert("attempt", (*key, str(record.outcome), record.reason, record.steps))

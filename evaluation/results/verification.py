@@ -24,7 +24,7 @@ DISTRUST = "leave out the policies that you do not trust"
 
 
 def refuse_changed(store: Store, run: int) -> None:
-    """Refuse rows that are not what this process wrote; episodes are set aside.
+    """Refuse rows that another program changed, added or removed during a run; episodes are set aside.
 
     Raises:
         RunError: there are such rows.
@@ -36,7 +36,7 @@ def refuse_changed(store: Store, run: int) -> None:
         store.set_aside([rowid for table, rowid in changed if table == "episode"])
         again = "the same command flies the episodes again" if mendable else "start again with --fresh"
         raise RunError(
-            f"{store.path}: another program, perhaps a policy, changed what this command had written: "
+            f"{store.path}: another program, perhaps a policy, changed it while this command ran: "
             f"{some_of(list(changed.values()))}; {DISTRUST}, then {again}"
         )
 

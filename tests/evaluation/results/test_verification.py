@@ -13,94 +13,75 @@ from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.results.rows import checksum
 
+BETTER = "UPDATE episode SET metrics = json_set(metrics, '$.t99', 3) WHERE seed = 1"
+#: What a policy may do to the store, and how it is told.
+CHANGES = {
+    "better": (BETTER, "Wander on thesis-open, map 0, seed 1"),
+    "removed": ("DELETE FROM episode WHERE seed = 1", "a row of table episode that is missing"),
+    "added": (
+        "INSERT INTO episode SELECT policy, scenario, 0, 7, run, floorplan, team, budget, reachable, outcome, reason, "
+        "steps, metrics, covered, cells, actions, seconds, sent FROM episode WHERE seed = 2",
+        "Wander on thesis-open, map 0, seed 7",
+    ),
+    "forged": ("UPDATE policy SET facts = json_set(facts, '$.failed_check', '')", "a row of table policy"),
+}
+AGAIN = "leave out the policies that you do not trust, then the same command flies the episodes again"
 
-def fly(out, watcher=None, policy="tests.evaluation.plugins:Wander"):
-    request = ComparisonRequest.of(policies=[policy], scenario="thesis-open", episodes=2, workers=0)
+
+def fly(out, watcher=None, policy="tests.evaluation.plugins:Wander", episodes=2):
+    request = ComparisonRequest.of(policies=[policy], scenario="thesis-open", episodes=episodes, workers=0)
     fly_missing(plan(request), out, request, watcher=watcher)
+    return Results.load(out).records
 
 
-def edit(out, table, change):
-    """Change a table as a policy could, and sign every row of it."""
+def edit(out, change):
+    """Change a store as a policy could, and sign all that is in it."""
     with closing(sqlite3.connect(out / "results.db")) as db, db:
         db.execute(change)
-        for row in db.execute(f"SELECT * FROM {table}").fetchall():
-            db.execute("INSERT OR IGNORE INTO checksum VALUES (?)", (checksum(table, row),))
-
-
-BETTER = "UPDATE episode SET metrics = json_set(metrics, '$.t99', 3)"
-COLUMNS = (
-    "run, floorplan, team, budget, reachable, outcome, reason, steps, metrics, covered, cells, actions, seconds, sent"
-)
-CHANGES = {
-    "better": ("episode", BETTER, "Wander on thesis-open, map 0, seed 1"),
-    "removed": ("episode", "DELETE FROM episode WHERE seed = 1", "a row of table episode that is missing"),
-    "added": (
-        "episode",
-        f"INSERT INTO episode SELECT policy, scenario, 0, 7, {COLUMNS} FROM episode WHERE seed = 1",
-        "seed 7; leave out",
-    ),
-}
+        for table in ("run", "policy", "floorplan", "episode"):
+            for row in db.execute(f"SELECT * FROM {table}").fetchall():
+                db.execute("INSERT OR IGNORE INTO checksum VALUES (?)", (checksum(table, row),))
 
 
 class Edits:
-    """A watcher that changes the store after the last episode."""
+    """A watcher that changes the store after each episode."""
 
-    def __init__(self, *change):
-        self.change, self.left = change, 0
+    def __init__(self, out, change):
+        self.flown = lambda records, seconds_left: edit(out, change)
 
     def begin(self, total, missing):
-        self.left = missing
-
-    def flown(self, records, seconds_left):
-        self.left -= len(records)
-        if not self.left:
-            edit(*self.change)
+        pass
 
 
-@pytest.mark.parametrize("change", CHANGES)
-def test_episodes_changed_while_others_flew_are_refused_and_flown_again(change, tmp_path):
-    table, sql, named = CHANGES[change]
+@pytest.mark.parametrize("name", CHANGES)
+def test_what_another_program_changed_during_a_run_is_refused(name, tmp_path):
+    change, named = CHANGES[name]
+    fly(tmp_path)  # episodes of an earlier run are looked at, too
     with pytest.raises(
-        RunError, match="another program, perhaps a policy, changed what this command had written"
+        RunError, match=rf"changed it while this command ran: (tests.evaluation.plugins:)?{named}; leave out"
     ) as told:
-        fly(tmp_path, Edits(tmp_path, table, sql))
-    assert named in str(told.value)
-    assert str(told.value).endswith("then the same command flies the episodes again")
+        fly(tmp_path, Edits(tmp_path, change), episodes=3)
+    if " episode " not in change:
+        assert str(told.value).endswith("then start again with --fresh")
+    else:
+        assert str(told.value).endswith(AGAIN)
+        assert [record.metrics["t99"] == 3 for record in fly(tmp_path, episodes=3)] == [False] * 3
+
+
+def test_episodes_of_earlier_runs_of_the_same_software_are_simulated_again(tmp_path):
     fly(tmp_path)
-    results = Results.load(tmp_path)
-    assert {record.task.seed for record in results.records} == {0, 1}
-    assert all(record.metrics["t99"] != 3 for record in results.records)
-
-
-@pytest.mark.parametrize(
-    ("table", "sql"),
-    [
-        ("policy", "UPDATE policy SET facts = json_set(facts, '$.failed_check', '')"),
-        ("floorplan", "UPDATE floorplan SET name = 'another'"),
-    ],
-)
-def test_changed_facts_and_maps_are_refused(table, sql, tmp_path):
-    with pytest.raises(RunError, match=rf"had written: a row of table {table}.*; .*, then start again with --fresh"):
-        fly(tmp_path, Edits(tmp_path, table, sql))
-
-
-def test_episodes_of_an_earlier_run_are_simulated_again(tmp_path):
-    fly(tmp_path)
-    edit(tmp_path, "episode", f"{BETTER} WHERE seed = 1")
-    with pytest.raises(RunError, match=r"Wander on thesis-open, map 0, seed 1: t99 3, simulated .*; leave out"):
+    edit(tmp_path, BETTER)
+    with pytest.raises(RunError, match=rf"Wander on thesis-open, map 0, seed 1: t99 3, simulated .*; {AGAIN}"):
         fly(tmp_path)
-    fly(tmp_path)
-    assert all(record.metrics["t99"] != 3 for record in Results.load(tmp_path).records)
+    assert [record.metrics["t99"] == 3 for record in fly(tmp_path)] == [False, False]
+    edit(tmp_path, BETTER)
+    with closing(sqlite3.connect(tmp_path / "results.db")) as db:
+        ((facts,), *_) = db.execute("SELECT facts FROM run").fetchall()
+    edit(tmp_path, f"UPDATE run SET facts = '{json.dumps(json.loads(facts) | {'commit': '0123'}, sort_keys=True)}'")
+    assert [record.metrics["t99"] == 3 for record in fly(tmp_path)] == [False, True]
 
 
-def test_earlier_runs_of_other_software_or_without_plug_ins_are_not_simulated(tmp_path):
-    fly(tmp_path / "other")
-    edit(tmp_path / "other", "episode", f"{BETTER} WHERE seed = 1")
-    with closing(sqlite3.connect(tmp_path / "other" / "results.db")) as db:
-        (facts,) = db.execute("SELECT facts FROM run").fetchone()
-    older = json.dumps(json.loads(facts) | {"commit": "0123"}, sort_keys=True)
-    edit(tmp_path / "other", "run", f"UPDATE run SET facts = '{older}'")
-    fly(tmp_path / "other")
-    fly(tmp_path / "own", policy="random")
-    edit(tmp_path / "own", "episode", BETTER)
-    fly(tmp_path / "own", policy="random")
+def test_where_no_plug_in_was_flown_nothing_is_simulated_again(tmp_path):
+    fly(tmp_path, policy="random")
+    edit(tmp_path, BETTER)
+    assert [record.metrics["t99"] == 3 for record in fly(tmp_path, policy="random")] == [False, True]
