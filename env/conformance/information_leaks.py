@@ -181,29 +181,17 @@ def check_unlinked(harness: Harness) -> str:
         (STOPPING, team, None),
     ):
         (again,) = harness.fly(scenario, [FIRST], changed=changed)
-        fix = ", and in a batched act let no row look at another" if harness.batched else ""
-        fix += shared_things(harness.policy, harness.pilot)
-        decisions += demand_unlinked(scenario, again, recorded, changed, fix)
+        others = [n for n in range(scenario.team) if changed is None or n != changed.agent]
+        found = compare(again, recorded, others)
+        decisions += found.compared
+        if found.differs is not None:
+            agent, step = found.differs
+            fix = "let pilots share nothing but messages, no list, dict or counter of the class, module or policy"
+            fix += ", and in a batched act let no row look at another" if harness.batched else ""
+            what = "teammates stopped" if changed is None else f"UAV {changed.agent} acted differently"
+            raise Differs(
+                f"UAV {agent} chose differently at step {step} when only {what}, of which it had seen and heard "
+                f"nothing (radio {scenario.radio.model})",
+                fix + shared_things(harness.policy, harness.pilot),
+            )
     return f"3 teammates replaced and 2 stopped, {decisions} decisions: changed nothing"
-
-
-def demand_unlinked(scenario: Scenario, again: Trace, recorded: Trace, changed: Changed | None, fix: str = "") -> int:
-    """Demand that no UAV chose differently before it saw or heard of the ``changed`` one; None: of those that stopped.
-
-    Returns the number of decisions compared; ``fix`` is added to how to fix it.
-
-    Raises:
-        Differs: one did.
-
-    """
-    others = [n for n in range(scenario.team) if changed is None or n != changed.agent]
-    found = compare(again, recorded, others)
-    if found.differs is not None:
-        agent, step = found.differs
-        what = "teammates stopped" if changed is None else f"UAV {changed.agent} acted differently"
-        raise Differs(
-            f"UAV {agent} chose differently at step {step} when only {what}, of which it had seen and heard "
-            f"nothing (radio {scenario.radio.model})",
-            f"let pilots share nothing but messages, no list, dict or counter of the class, module or policy{fix}",
-        )
-    return found.compared

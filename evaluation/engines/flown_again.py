@@ -1,7 +1,7 @@
 """Flies some episodes of plug-ins again, each alone in a new process, where they count: in the comparison's scenarios.
 
-A policy must choose the same again. In a team, a UAV then acts differently while others are out of contact with it:
-they must choose the same until they see or hear of this.
+A policy must choose the same again. In a team, one UAV is then shown another map, but flies and sends what it did: the
+others must choose the same, as they know of it by its radio alone.
 """
 
 from __future__ import annotations
@@ -13,13 +13,10 @@ from itertools import chain, zip_longest
 from math import ceil
 from typing import NamedTuple
 
-import numpy as np
-
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.conformance.findings import CannotFly, Differs
-from indoor_explorers.env.conformance.flying import Changed, CheckedFlight
-from indoor_explorers.env.conformance.information_leaks import demand_unlinked
-from indoor_explorers.env.conformance.traces import Setup, Trace
+from indoor_explorers.env.conformance.flying import CheckedFlight, Misled
+from indoor_explorers.env.conformance.traces import Setup, Trace, compare
 from indoor_explorers.env.errors import PolicyError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.engines.knowledge import Facts
@@ -27,17 +24,16 @@ from indoor_explorers.evaluation.engines.loading import AT_ONCE, PolicyLoader
 from indoor_explorers.evaluation.engines.policy_handle import ProcessEnded
 from indoor_explorers.evaluation.engines.remote_policy import RemotePolicy
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.episodes.resimulate import resimulate
 from indoor_explorers.evaluation.experiment.experiment import Experiment, Job, PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits, limits_for
 from indoor_explorers.evaluation.results.store import Store
 from indoor_explorers.evaluation.results.written_rows import Flight
 
 #: The share of a policy's episodes of a scenario that is flown again, and the least and the most of them.
-SHARE, LEAST, MOST = 0.1, 2, 4
+SHARE, LEAST, MOST = 0.1, 3, 4
 #: Seconds of deciding that all of a policy's episodes may take; what is not flown by then is not compared.
 SECONDS = 20.0
-#: Steps that are flown after a UAV began to act differently.
+#: Steps that are flown with a UAV that is shown another map.
 STEPS = 200
 FIX = "keep nothing in the policy, its class or its module, and in a batched act let no row look at another"
 
@@ -45,8 +41,7 @@ FIX = "keep nothing in the policy, its class or its module, and in a batched act
 class _Due(NamedTuple):
     """What a policy has to fly again."""
 
-    episodes: Sequence[tuple[Scenario, Record, bool]]
-    """Each with whether it is the first of its scenario, on which a teammate is changed."""
+    episodes: Sequence[tuple[Scenario, Record]]
     flown: dict[str, int]
     """How many episodes of each scenario were flown when these were chosen."""
 
@@ -86,7 +81,7 @@ def _due(experiment: Experiment, store: Store, choice: PolicyChoice, known: dict
     flights = {scenario.name: store.flights(choice.name, scenario.name) for scenario in experiment.scenarios}
     flown = {name: len(some) for name, some in flights.items() if len(some) > known.get(name, 0)}
     chosen = [
-        [(experiment.scenario(name), record, n == 0) for n, record in enumerate(store.records_at(_sample(some)))]
+        [(experiment.scenario(name), record) for record in store.records_at(_sample(some))]
         for name, some in flights.items()
         if name in flown
     ]
@@ -107,13 +102,13 @@ def _sample(flights: Sequence[Flight]) -> list[int]:
     return sorted((flight.rowid for flight in ranked[:count]), reverse=True)
 
 
-def _judged(policy: RemotePolicy, episodes: Sequence[tuple[Scenario, Record, bool]]) -> Facts:
+def _judged(policy: RemotePolicy, episodes: Sequence[tuple[Scenario, Record]]) -> Facts:
     until = time.monotonic() + SECONDS
-    for scenario, record, changing in episodes:
+    for scenario, record in episodes:
         try:
             trace = _alone(policy, scenario, record)
-            if changing and scenario.team > 1:
-                _changed(policy, scenario, record, trace)
+            if scenario.team > 1:
+                _apart(policy, scenario, record, trace)
         except Differs as error:
             where = f"in {scenario.name}, map {record.task.map_index}, seed {record.task.seed}"
             return {"failed_check": f"{error.found}, {where}; to fix it, {error.fix}"}
@@ -134,24 +129,28 @@ def _alone(policy: RemotePolicy, scenario: Scenario, record: Record) -> Trace:
     return trace
 
 
-def _changed(policy: RemotePolicy, scenario: Scenario, record: Record, trace: Trace) -> None:
-    """Fly an episode with one UAV that acts differently; demand that others choose the same before they know of it."""
-    changed = longest_silence(record, scenario)
-    if changed is not None:
-        again, _ = _flown(policy, scenario, record, changed.since + STEPS, changed)
-        try:
-            demand_unlinked(scenario, again, trace, changed)
-        except Differs as error:
-            _alone(policy, scenario, record)  # it may remember the flights before
-            raise Differs(f"unlinked teammates: {error.found}", error.fix) from error
+def _apart(policy: RemotePolicy, scenario: Scenario, record: Record, trace: Trace) -> None:
+    """Fly an episode with one UAV that is shown another map; demand that this changes nothing for the others."""
+    misled = Misled(int(record.actions.sum()) % record.team, trace)
+    again, _ = _flown(policy, scenario, record, min(STEPS, len(trace.steps)), misled)
+    found = compare(again, trace, [agent for agent in range(record.team) if agent != misled.agent])
+    if found.differs is not None:
+        _alone(policy, scenario, record)  # it may remember the flights before
+        agent, step = found.differs
+        raise Differs(
+            f"teammates apart: UAV {agent} chose differently at step {step} when only UAV {misled.agent} was shown "
+            "another map, and flew and sent the same",
+            "let pilots share nothing but messages, no list, dict or counter of the class, module or policy, and in a "
+            "batched act let no row look at another",
+        )
 
 
 def _flown(
-    policy: RemotePolicy, scenario: Scenario, record: Record, steps: int, changed: Changed | None = None
+    policy: RemotePolicy, scenario: Scenario, record: Record, steps: int, misled: Misled | None = None
 ) -> tuple[Trace, CannotFly | None]:
     """Return what was flown, and the error that ended it."""
     setup = Setup(record.task.seed, record.floorplan)
-    flight = CheckedFlight(policy, scenario, [setup], changed=changed, unseen=False)
+    flight = CheckedFlight(policy, scenario, [setup], misled=misled, unseen=False)
     try:
         flight.fly(steps)
     except CannotFly as error:
@@ -162,21 +161,3 @@ def _flown(
 def _same_actions(trace: Trace, record: Record) -> Iterator[bool]:
     for step, actions in zip(trace.steps, record.actions, strict=False):
         yield all(decision.action == actions[agent] for agent, decision in step.items())
-
-
-def longest_silence(record: Record, scenario: Scenario) -> Changed | None:
-    """Return the UAV of which the others hear nothing for the longest time, and the step at which that begins.
-
-    The time counts for each of the others, up to :data:`STEPS`; None where all hear of all at every step.
-    """
-    received = np.stack([world.state.last_received_step[0].copy() for world in resimulate(record, scenario)])
-    steps, team = np.arange(len(received)), record.team
-    heard = received == steps[:, None, None]
-    following = np.full((len(received) + 1, team, team), len(received))
-    for step in reversed(steps):
-        following[step] = np.where(heard[step], step, following[step + 1])
-    silent = np.clip(following[1:] - steps[:, None, None] - 1, 0, STEPS)
-    silent[:, np.arange(team), np.arange(team)] = 0
-    total = silent.sum(axis=1)
-    since, agent = divmod(int(total.argmax()), team)
-    return Changed(agent, wanders=True, since=since) if total.max() else None

@@ -18,7 +18,6 @@ import numpy as np
 
 from indoor_explorers.env import Pilot, Policy, World, conformance, make_policy
 from indoor_explorers.env.conformance import suite
-from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.evaluation.episodes import running
 from indoor_explorers.evaluation.episodes.shared_clock import Clock
 from indoor_explorers.planners.random_walk import RandomWalk
@@ -496,30 +495,34 @@ class ForgesItsCheck(KnowsMap):
 
 
 class Shares(Wander):
-    """Go to the neighbouring cell that was entered least often, as those count together who have the same key.
+    """Go to where most is unknown, on a map that those share who have the same key.
 
-    All count for themselves on maps of the sizes on which the conformance checks are flown.
+    Nothing is shared on maps of the sizes on which the conformance checks are flown.
     """
 
-    COUNTS: ClassVar[dict[object, np.ndarray]] = {}
+    MAPS: ClassVar[dict[object, np.ndarray]] = {}
 
     class Mind(Pilot):
-        def __init__(self, counts):
-            self.counts = counts
+        def __init__(self, known):
+            self.known = known
 
         def act(self, view):
-            self.counts[view.cell] += 1
-            moves = np.flatnonzero(view.legal[:4])
-            return int(min(moves, key=lambda move: self.counts[tuple(MOVES[move] + view.cell)], default=4))
+            np.maximum(self.known, view.belief, out=self.known)
+            row, column = view.cell
+            below, above = self.known[row + 1 :], self.known[:row]
+            unknown = [
+                (part == 0).sum() for part in (below, self.known[:, :column], above, self.known[:, column + 1 :])
+            ]
+            return int(max(np.flatnonzero(view.legal[:4]), key=lambda move: unknown[move], default=4))
 
     def pilot(self, briefing):
-        mine = np.zeros(briefing.shape, int)
+        mine = np.zeros(briefing.shape, np.uint8)
         checked = briefing.shape in ((16, 16), (64, 64))
-        return self.Mind(mine if checked else self.COUNTS.setdefault(self.key(briefing), mine))
+        return self.Mind(mine if checked else self.MAPS.setdefault(self.key(briefing), mine))
 
 
 class Telepath(Shares):
-    """Share the counts of an episode among its UAVs without any radio."""
+    """Share the map of an episode among its UAVs without any radio."""
 
     EPISODES: ClassVar[Iterator[int]] = itertools.count()
 
@@ -530,7 +533,7 @@ class Telepath(Shares):
 
 
 class Remembers(Shares):
-    """Keep the counts of each UAV for the next episode."""
+    """Keep the map of each UAV for the next episode."""
 
     def key(self, briefing):
         return Remembers, briefing.agent
