@@ -201,7 +201,8 @@ class CheckedFlight:
             said = self._pilots[b, n].message
         message = checked_message(said, trace)
         if self._misled is not None and n == self._misled.agent:
-            action, message = self._misled.before.steps[len(trace.steps) - 1][n].choice
+            before = self._misled.before.steps[len(trace.steps) - 1].get(n)
+            action, message = before.choice if before is not None else (action, message)
         trace.seconds.append(share)
         trace.into_walls += action < Action.STAY and not world.state.legal[b, n, action]
         trace.steps[-1][n] = Decision(digest, action, message)
