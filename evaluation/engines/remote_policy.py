@@ -35,7 +35,8 @@ class RemotePolicy(Policy):
             ProcessEnded: its process ended, or had to be killed.
 
         """
-        vars(self)["uses_generator"] = facts["uses_generator"]  # a variable of the class in other policies
+        # variables of the class in other policies
+        vars(self).update(uses_generator=facts["uses_generator"], map_shape=facts.get("map_shape"))
         self.seconds_left = seconds
         self.ended: ProcessExit | None = None
         """How its process ended or was killed; None while it runs."""

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from indoor_explorers.env import InputError, Policy
+from indoor_explorers.env.errors import one_line
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.suites.catalogue import digests_of
 from indoor_explorers.evaluation.experiment.sources import outside_files
@@ -16,7 +17,7 @@ from indoor_explorers.evaluation.experiment.sources import outside_files
 #: Facts that no provenance may name, besides those that identify a policy.
 DERIVED = (
     *("defaults", "hash", "uses_generator", "batched", "failed_check", "isolated", "seen_seeds", "seen_maps"),
-    *("plans_for", "flown_again"),
+    *("plans_for", "flown_again", "map_shape"),
 )
 #: Characters of what a policy says it plans for.
 LONGEST_AIM = 80
@@ -42,7 +43,18 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     facts |= {"sources": outside_files(policy, use), "defaults": _defaults(policy)}
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
     more = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy), "seen_maps": _seen_maps(policy)}
-    return facts | {name: told for name, told in more.items() if told}
+    return facts | {name: told for name, told in (more | {"map_shape": _map_shape(policy)}).items() if told}
+
+
+def _map_shape(policy: Policy) -> list[int] | None:
+    """Return the (H, W) of the only maps that a policy flies, None for any."""
+    shape = getattr(policy, "map_shape", None)
+    if shape is None:
+        return None
+    if not isinstance(shape, (tuple, list)) or len(shape) != 2 or not all(type(size) is int for size in shape):
+        got = one_line(repr(shape), LONGEST_AIM)
+        raise InputError(f"{type(policy).__name__}: expected map_shape to be two ints or None, got {got}")
+    return list(shape)
 
 
 def _plans_for(policy: Policy) -> str:
