@@ -112,7 +112,7 @@ def _judged(policy: RemotePolicy, episodes: Sequence[tuple[Scenario, Record]]) -
         except Differs as error:
             where = f"in {scenario.name}, map {record.task.map_index}, seed {record.task.seed}"
             return {"failed_check": f"{error.found}, {where}; to fix it, {error.fix}"}
-        if policy.unjudged or time.monotonic() > until:
+        if policy.ended or policy.unjudged or time.monotonic() > until:
             break
     return {}
 

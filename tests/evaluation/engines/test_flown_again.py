@@ -53,7 +53,7 @@ def test_more_episodes_are_looked_at_again(tmp_path, monkeypatch):
 
 def test_a_policy_that_fails_when_flown_again_is_marked(tmp_path):
     class Local(Raises):
-        unjudged = False
+        ended, unjudged = None, False
 
     (scenario,) = flown(tmp_path, "Wander", episodes=1).scenarios
     (record,) = Results.load(tmp_path).records
