@@ -18,6 +18,7 @@ from indoor_explorers.evaluation.options import (
     read_natural,
     read_seconds,
     read_setting,
+    read_share,
 )
 
 #: Where episodes can be flown, the default first.
@@ -53,6 +54,7 @@ TEAM = Option(metavar="N", read=read_count)
 SEED = Option(metavar="S", read=read_natural)
 SETTINGS = Option(metavar="key=value", read=read_setting, several=True, flag="--set")
 POLICY_NAMES = Option(metavar="a,b,...", read=read_names)
+MARGIN_SHARE = Option(metavar="SHARE", read=read_share)
 PLUGIN_NAMES = Option(metavar="a,b,...", read=read_names)
 RADIO_NAMES = Option(metavar="a,b,...", read=read_names)
 #: Folders of a suite's map files.
@@ -129,6 +131,9 @@ class ComparisonRequest(Request):
     ratio_to: Annotated[tuple[str, ...] | None, BeforeValidator(_several), POLICY_NAMES] = None
     """Print steps divided by those of these policies on the same tasks, and minus them. Tables and page always have
     ratios; by default to frontier-nearest, or else the first policy, and to policies that know the map."""
+    margin: Annotated[float | None, MARGIN_SHARE] = None
+    """Call two policies as good where tests show that neither mean time is this share above the other (default 0.05);
+    0 for no such statement."""
     metrics: Annotated[tuple[str, ...], BeforeValidator(_several), PLUGIN_NAMES] = ()
     """Metrics of plug-ins to add to tables and page: installed names, or module:NAME."""
     panels: Annotated[tuple[str, ...], BeforeValidator(_several), PLUGIN_NAMES] = ()

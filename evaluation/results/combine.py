@@ -42,6 +42,7 @@ def _joined(one: Results, other: Results) -> Results:
         tuple(dict.fromkeys(one.experiments + other.experiments)),
         tuple(dict.fromkeys(one.notes + other.notes)),
         {**other.retries, **one.retries},
+        margin=one.margin,
     )
 
 

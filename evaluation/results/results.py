@@ -17,7 +17,7 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.suites.catalogue import buildings
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, TIMES_OF_BASE, Measure, extended
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.experiment.experiment import MARGIN, Task, declared_margin
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
 from indoor_explorers.evaluation.results.notes import ResultNotes
 from indoor_explorers.evaluation.results.reading import StoreReader
@@ -57,6 +57,8 @@ class Results(ResultNotes):
     """How often episodes were flown again after a failure, of those that were."""
     custom_measures: Mapping[str, Measure] = field(default_factory=dict)
     """Metrics of plug-ins by key, see :func:`~indoor_explorers.evaluation.results.custom_metrics.with_metrics`."""
+    margin: float = MARGIN
+    """By which share a mean time may exceed another for the two to count as equally good; 0 for no such statement."""
 
     @property
     def measures(self) -> Mapping[str, Measure]:
@@ -74,7 +76,14 @@ class Results(ResultNotes):
             experiments = (text,) if text else ()
             records = list(store.records())
             return cls(
-                store.policies(), store.scenarios(), store.runs(), records, experiments, store.notes(), store.retries()
+                store.policies(),
+                store.scenarios(),
+                store.runs(),
+                records,
+                experiments,
+                store.notes(),
+                store.retries(),
+                margin=declared_margin(text),
             )
 
     @cached_property

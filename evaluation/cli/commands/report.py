@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
+from pydantic import Field
+
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.cli.commands.compare import print_notes, print_ratios
-from indoor_explorers.evaluation.experiment.request import PLUGIN_NAMES, POLICY_NAMES, Request
+from indoor_explorers.evaluation.experiment.request import MARGIN_SHARE, PLUGIN_NAMES, POLICY_NAMES, Request
 from indoor_explorers.evaluation.options import Option, read_natural
 
 
@@ -23,6 +26,9 @@ class ReportOptions(Request):
     ratio_to: Annotated[tuple[str, ...] | None, POLICY_NAMES] = None
     """Print steps divided by those of these policies on the same tasks, and minus them. The page always has ratios;
     by default to frontier-nearest, or else the first policy, and to policies that know the map."""
+    margin: Annotated[float | None, Field(ge=0, lt=1), MARGIN_SHARE] = None
+    """Call two policies as good where tests show that neither mean time is this share above the other (default: that of
+    compare, 0.05); 0 for no such statement."""
     replays: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
     """Embed replays of N episodes of each scenario (default: as many as keep the page under 10 MB)."""
     metrics: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
@@ -45,6 +51,8 @@ def run_report(options: ReportOptions, typed: str) -> int:
     from indoor_explorers.evaluation.results.results import Results
 
     results = with_metrics(combined([Results.load(folder) for folder in options.folders]), options.metrics)
+    if options.margin is not None:
+        results = replace(results, margin=options.margin)
     against = None if options.against is None else compare_with(results, Results.load(options.against))
     if against is not None and not against.identities:
         raise InputError(

@@ -6,7 +6,6 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +21,7 @@ from indoor_explorers.evaluation.statistics import (
     Estimate,
     bootstrap_mean,
     contrasts,
-    holm,
     maps_are_sampled,
-    success_test,
 )
 
 
@@ -139,7 +136,7 @@ class Comparison:
 
     @cached_property
     def contrasts(self) -> dict[str, Contrast]:
-        """Steps of every other policy against the best-ranked; empty where they did not fly the same tasks.
+        """Steps and successes of the others against the best-ranked; empty where they did not fly the same tasks.
 
         All pairs of ranked policies are tested at once, since any could have come first. The others are a family of
         their own, so that they do not change the p-values of the ranked.
@@ -152,20 +149,9 @@ class Comparison:
 
     @cached_property
     def success_p_values(self) -> dict[str, float]:
-        """The p-value of every ranked policy's success against that of the best-ranked, adjusted for all pairs.
-
-        Any policy could have come first, so that all pairs of ranked policies are one family, in which policies that
-        succeed on the same tasks count as one.
-        """
-        names = self.ranked_policies if self.groups and self.aligned else []
-        reached = {name: self._reached(name) for name in names}
-        alike = {
-            name: next(one for one in names if np.array_equal(reached[one], flags)) for name, flags in reached.items()
-        }
-        pairs = list(combinations(dict.fromkeys(alike.values()), 2))
-        p_values = holm([success_test(reached[one], reached[other], self.maps(one)) for one, other in pairs]).tolist()
-        found = {other: p for (one, other), p in zip(pairs, p_values, strict=True) if one == names[0]}
-        return {name: found.get(alike[name], 1.0) for name in names[1:]}
+        """The p-value of every ranked policy's success against that of the best-ranked, adjusted for all pairs."""
+        found = self.contrasts
+        return {name: found[name].success_p for name in found if name in self.ranked_policies}
 
     def success_differs(self, policy: str) -> bool:
         """Return whether a policy is shown to reach the threshold more or less often than the best-ranked."""
@@ -176,8 +162,14 @@ class Comparison:
         return self.results.reached(self.scenario, policy, self.level.key)
 
     def _family(self, policies: Sequence[str], *, chosen: bool = False) -> dict[str, Contrast]:
-        values = {policy: self._times(policy) for policy in policies}
-        return contrasts(values, policies[0], maps=self.maps(policies[0]), chosen=chosen)
+        return contrasts(
+            {policy: self._times(policy) for policy in policies},
+            policies[0],
+            maps=self.maps(policies[0]),
+            chosen=chosen,
+            reached={policy: self._reached(policy) for policy in policies},
+            margin=self.results.margin,
+        )
 
     @cached_property
     def twins(self) -> list[list[str]]:

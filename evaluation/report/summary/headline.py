@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 from markupsafe import Markup, escape
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, p_value, percent, with_interval
 from indoor_explorers.evaluation.report.summary.notes import success_notes
+from indoor_explorers.evaluation.report.tables.contrast_table import reading, where_both_finished
 from indoor_explorers.evaluation.statistics import FEWEST, Contrast
 
 NAME = Markup("<b>{}</b>")
@@ -66,21 +65,20 @@ def _lead(comparison: Comparison, first: str) -> Markup:
         text = "Its lead over {} cannot be tested: the two did not fly the same tasks."
         return Markup(text).format(NAME.format(second))
     contrast = comparison.contrasts[second]
-    behind = f"{with_interval(contrast.difference)} more steps on the same {counted(contrast.pairs, 'task')}"
-    return Markup("{} needed {}; {}.").format(NAME.format(second), behind, verdict(contrast))
+    where = where_both_finished(contrast) or f" on the same {counted(contrast.pairs, 'task')}"
+    took = f"{with_interval(contrast.difference, sign=True)} steps against {first}{where}"
+    return Markup("{} took {}; {}.").format(NAME.format(second), took, verdict(contrast))
 
 
 def verdict(contrast: Contrast) -> str:
-    """Return the result of a contrast in words; the adjusted p-value decides."""
+    """Return the result of a contrast in words; the adjusted p-values decide."""
     if contrast.difference.low is None:
         return "too few episodes for a test"
     p = p_value(contrast.adjusted_p)
     if contrast.shown:
         return f"the difference is significant (adjusted p {p})"
-    could = f"detectable: {fixed(contrast.detectable, 1)} steps"
-    if math.isinf(contrast.detectable):
-        could = "too few maps or episodes to detect any"
-    return f"the difference is not significant (adjusted p {p}; {could})"
+    shown = reading(contrast)
+    return f"the difference is not significant (adjusted p {p}){f'; {shown}' if shown else ''}"
 
 
 def _alone(comparison: Comparison, first: str) -> Markup:

@@ -16,6 +16,7 @@ from indoor_explorers.evaluation.report.summary.headline import NAME, headline
 from indoor_explorers.evaluation.report.tables.league_table import LeagueTable, league_table
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared
 from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.statistics import Finding
 
 
 @dataclass(frozen=True)
@@ -72,4 +73,4 @@ def _significance(significant: int, scenarios: int) -> str:
 
 def _beats_runner_up(comparison: Comparison) -> bool:
     second = comparison.ranked_policies[1] if len(comparison.ranked_policies) > 1 else ""
-    return second in comparison.contrasts and comparison.contrasts[second].shown
+    return second in comparison.contrasts and comparison.contrasts[second].finding is Finding.WORSE

@@ -11,6 +11,7 @@ from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.charts.dot_plots import Scale, difference_dot_plot, difference_scale
 from indoor_explorers.evaluation.report.style.formatting import (
     EN_DASH,
+    counted,
     fixed,
     interval,
     p_value,
@@ -18,7 +19,7 @@ from indoor_explorers.evaluation.report.style.formatting import (
     with_interval,
 )
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
-from indoor_explorers.evaluation.statistics import Contrast, Estimate, WinTieLoss
+from indoor_explorers.evaluation.statistics import Contrast, Estimate, Finding, WinTieLoss
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ def _row(comparison: Comparison, policy: str, contrast: Contrast, scale: Scale, 
         tally=contrast.tally,
         p=EN_DASH if few else p_value(contrast.adjusted_p).removeprefix("= "),
         effect=EN_DASH if few else fixed(contrast.effect_size, 2, sign=True),
-        verdict=reading(contrast) + _success(comparison, policy),
+        verdict="; ".join(filter(None, (reading(contrast), _success(comparison, policy)))),
     )
 
 
@@ -69,7 +70,7 @@ def _success(comparison: Comparison, policy: str) -> str:
         return ""
     less = comparison.reached(policy) < comparison.reached(comparison.ranked_policies[0])
     p = p_value(comparison.success_p_values[policy])
-    return f"; reached {'less' if less else 'more'} often (p {p})"
+    return f"reached {'less' if less else 'more'} often (p {p})"
 
 
 def _percents(estimate: Estimate) -> str:
@@ -79,12 +80,36 @@ def _percents(estimate: Estimate) -> str:
 
 
 def reading(contrast: Contrast) -> str:
-    """Return the result in a few words; if not significant, with the detectable difference."""
+    """Return what is shown of the times in a few words; if nothing is, how many maps or tasks would resolve it."""
     if contrast.difference.low is None:
-        return "too few episodes"
+        return "too few episodes that both finished" if contrast.both < contrast.pairs else "too few episodes"
     if contrast.shown:
-        return "slower" if contrast.difference.mean > 0 else "faster"
+        word = "slower" if contrast.difference.mean > 0 else "faster"
+        less = f" by less than {_margin(contrast)}" if contrast.equivalent else ""
+        return f"{word}{less}{where_both_finished(contrast)}"
+    if contrast.finding is Finding.AS_GOOD:
+        return f"as good within {_margin(contrast)}{where_both_finished(contrast)}"
+    if contrast.finding is not Finding.OPEN:
+        return ""  # what is shown is that one succeeds more often
+    return f"not {'resolved' if contrast.margin else 'significant'} ({_missing(contrast)})"
+
+
+def where_both_finished(contrast: Contrast) -> str:
+    """Say over which tasks times are compared; empty where both policies finished all."""
+    if contrast.both == contrast.pairs:
+        return ""
+    return f" over the {contrast.both} of {contrast.pairs} tasks that both finished"
+
+
+def _margin(contrast: Contrast) -> str:
+    return percent(contrast.margin, 0 if round(100 * contrast.margin, 6).is_integer() else 1)
+
+
+def _missing(contrast: Contrast) -> str:
+    """Say how many maps or tasks would resolve it, or else what difference would have been seen."""
+    units = "maps" if contrast.over_maps and contrast.maps < contrast.pairs else "tasks"
+    if contrast.needed == contrast.needed:
+        return f"about {counted(int(contrast.needed), units.removesuffix('s'))} would"
     if math.isinf(contrast.detectable):
-        units = "maps" if contrast.over_maps and contrast.maps < contrast.pairs else "episodes"
-        return f"not significant (too few {units} to detect any)"
-    return f"not significant (detectable: {fixed(contrast.detectable, 1)} steps)"
+        return f"too few {units} to detect any"
+    return f"detectable: {fixed(contrast.detectable, 1)} steps"

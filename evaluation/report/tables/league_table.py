@@ -23,10 +23,11 @@ from indoor_explorers.evaluation.report.style.formatting import (
 )
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
 from indoor_explorers.evaluation.report.tables.ratio_table import bounded
+from indoor_explorers.evaluation.statistics import Finding
 
 #: Widths of the drawings by the number of scenarios; more scenarios have none.
 WIDTHS = {1: 420, 2: 220, 3: 120}
-#: Marks a time that is significantly different from the lowest mean.
+#: Marks a policy that is significantly better or worse than the one with the lowest mean.
 SIGNIFICANT = "*"
 #: Marks a mean with episodes that never reached the threshold and count as their budget.
 AT_LEAST = "≥"
@@ -132,13 +133,13 @@ def _cells(comparison: Comparison, places: Mapping[str, Rank], styles: Styles, w
 
 def _cell(comparison: Comparison, policy: str, rank: Rank | None, best: bool, drawing: Markup) -> LeagueCell:
     time, contrast = comparison.time(policy), comparison.contrasts.get(policy)
-    tested = contrast is not None and contrast.difference.low is not None
+    differs = contrast is not None and contrast.finding in (Finding.BETTER, Finding.WORSE)
     return LeagueCell(
         rank=rank,
         value=time.mean,
         time=bounded(fixed(time.mean, decimals_for(time.mean)), AT_LEAST if comparison.reached(policy) < 1 else ""),
         interval=interval(time, decimals_for(time.mean)),
-        mark=SIGNIFICANT if contrast is not None and tested and contrast.shown else "",
+        mark=SIGNIFICANT if differs else "",
         best=best,
         same_as=comparison.same_as.get(policy, ""),
         drawing=drawing,
