@@ -24,7 +24,8 @@ from indoor_explorers.evaluation.statistics import CONFIDENCE, Estimate
 #: What the columns mean, below the tables.
 LEGEND = (
     "Rank: 1 + the number of policies that are significantly better at the last threshold (sign-flip test of all pairs "
-    f"at once, p at most {1 - CONFIDENCE:.2f}, maps of one building as one), with = where it is shared. Policies that "
+    f"at once where both finish, p at most {1 - CONFIDENCE:.2f}, the maps of a building flipped together; who finishes "
+    "fewer tasks is not better, who finishes significantly more is), with = where it is shared. Policies that "
     "know the map are not ranked. Times are mean steps [95 % interval]; an episode that never gets there counts as its "
     "budget. Every episode was simulated again from its map, seed and actions."
 )

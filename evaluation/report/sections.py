@@ -17,7 +17,7 @@ from indoor_explorers.evaluation.report.replay.selection import replay_data
 from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.report.summary import facts
 from indoor_explorers.evaluation.report.summary.headline import headline
-from indoor_explorers.evaluation.report.summary.notes import detectable_notes, narrow_notes
+from indoor_explorers.evaluation.report.summary.notes import detectable_notes, narrow_notes, unseen_notes
 from indoor_explorers.evaluation.report.tables.constant_columns import constant_columns
 from indoor_explorers.evaluation.report.tables.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.report.tables.measures_table import MeasureRow, measures_table
@@ -179,7 +179,7 @@ def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
         measures=measures_table(comparison),
         baseline=comparison.ranked_policies[0] if flown else "",
         contrasts=contrast_table(comparison, styles),
-        notes=[*detectable_notes(comparison), *narrow_notes(comparison)] if flown else [],
+        notes=[*detectable_notes(comparison), *unseen_notes(comparison), *narrow_notes(comparison)] if flown else [],
     )
 
 

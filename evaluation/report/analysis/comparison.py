@@ -22,7 +22,9 @@ from indoor_explorers.evaluation.statistics import (
     bootstrap_mean,
     contrasts,
     maps_are_sampled,
+    undetected_share,
 )
+from indoor_explorers.evaluation.statistics.resampling import independent_units
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,8 +187,24 @@ class Comparison:
         return {name: names[0] for names in self.twins for name in names[1:]}
 
     def differences(self, policy: str) -> NDArray[np.float64]:
-        """Return (E,) steps of a policy minus those of the best-ranked, task by task; needs :attr:`aligned`."""
-        return np.asarray(self._times(policy) - self._times(self.ranked_policies[0]))
+        """Return steps of a policy minus those of the best-ranked, where both finished; needs :attr:`aligned`."""
+        first = self.ranked_policies[0]
+        both = self._reached(policy) & self._reached(first)
+        return np.asarray(self._times(policy) - self._times(first))[both]
+
+    def undetected(self, policy: str) -> tuple[float, float] | None:
+        """Return the share of failures that a policy's episodes cannot exclude, and how many steps these would cost.
+
+        The steps would be added to its mean. Where maps are a sample, they are counted instead of episodes. None where
+        it finished no task.
+        """
+        reached, times = self._reached(policy), self._times(policy)
+        if not reached.any():
+            return None
+        failed = independent_units((~reached).astype(np.float64), self.maps(policy)) > 0
+        share = undetected_share(int(failed.sum()), len(failed))
+        budget = float(np.mean([record.budget for record in self.groups[policy]]))
+        return share, max(0.0, share - float((~reached).mean())) * (budget - float(times[reached].mean()))
 
     def _times(self, policy: str) -> NDArray[np.float64]:
         """Return (E,) steps to the threshold of the scenario."""

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.style.formatting import fixed, joined
+from indoor_explorers.evaluation.report.style.formatting import fixed, joined, percent
+from indoor_explorers.evaluation.report.tables.contrast_table import margin, missing
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
-from indoor_explorers.evaluation.statistics import FEWEST
+from indoor_explorers.evaluation.statistics import FEWEST, Finding
 
 #: Up to so many episodes that never reached a threshold make the interval of its mean too narrow.
 FEW_NEVER = 5
@@ -15,7 +16,12 @@ FEW_NEVER = 5
 
 def scenario_notes(comparison: Comparison) -> list[str]:
     """Return all sentences about a scenario; empty where there is nothing to say."""
-    return [*twin_notes(comparison), *success_notes(comparison), *detectable_notes(comparison)]
+    return [*twin_notes(comparison), *success_notes(comparison), *tested_notes(comparison)]
+
+
+def tested_notes(comparison: Comparison) -> list[str]:
+    """Return the sentences about what the tests show, and what they could have shown."""
+    return [*resolved_notes(comparison), *detectable_notes(comparison), *unseen_notes(comparison)]
 
 
 def twin_notes(comparison: Comparison) -> list[str]:
@@ -45,6 +51,32 @@ def detectable_notes(comparison: Comparison) -> list[str]:
     span = most if least == most else f"{least} to {most}"
     first, level = comparison.ranked_policies[0], comparison.level.title
     return [f"A difference of {level} to {first} of {span} steps would have been seen with 80 % power."]
+
+
+def resolved_notes(comparison: Comparison) -> list[str]:
+    """Name the ranked policies that are as good as the best-ranked one, and those of which nothing is shown."""
+    first = comparison.ranked_policies[0]
+    rivals = {name: comparison.contrasts[name] for name in comparison.ranked_policies if name in comparison.contrasts}
+    tested = {name: each for name, each in rivals.items() if each.difference.low is not None and each.margin}
+    good = [name for name, each in tested.items() if each.finding is Finding.AS_GOOD]
+    resolving = [f"{name} ({missing(each)})" for name, each in tested.items() if each.finding is Finding.OPEN]
+    return [
+        *([f"As good as {first} within {margin(tested[good[0]])}: {', '.join(good)}."] if good else []),
+        *([f"Not resolved against {first}: {', '.join(resolving)}."] if resolving else []),
+    ]
+
+
+def unseen_notes(comparison: Comparison) -> list[str]:
+    """Say what failures that were not seen could cost the best-ranked policy, where it is better than another."""
+    first = comparison.ranked_policies[0]
+    found = comparison.undetected(first)
+    if found is None or all(each.finding is not Finding.WORSE for each in comparison.contrasts.values()):
+        return []
+    share, steps = found
+    return [
+        f"Times are compared where both finished; failures of {first} that its episodes cannot exclude "
+        f"(up to {percent(share)}) would add {fixed(steps, 1)} steps to its mean."
+    ]
 
 
 def narrow_notes(comparison: Comparison) -> list[str]:

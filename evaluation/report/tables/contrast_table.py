@@ -28,8 +28,8 @@ class ContrastRow:
 
     policy: str
     difference: str
-    value: float
-    """The mean difference unrounded."""
+    value: float | None
+    """The mean difference unrounded; None where both finished no task."""
     dot_plot: Markup
     better: str
     """Probability that it needs fewer steps on a task."""
@@ -42,19 +42,21 @@ class ContrastRow:
 
 def contrast_table(comparison: Comparison, styles: Styles) -> list[ContrastRow]:
     """Return a row for every policy but the best-ranked; empty where policies did not fly the same tasks."""
-    scale = difference_scale([contrast.difference for contrast in comparison.contrasts.values()])
+    differences = [contrast.difference for contrast in comparison.contrasts.values()]
+    scale = difference_scale([each for each in differences if not math.isnan(each.mean)])
     return [
         _row(comparison, policy, contrast, scale, styles[policy]) for policy, contrast in comparison.contrasts.items()
     ]
 
 
 def _row(comparison: Comparison, policy: str, contrast: Contrast, scale: Scale, style: PolicyStyle) -> ContrastRow:
-    few = contrast.difference.low is None
+    few, none = contrast.difference.low is None, math.isnan(contrast.difference.mean)
+    drawn = comparison.differences(policy), contrast.difference, scale, style
     return ContrastRow(
         policy=policy,
         difference=with_interval(contrast.difference, sign=True),
-        value=contrast.difference.mean,
-        dot_plot=difference_dot_plot(comparison.differences(policy), contrast.difference, scale, style),
+        value=None if none else contrast.difference.mean,
+        dot_plot=Markup("") if none else difference_dot_plot(*drawn),
         better=percent(contrast.improvement.mean),
         better_interval=_percents(contrast.improvement),
         tally=contrast.tally,
@@ -85,13 +87,13 @@ def reading(contrast: Contrast) -> str:
         return "too few episodes that both finished" if contrast.both < contrast.pairs else "too few episodes"
     if contrast.shown:
         word = "slower" if contrast.difference.mean > 0 else "faster"
-        less = f" by less than {_margin(contrast)}" if contrast.equivalent else ""
+        less = f" by less than {margin(contrast)}" if contrast.equivalent else ""
         return f"{word}{less}{where_both_finished(contrast)}"
     if contrast.finding is Finding.AS_GOOD:
-        return f"as good within {_margin(contrast)}{where_both_finished(contrast)}"
+        return f"as good within {margin(contrast)}{where_both_finished(contrast)}"
     if contrast.finding is not Finding.OPEN:
         return ""  # what is shown is that one succeeds more often
-    return f"not {'resolved' if contrast.margin else 'significant'} ({_missing(contrast)})"
+    return f"not {'resolved' if contrast.margin else 'significant'} ({missing(contrast)})"
 
 
 def where_both_finished(contrast: Contrast) -> str:
@@ -101,11 +103,12 @@ def where_both_finished(contrast: Contrast) -> str:
     return f" over the {contrast.both} of {contrast.pairs} tasks that both finished"
 
 
-def _margin(contrast: Contrast) -> str:
+def margin(contrast: Contrast) -> str:
+    """Return the margin of equivalence as a percentage."""
     return percent(contrast.margin, 0 if round(100 * contrast.margin, 6).is_integer() else 1)
 
 
-def _missing(contrast: Contrast) -> str:
+def missing(contrast: Contrast) -> str:
     """Say how many maps or tasks would resolve it, or else what difference would have been seen."""
     units = "maps" if contrast.over_maps and contrast.maps < contrast.pairs else "tasks"
     if contrast.needed == contrast.needed:
