@@ -18,6 +18,9 @@ from indoor_explorers.evaluation.statistics.effects import POWER, unit_spread
 from indoor_explorers.evaluation.statistics.resampling import independent_units
 from indoor_explorers.evaluation.statistics.significance import max_t_test
 
+#: Numbers of units that are tried.
+COUNTS = np.unique(np.geomspace(2, 1e7, 800).round())
+
 
 def equivalence_test(
     values: NDArray[np.float64],
@@ -29,8 +32,8 @@ def equivalence_test(
 ) -> NDArray[np.float64]:
     """Return the (P,) p-values, adjusted for all ``pairs``, of "the means differ by ``margin`` or more".
 
-    The larger of two one-sided sign-flip p-values counts. One side is half of the two-sided test of all sides of all
-    pairs at once (``max_t_test``); with one pair this is close to two tests at 0.05, as by an interval of 90 %.
+    The larger of two one-sided sign-flip p-values counts, half of those of the two-sided test of that side of all pairs
+    at once (``max_t_test``). For one pair this is to ask whether an interval of 90 % is within the margin.
 
     Args:
         values: (E, K) steps of K policies on the same tasks, not negative.
@@ -45,9 +48,14 @@ def equivalence_test(
     one, other = np.array(pairs).T
     both = np.ones((len(values), len(pairs)), np.bool_) if reached is None else reached[:, one] & reached[:, other]
     sides = [within(values[:, x], values[:, b], margin) for x, b in ((one, other), (other, one))]
-    units = independent_units(np.concatenate([np.where(both, side, 0.0) for side in sides], axis=1), maps)
+    return np.asarray(np.maximum(*(_above_zero(np.where(both, side, 0.0), maps) for side in sides)))
+
+
+def _above_zero(side: NDArray[np.float64], maps: ArrayLike | None) -> NDArray[np.float64]:
+    """Return the (P,) one-sided p-values that the means of (E, P) values are above 0."""
+    units = independent_units(side, maps)
     p = max_t_test(units).adjusted_p / 2
-    return np.asarray(np.where(units.sum(axis=0) > 0, p, 1 - p).reshape(2, -1).max(axis=0))
+    return np.asarray(np.where(units.sum(axis=0) > 0, p, 1 - p))
 
 
 def within(values: NDArray[np.float64], baseline: NDArray[np.float64], margin: float) -> NDArray[np.float64]:
@@ -65,10 +73,9 @@ def units_to_resolve(
 ) -> float:
     """Return how many maps or tasks would resolve what this sample leaves open, with 80 % power, if it is typical.
 
-    If mean difference and spread are those observed, so many show a difference, or that the policies are as good within
-    the margin, whichever is sooner: ``((t(1 - level / 2) + t(0.8)) s / mean)^2`` of the differences, or for both sides
-    ``((t(1 - level) + t(0.9)) s / mean)^2``, with the mean of each side and s, the standard deviation of its units. It
-    is more than this sample has, and NaN for fewer than two units.
+    If mean difference and spread are those observed, a t test of so many shows a difference, or two that the policies
+    are as good within the margin, whichever needs fewer. It is more than this sample has, exact up to about 50, and NaN
+    for fewer than two units.
 
     Args:
         values: (E,) steps of a policy.
@@ -82,18 +89,16 @@ def units_to_resolve(
     if units < 2:
         return math.nan
     apart = values - baseline
-    sides = within(values, baseline, margin), within(baseline, values, margin)
-    equal = max(_units_to_show(side, (1 - level, (1 + POWER) / 2), maps) for side in sides)
-    different = _units_to_show(apart if apart.mean() > 0 else -apart, (1 - level / 2, POWER), maps)
+    equal = _units_to_show((within(values, baseline, margin), within(baseline, values, margin)), level, maps)
+    different = _units_to_show((apart if apart.mean() > 0 else -apart,), level / 2, maps)
     return max(units + 1.0, min(equal, different), math.ceil(1 - math.log2(level)))
 
 
-def _units_to_show(sample: NDArray[np.float64], shares: tuple[float, float], maps: ArrayLike | None) -> float:
-    """Return how many units show that the mean is above 0, by the quantiles of significance and power."""
-    mean, spread = float(sample.mean()), unit_spread(sample, maps)
-    if mean <= 0:
-        return math.inf
-    least = max(2, math.ceil((spread / mean * sum(float(special.ndtri(share)) for share in shares)) ** 2))
-    counts = np.arange(least, least + 50, dtype=np.float64)  # Student's quantiles ask for a few more
-    reach = np.asarray(sum(special.stdtrit(counts - 1, share) for share in shares))
-    return float(counts[int((reach * spread <= mean * np.sqrt(counts)).argmax())])
+def _units_to_show(samples: Sequence[NDArray[np.float64]], level: float, maps: ArrayLike | None) -> float:
+    """Return how many units show that the means of all samples are above 0, infinite where none do."""
+    missed = np.zeros(len(COUNTS))
+    for sample in samples:
+        far = float(sample.mean()) / max(unit_spread(sample, maps), 1e-9) * np.sqrt(COUNTS)
+        missed += special.stdtr(COUNTS - 1, special.stdtrit(COUNTS - 1, 1 - level) - far)
+    enough = missed <= 1 - POWER
+    return float(COUNTS[enough.argmax()]) if enough.any() else math.inf

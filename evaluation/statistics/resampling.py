@@ -107,7 +107,7 @@ def independent_units(differences: NDArray[np.float64], maps: ArrayLike | None) 
     episodes.
     """
     layout = MapGroups.of(maps, len(differences))
-    if not layout.sampled:
+    if not layout.sampled or not len(differences):
         return differences
     sums = np.add.reduceat(differences[layout.order], layout.first, axis=0)
     return np.asarray(sums / (len(differences) / len(layout.size)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.style.formatting import fixed, joined, percent
+from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, joined, percent
 from indoor_explorers.evaluation.report.tables.contrast_table import margin, missing
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.statistics import FEWEST, Finding
@@ -75,7 +75,7 @@ def unseen_notes(comparison: Comparison) -> list[str]:
     share, steps = found
     return [
         f"Times are compared where both finished; failures of {first} that its episodes cannot exclude "
-        f"(up to {percent(share)}) would add {fixed(steps, 1)} steps to its mean."
+        f"(up to {percent(share)}) would add up to {fixed(steps, decimals_for(steps))} steps to its mean."
     ]
 
 

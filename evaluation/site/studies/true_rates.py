@@ -107,6 +107,7 @@ class Case(NamedTuple):
 
 ONE = (1.0,) * 7
 APART = (1.0, *[1 + MARGIN] * 6)
+MIXED = (1.0, *3 * [1 + MARGIN], *3 * [1 / (1 + MARGIN)])
 #: What should be said in at most 5 % of comparisons.
 FALSE = {
     "2 equal policies: one is better": Case(World(ONE[:2]), better),
@@ -120,7 +121,8 @@ FALSE = {
     "2 with equal means, the times of one skewed": Case(World(ONE[:2], skewed=True), better),
     "2, one 5 % slower: as good within 5 %": Case(World(APART[:2], noise=0.02), as_good),
     "6, all 5 % slower than one: any as good as it": Case(World(APART, noise=0.02), as_good),
-    "of these 6, all fail in 5 %: any as good as it": Case(World(APART, [0.05], noise=0.02), as_good),
+    "3 are 5 % slower, 3 faster: any as good as it": Case(World(MIXED, noise=0.02), as_good),
+    "the same, all fail in 5 %: any as good as it": Case(World(MIXED, [0.05], noise=0.02), as_good),
 }
 #: What is so, or cannot be known.
 TRUE = {

@@ -96,7 +96,9 @@ def _section(text: str, number: int) -> str:
 def test_ranking_contrasts_and_headline_are_of_the_level_asked_for(near: Results) -> None:
     comparison = Comparison(near, "near")
     assert comparison.ranking == ["quick", "slow", "knows"]
-    by_hand = contrasts({name: _times(name) for name in ("quick", "slow")}, "quick", maps=near.maps("near", "quick"))
+    times = {name: _times(name) for name in ("quick", "slow")}
+    reached = {name: near.reached("near", name, "t90") for name in times}
+    by_hand = contrasts(times, "quick", maps=near.maps("near", "quick"), reached=reached, margin=0.05, chosen=True)
     assert comparison.contrasts["slow"] == by_hand["slow"]
     assert comparison.differences("slow").tolist() == (_times("slow") - _times("quick")).tolist()
     text = headline(comparison)

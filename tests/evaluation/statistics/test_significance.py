@@ -5,7 +5,13 @@ import pytest
 from scipy import stats
 
 from indoor_explorers.env import InputError
-from indoor_explorers.evaluation.statistics import all_pairs_test, holm, sign_flip_test, significance
+from indoor_explorers.evaluation.statistics import (
+    all_pairs_test,
+    holm,
+    sign_flip_test,
+    significance,
+    smallest_detectable_difference,
+)
 
 
 @pytest.mark.parametrize(
@@ -65,6 +71,15 @@ def test_maps_that_differ_do_not_make_a_difference_where_episodes_alone_would():
         by_episode += sign_flip_test(differences) <= 0.05
     assert by_map <= 12
     assert by_episode >= 40
+
+
+def test_the_test_is_about_the_mean_over_episodes_however_many_a_map_has():
+    maps = np.array([0] * 7 + list(range(1, 21)))
+    differences = np.where(maps == 0, 2.0, -0.7)
+    assert differences.sum() == pytest.approx(0)
+    assert sign_flip_test(differences, maps) == 1.0  # the mean of the maps' means is -0.6
+    assert all_pairs_test(np.stack([differences, np.zeros(27)], axis=1), maps).adjusted_p[0, 1] == 1.0
+    assert smallest_detectable_difference(differences, maps=maps) > 0.5
 
 
 def test_episodes_are_the_units_on_few_maps():

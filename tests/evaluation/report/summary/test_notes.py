@@ -14,6 +14,7 @@ from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.summary.headline import headline
 from indoor_explorers.evaluation.report.summary.notes import narrow_notes
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
+from indoor_explorers.evaluation.statistics import Finding
 from tests.evaluation.report.records import flown
 
 SAYS = "less often than sound, significantly: fails"
@@ -38,7 +39,7 @@ def test_page_terminal_and_tables_say_who_fails_more_often(results):
     comparison, console = Comparison(results, "room"), Console(width=160)
     with console.capture() as capture:
         console.print(headline_table(results, 160))
-    assert comparison.success_p_values["fails"] == pytest.approx(2 / 2**12)
+    assert comparison.success_p_values["fails"] == pytest.approx(2 / 2**12, abs=4e-4)
     for text in (
         headline(comparison),
         " ".join(capture.get().split()),
@@ -56,6 +57,25 @@ def test_nothing_is_said_where_few_episodes_differ():
     results = flown({"sound": quick, "fails": [None, None, *quick[2:]]})
     assert not Comparison(results, "room").success_differs("fails")
     assert "often than" not in markdown_tables(results)
+
+
+def test_what_is_as_good_and_what_is_open_is_said_with_the_number_that_would_resolve_it():
+    quick = [40 + seed % 7 for seed in range(30)]
+    like, noisy = (
+        [late + (seed * 11 % (2 * spread + 1)) - spread for seed, late in enumerate(quick)] for spread in (1, 14)
+    )
+    results = flown({"quick": quick, "like": like, "noisy": noisy, "slow": [late + 9 for late in quick]})
+    found = Comparison(results, "room").contrasts
+    first = Comparison(results, "room").ranked_policies[0]
+    by_finding = {each.finding: name for name, each in found.items()}
+    assert by_finding[Finding.WORSE] == "slow"
+    other = next(name for name in ("quick", "like") if name != first)
+    text = markdown_tables(results)
+    assert f"As good as {first} within 5\u202f%: {other}." in text
+    assert f"Not resolved against {first}: noisy (about {found['noisy'].needed:.0f} tasks would)." in text
+    assert "failures of" in text
+    assert "cannot exclude (up to 10\u202f%) would add up to" in text
+    assert "within" not in markdown_tables(replace(results, margin=0.0))
 
 
 def test_policies_that_flew_the_same_episodes_are_named_and_count_as_one(results):
