@@ -34,7 +34,8 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
             :class:`~indoor_explorers.evaluation.experiment.request.ComparisonRequest`: ``policies``, ``scenario``,
             ``experiment``, ``suite``, ``part``, ``data``, ``radio``, ``maps``, ``resolution``, ``team``, ``episodes``,
             ``seed``, ``settings``, ``workers``, ``engine``, ``address``, ``decision_timeout`` (seconds, None for none),
-            ``memory_limit`` (GB per worker), ``isolate``, ``retry_failed``, ``refly``, ``fresh``, ``ratio_to``.
+            ``memory_limit`` (GB per worker), ``isolate``, ``retry_failed``, ``refly``, ``fresh``, ``ratio_to``,
+            ``margin``.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.

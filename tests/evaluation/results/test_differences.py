@@ -40,7 +40,7 @@ def test_differences_are_paired_and_what_knows_the_map_is_a_family_of_its_own(re
         contrast, both = found[name, "t99"], steps[name] < BUDGET
         assert contrast.difference.mean == pytest.approx((steps[name] - steps["base"])[both].mean())
         assert (contrast.pairs, contrast.both) == (8, both.sum())
-        tested = 3 if name == "quick" else 1  # the means of two policies, and the success of one of them
+        tested = {"quick": 3, "late": 2, "knows": 1}[name]  # the means of two policies, and the success of one
         assert contrast.adjusted_p == pytest.approx(min(1.0, contrast.p_value * tested))
     assert [found[name, "t99"].shown for name in ("quick", "late", "knows")] == [True, False, True]
     assert found["late", "t99"].tally.losses > 0

@@ -9,6 +9,7 @@ from indoor_explorers.evaluation.statistics import (
     contrasts,
     equivalence_test,
     sign_flip_test,
+    significance,
     units_to_resolve,
 )
 
