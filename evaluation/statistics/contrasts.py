@@ -148,9 +148,7 @@ def contrasts(
     if not others:
         return {}
     flown = np.stack([paired_values(row, values[baseline])[0] for row in values.values()], axis=1)
-    ended = np.stack([np.ones(len(flown)) if reached is None else reached[name] for name in values], axis=1).astype(
-        bool
-    )
+    ended = np.stack([np.ones(len(flown)) if reached is None else reached[name] for name in values], axis=1) > 0
     family = _Family(flown, ended, list(values).index(baseline), maps, lower_is_better, margin)
     return dict(zip(others, family.contrasts(chosen), strict=True))
 

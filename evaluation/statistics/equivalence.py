@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from indoor_explorers.evaluation.statistics.effects import POWER, unit_spread
+from indoor_explorers.evaluation.statistics.estimate import FEWEST
 from indoor_explorers.evaluation.statistics.resampling import independent_units
-from indoor_explorers.evaluation.statistics.significance import max_t_test
+from indoor_explorers.evaluation.statistics.significance import holm
 
 #: Numbers of units that are tried.
 COUNTS = np.unique(np.geomspace(2, 1e7, 800).round())
@@ -32,8 +33,9 @@ def equivalence_test(
 ) -> NDArray[np.float64]:
     """Return the (P,) p-values, adjusted for all ``pairs``, of "the means differ by ``margin`` or more".
 
-    The larger of two one-sided sign-flip p-values counts, half of those of the two-sided test of that side of all pairs
-    at once (``max_t_test``). For one pair this is to ask whether an interval of 90 % is within the margin.
+    The larger of two one-sided p-values counts, each of Student's t of the independent units, and Holm's method adjusts
+    it. For one pair this is to ask whether an interval of 90 % is within the margin. Fewer than five units show
+    nothing.
 
     Args:
         values: (E, K) steps of K policies on the same tasks, not negative.
@@ -48,14 +50,17 @@ def equivalence_test(
     one, other = np.array(pairs).T
     both = np.ones((len(values), len(pairs)), np.bool_) if reached is None else reached[:, one] & reached[:, other]
     sides = [within(values[:, x], values[:, b], margin) for x, b in ((one, other), (other, one))]
-    return np.asarray(np.maximum(*(_above_zero(np.where(both, side, 0.0), maps) for side in sides)))
+    return holm(np.maximum(*(_above_zero(np.where(both, side, 0.0), maps) for side in sides)))
 
 
 def _above_zero(side: NDArray[np.float64], maps: ArrayLike | None) -> NDArray[np.float64]:
     """Return the (P,) one-sided p-values that the means of (E, P) values are above 0."""
     units = independent_units(side, maps)
-    p = max_t_test(units).adjusted_p / 2
-    return np.asarray(np.where(units.sum(axis=0) > 0, p, 1 - p))
+    if len(units) < FEWEST:
+        return np.ones(side.shape[1])
+    error = units.std(axis=0, ddof=1) / math.sqrt(len(units))
+    t = units.mean(axis=0) / np.maximum(error, 1e-12)
+    return np.asarray(special.stdtr(len(units) - 1, -t))
 
 
 def within(values: NDArray[np.float64], baseline: NDArray[np.float64], margin: float) -> NDArray[np.float64]:

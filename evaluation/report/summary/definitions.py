@@ -64,9 +64,9 @@ TERMS = {
     "margin": Definition(
         "as good, not resolved",
         "",
-        "as good: two one-sided tests show that neither mean is the declared margin above the other, for all pairs at "
-        "once; not resolved: neither that nor a difference is shown; beside it the number of maps or tasks that would "
-        "show one with 80 % power, if the difference is as seen",
+        "as good: two one-sided tests show that neither mean is the declared margin above the other (Student's t, Holm "
+        "over all pairs); not resolved: neither that nor a difference is shown; beside it the number of maps or tasks "
+        "that would show one with 80 % power, if the difference is as seen",
     ),
     "detectable": Definition(
         "detectable",
