@@ -13,7 +13,7 @@ from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.episodes.metrics import LEVELS
 from indoor_explorers.evaluation.results.coverage_threshold import drawn
 from indoor_explorers.evaluation.results.results import Results
-from indoor_explorers.evaluation.statistics import Contrast, contrasts
+from indoor_explorers.evaluation.statistics import Contrast, Finding, contrasts
 
 COLUMNS = (
     *("scenario", "policy", "minus", "metric", "tasks", "difference", "low", "high"),
@@ -37,7 +37,8 @@ class DifferenceRow:
         found = self.contrast
         names = (self.scenario, self.policy, self.minus, self.metric, found.pairs)
         tests = (found.p_value, found.adjusted_p, found.shown)
-        more = (found.both, found.success_p, found.margin, found.equivalence_p, found.finding, found.needed)
+        needed = found.needed if found.finding is Finding.OPEN else None
+        more = (found.both, found.success_p, found.margin, found.equivalence_p, found.finding, needed)
         return dict(zip(COLUMNS, (*names, *found.difference, *found.tally, *tests, *more), strict=True))
 
 

@@ -6,8 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field
-
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.cli.commands.compare import print_notes, print_ratios
 from indoor_explorers.evaluation.experiment.request import MARGIN_SHARE, PLUGIN_NAMES, POLICY_NAMES, Request
@@ -26,7 +24,7 @@ class ReportOptions(Request):
     ratio_to: Annotated[tuple[str, ...] | None, POLICY_NAMES] = None
     """Print steps divided by those of these policies on the same tasks, and minus them. The page always has ratios;
     by default to frontier-nearest, or else the first policy, and to policies that know the map."""
-    margin: Annotated[float | None, Field(ge=0, lt=1), MARGIN_SHARE] = None
+    margin: Annotated[float | None, MARGIN_SHARE] = None
     """Call two policies as good where tests show that neither mean time is this share above the other (default: that of
     compare, 0.05); 0 for no such statement."""
     replays: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
