@@ -318,6 +318,7 @@ OPEN = ["--scenario", "thesis-open", "--policies", "random"]
             ["compare", *OPEN, "--ratio-to", "randon"],
             "expected a policy that takes part to compare with, got 'randon'",
         ),
+        (["compare", *OPEN, "--margin", "1.5"], "expected a share below 1 such as 0.05, or 0 for none, got '1.5'"),
         (["compare", *OPEN, "--speed", "9"], "unrecognized arguments: --speed 9"),
         (["report", "nowhere"], "expected a folder with a results.db"),
         (["check", "fronteir"], "unknown policy 'fronteir'; did you mean"),
