@@ -31,6 +31,12 @@ def test_a_page_loads_nothing(page: Page) -> None:
     assert "http" not in str(policy)
 
 
+def test_no_chart_offers_to_upload_itself(page: Page) -> None:
+    config = re.search(r"Plotly\.setPlotConfig\((\{.*?\})\)", "".join(text for _, text in page.scripts[-8:]))
+    assert config
+    assert "showSendToCloud: false" in config[1]
+
+
 def test_equal_results_give_equal_bytes(results: Results, tmp_path: Path) -> None:
     write_report(results, tmp_path / "new" / "a.html")
     again = Results(results.policies, results.scenarios, results.runs, list(results.records))
