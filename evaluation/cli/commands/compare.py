@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -72,20 +71,12 @@ def print_notes(results: Results, console: Console) -> None:
 
 def _print_failures(results: Results, console: Console) -> int:
     """Print a line for each cause of failed episodes; returns the exit status."""
-    from indoor_explorers.evaluation.report.analysis.failures import by_cause, failed
+    from indoor_explorers.evaluation.report.analysis.failures import failure_lines
 
-    broken = failed(results.records)
-    flown = Counter(record.policy for record in results.records)
-    for records in by_cause(broken):
-        first = records[0]
-        line = (
-            f"failed: {first.policy} in {len(records)} of {flown[first.policy]} episodes, first on "
-            f"{first.task.scenario}, seed {first.task.seed}, step {first.steps}: {first.reason}"
-        )
+    lines = list(failure_lines(results.records))
+    for line in [*lines, FINISHED] if lines else ():
         print_line(console, line, "red")
-    if broken:
-        print_line(console, FINISHED, "red")
-    return 1 if broken else 0
+    return 1 if lines else 0
 
 
 COMPARE = Command("compare", "fly policies on the same tasks and write a report", CompareOptions, run_compare)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import failed_of
 from indoor_explorers.evaluation.report.charts.dot_plots import Scale, difference_dot_plot, difference_scale
 from indoor_explorers.evaluation.report.style.formatting import (
     EN_DASH,
@@ -62,7 +63,7 @@ def _row(comparison: Comparison, policy: str, contrast: Contrast, scale: Scale, 
         tally=contrast.tally,
         p=EN_DASH if few else p_value(contrast.adjusted_p).removeprefix("= "),
         effect=EN_DASH if few else fixed(contrast.effect_size, 2, sign=True),
-        verdict="; ".join(filter(None, (reading(contrast), _success(comparison, policy)))),
+        verdict="; ".join(filter(None, (reading(contrast), _success(comparison, policy), _failed(comparison, policy)))),
     )
 
 
@@ -73,6 +74,10 @@ def _success(comparison: Comparison, policy: str) -> str:
     less = comparison.reached(policy) < comparison.reached(comparison.ranked_policies[0])
     p = p_value(comparison.success_p_values[policy])
     return f"reached {'less' if less else 'more'} often (p {p})"
+
+
+def _failed(comparison: Comparison, policy: str) -> str:
+    return f"failed in {failed}" if (failed := failed_of(comparison, policy)) else ""
 
 
 def _percents(estimate: Estimate) -> str:

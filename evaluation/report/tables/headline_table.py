@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.failures import failed
+from indoor_explorers.evaluation.report.analysis.failures import failed, failed_of
 from indoor_explorers.evaluation.report.analysis.shown_best import BOLD, shown_best
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, percent, with_interval
 from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
@@ -100,7 +100,7 @@ def reference_of(results: Results) -> str | None:
 def _row(comparison: Comparison, policy: str, times: Sequence[str], best: Mapping[str, Sequence[str]]) -> list[Text]:
     failures = len(failed(comparison.groups[policy]))
     return [
-        Text(marked(comparison.results, policy), "dim" if comparison.privileged(policy) else ""),
+        _name(comparison, policy),
         *(
             Text(_steps(comparison.estimate(policy, key)), "bold" if policy in best.get(key, ()) else "")
             for key in times
@@ -110,6 +110,13 @@ def _row(comparison: Comparison, policy: str, times: Sequence[str], best: Mappin
         Text(fixed(comparison.estimate(policy, "auc").mean, 3), "bold" if policy in best["auc"] else ""),
         Text(decision_time(comparison, policy)),
     ]
+
+
+def _name(comparison: Comparison, policy: str) -> Text:
+    failures, name = failed_of(comparison, policy), marked(comparison.results, policy)
+    if failures:
+        return Text(f"{name} (failed {failures})", "red")
+    return Text(name, "dim" if comparison.privileged(policy) else "")
 
 
 def decision_time(comparison: Comparison, policy: str) -> str:

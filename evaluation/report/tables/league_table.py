@@ -9,6 +9,7 @@ from typing import NamedTuple
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import failed_of
 from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.analysis.ranks import Rank, ranks
 from indoor_explorers.evaluation.report.analysis.shown_best import shown_best
@@ -66,6 +67,8 @@ class LeagueCell:
     lead: str
     """The difference from the lowest mean, task by task."""
     reached: str
+    failed: str
+    """In how many episodes the policy failed, such as ``3 of 30``; empty for none."""
 
 
 @dataclass(frozen=True)
@@ -145,6 +148,7 @@ def _cell(comparison: Comparison, policy: str, rank: Rank | None, best: bool, dr
         drawing=drawing,
         lead=with_interval(contrast.difference, sign=True) if contrast else "",
         reached=percent(comparison.reached(policy)),
+        failed=failed_of(comparison, policy),
     )
 
 
