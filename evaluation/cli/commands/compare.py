@@ -32,21 +32,28 @@ class CompareOptions(ComparisonRequest):
 
 def run_compare(options: CompareOptions, typed: str) -> int:
     """Fly what is missing and print the headline table."""
-    from indoor_explorers.evaluation.cli.progress import ProgressBar
-    from indoor_explorers.evaluation.driver import run
-    from indoor_explorers.evaluation.experiment.planning import plan
     from indoor_explorers.evaluation.report.tables.headline_table import headline_table
-    from indoor_explorers.evaluation.results.coverage_threshold import threshold_of
 
-    console, experiment = make_console(), plan(options)
-    thresholds = {scenario.name: threshold_of(scenario.goal) for scenario in experiment.scenarios}
-    with ProgressBar(console, thresholds) as bar:
-        results = run(experiment, options.out, options, watcher=bar, command=typed)
+    console = make_console()
+    results = fly_missing(options, typed, console)
     console.print(headline_table(results, console.width))
     print_ratios(results, options.ratio_to, console)
     print_notes(results, console)
     print_line(console, f"Report: {options.out / 'report.html'}")
-    return _print_failures(results, console)
+    return print_failures(results, console)
+
+
+def fly_missing(options: CompareOptions, typed: str, console: Console) -> Results:
+    """Fly what is missing with a progress bar, write the page and the exports, and return all results."""
+    from indoor_explorers.evaluation.cli.progress import ProgressBar
+    from indoor_explorers.evaluation.driver import run
+    from indoor_explorers.evaluation.experiment.planning import plan
+    from indoor_explorers.evaluation.results.coverage_threshold import threshold_of
+
+    experiment = plan(options)
+    thresholds = {scenario.name: threshold_of(scenario.goal) for scenario in experiment.scenarios}
+    with ProgressBar(console, thresholds) as bar:
+        return run(experiment, options.out, options, watcher=bar, command=typed)
 
 
 def print_ratios(results: Results, asked: Sequence[str] | None, console: Console) -> None:
@@ -69,7 +76,7 @@ def print_notes(results: Results, console: Console) -> None:
         print_line(console, note)
 
 
-def _print_failures(results: Results, console: Console) -> int:
+def print_failures(results: Results, console: Console) -> int:
     """Print a line for each cause of failed episodes; returns the exit status."""
     from indoor_explorers.evaluation.report.analysis.failures import failure_lines
 

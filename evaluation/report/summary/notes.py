@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import failed_of
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, joined, percent
 from indoor_explorers.evaluation.report.tables.contrast_table import margin, missing
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
@@ -31,7 +32,7 @@ def twin_notes(comparison: Comparison) -> list[str]:
 
 def success_notes(comparison: Comparison) -> list[str]:
     """Name the policies whose success differs significantly from that of the best-ranked; empty without any."""
-    differ = [name for name in comparison.ranked_policies if comparison.success_differs(name)]
+    differ = [name for name in _sound(comparison) if comparison.success_differs(name)]
     first = comparison.ranked_policies[0] if differ else ""
     return [
         f"Reached {comparison.level.percent} {word} often than {first}, significantly: {', '.join(names)}."
@@ -42,7 +43,7 @@ def success_notes(comparison: Comparison) -> list[str]:
 
 def detectable_notes(comparison: Comparison) -> list[str]:
     """Say what difference to the best-ranked policy would have been seen, by those not told apart from it if any."""
-    rivals = [comparison.contrasts[name] for name in comparison.ranked_policies[1:] if name in comparison.contrasts]
+    rivals = [comparison.contrasts[name] for name in _sound(comparison) if name in comparison.contrasts]
     tested = [each for each in rivals if each.difference.low is not None and 0 < each.detectable < math.inf]
     sizes = sorted(each.detectable for each in [each for each in tested if not each.shown] or tested)
     if not sizes:
@@ -50,7 +51,12 @@ def detectable_notes(comparison: Comparison) -> list[str]:
     least, most = fixed(sizes[0], 1), fixed(sizes[-1], 1)
     span = most if least == most else f"{least} to {most}"
     first, level = comparison.ranked_policies[0], comparison.level.title
-    return [f"A difference of {level} to {first} of {span} steps would have been seen with 80 % power."]
+    return [f"Only differences of {level} to {first} above some {span} steps can be detected with so few episodes."]
+
+
+def _sound(comparison: Comparison) -> list[str]:
+    """Return the ranked policies that failed in no episode, best first."""
+    return [name for name in comparison.ranked_policies if not failed_of(comparison, name)]
 
 
 def resolved_notes(comparison: Comparison) -> list[str]:

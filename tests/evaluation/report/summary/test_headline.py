@@ -18,7 +18,7 @@ from indoor_explorers.evaluation.report.tables.headline_table import headline_ta
 from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.report.records import flown, made_up, results_of, room
 
-NEVER = [None] * 3
+NEVER: list[float | None] = [None] * 3
 
 
 def of(scenarios: Mapping[str, Mapping[str, Sequence[float | None]]]) -> list[Comparison]:
@@ -40,7 +40,7 @@ def both(times: Mapping[str, Sequence[float | None]]) -> list[Comparison]:
 
 def test_a_scenario_counts_only_if_somebody_reached_the_level() -> None:
     for names in (["home", "joint", "near"], ["near", "joint", "home"]):
-        tied = {"home": [9, 20, 30], "joint": [9, 20, 30], "near": NEVER}
+        tied: dict[str, list[float | None]] = {"home": [9, 20, 30], "joint": [9, 20, 30], "near": NEVER}
         told = lead(of({"a": dict.fromkeys(names, NEVER), "b": {name: tied[name] for name in names}}))
         assert told.startswith(
             "Lowest mean T99: <b>home</b> and <b>joint</b> in 1 of 2 scenarios; no policy reached 99 % in a. "
@@ -100,4 +100,4 @@ def test_a_crash_is_not_told_as_slowness() -> None:
     assert "; failed in 3 of 3</td>" in page
     with console.capture() as capture:
         console.print(headline_table(results, 80))
-    assert "boom (failed 3 of 3)" in capture.get()
+    assert "boom (failed 3/3)" in capture.get()
