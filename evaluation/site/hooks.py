@@ -15,6 +15,7 @@ from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
 from indoor_explorers.evaluation.playground.page import playground
+from indoor_explorers.evaluation.site.commands import broken
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
 from indoor_explorers.evaluation.site.pictures.concepts import concept_pictures
 from indoor_explorers.evaluation.site.pictures.dynamics import dynamics_pictures
@@ -123,7 +124,7 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
         return f"[{label}]({posixpath.relpath(_uri(target), posixpath.dirname(uri) or '.')}{anchor})"
 
     parts = _CODE.split(markdown)
-    return "".join(part if k % 2 else _LINK.sub(led, part) for k, part in enumerate(parts))
+    return "".join(broken(part) if k % 2 else _LINK.sub(led, part) for k, part in enumerate(parts))
 
 
 def _linked(uri: str, text: str) -> list[str]:
