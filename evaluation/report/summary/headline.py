@@ -83,7 +83,7 @@ def _others(comparison: Comparison) -> Markup:
     """Say what is shown of all policies, where more than one was compared with the best."""
     tested = [name for name in rivals(comparison) if name in comparison.contrasts]
     few = any(comparison.contrasts[name].difference.low is None for name in tested)
-    return Markup("") if few or len(tested) < 2 else resolution([outcomes(comparison)])
+    return Markup("") if few or len(tested) < 2 else resolution([outcomes(comparison)], comparison.results.margin)
 
 
 def _failed(comparison: Comparison, policy: str) -> Markup:

@@ -69,7 +69,7 @@ def lead(comparisons: Sequence[Comparison]) -> Markup:
     nobody = [name for name, names in first.items() if not names]
     missed = Markup("; no policy reached {} in {}").format(reached, _listed(nobody)) if nobody else ""
     what = level.title if level else "time to the coverage threshold"
-    told = resolution([outcomes(each) for each in flown if first[each.scenario]])
+    told = resolution([outcomes(each) for each in flown if first[each.scenario]], flown[0].results.margin)
     return Markup("Lowest mean {}: {}{}. {}").format(what, Markup(", ").join(wins), missed, told)
 
 

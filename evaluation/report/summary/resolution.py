@@ -9,13 +9,21 @@ from markupsafe import Markup, escape
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed_of
-from indoor_explorers.evaluation.report.tables.contrast_table import margin
-from indoor_explorers.evaluation.statistics import Contrast, Finding
+from indoor_explorers.evaluation.report.style.formatting import THIN_SPACE
+from indoor_explorers.evaluation.statistics import Finding
 
 NAME = Markup("<b>{}</b>")
-#: Policies by what is shown of them against the best.
-Outcomes = Mapping[str, Sequence[str]]
-UNTESTED = "Too few episodes for a test"
+#: Policies by what is shown of them against the best; None where no test was made.
+Outcomes = Mapping[Finding | None, Sequence[str]]
+#: The beginning of the sentence about those policies, in the order of the sentences.
+SAID: dict[Finding | None, str] = {
+    Finding.WORSE: "Significantly worse",
+    Finding.BETTER: "Significantly better where both finished",
+    Finding.MIXED: "Faster but finishing less often, or the reverse",
+    Finding.AS_GOOD: "As good within {margin}",
+    Finding.OPEN: "Not resolved",
+    None: "Too few episodes for a test",
+}
 
 
 def fastest(comparison: Comparison) -> list[str]:
@@ -32,38 +40,29 @@ def rivals(comparison: Comparison) -> list[str]:
 
 def outcomes(comparison: Comparison) -> Outcomes:
     """Return the :func:`rivals` by what is shown of them against the best."""
-    found: dict[str, list[str]] = {}
+    found: dict[Finding | None, list[str]] = {}
     for name in rivals(comparison) if fastest(comparison) else ():
-        found.setdefault(_finding(comparison.contrasts.get(name)), []).append(name)
+        contrast = comparison.contrasts.get(name)
+        tested = contrast is not None and contrast.difference.low is not None
+        found.setdefault(contrast.finding if contrast and tested else None, []).append(name)
     return found
 
 
-def _finding(contrast: Contrast | None) -> str:
-    """Return what is shown about a policy against the best, as the beginning of a sentence."""
-    if contrast is None or contrast.difference.low is None:
-        return UNTESTED
-    return {
-        Finding.WORSE: "Significantly worse",
-        Finding.BETTER: "Significantly better where both finished",
-        Finding.MIXED: "Faster but finishing less often, or the reverse",
-        Finding.AS_GOOD: f"As good within {margin(contrast)}",
-        Finding.OPEN: "Not resolved",
-    }[contrast.finding]
+def resolution(scenarios: Sequence[Outcomes], margin: float) -> Markup:
+    """Say of which policies something is shown, and of which nothing; with counts if scenarios are several."""
+    named = {kind: Counter(name for each in scenarios for name in each.get(kind, ())) for kind in SAID}
+    if named[None] and named[None].total() == sum(names.total() for names in named.values()):
+        return Markup(f"{SAID[None]}.")
+    within = f"{100 * margin:g}{THIN_SPACE}%"
+    return escape(
+        " ".join(
+            f"{SAID[kind].format(margin=within)}: {_counted(names, len(scenarios))}."
+            for kind, names in named.items()
+            if names
+        )
+    )
 
 
-def resolution(scenarios: Sequence[Outcomes]) -> Markup:
-    """Say which policies are slower than the best, as good as it, or neither; with counts if scenarios are several."""
-    kinds = dict.fromkeys(kind for each in scenarios for kind in each)
-    named = {kind: Counter(name for each in scenarios for name in each.get(kind, ())) for kind in kinds}
-    if not any(names for kind, names in named.items() if kind != UNTESTED):
-        return Markup(f"{UNTESTED}.") if any(named.values()) else Markup("")
-    parts = [
-        f"{kind}: {', '.join(_counted(name, names[name], len(scenarios)) for name in names)}."
-        for kind, names in named.items()
-        if names
-    ]
-    return escape(" ".join(parts))
-
-
-def _counted(name: str, number: int, scenarios: int) -> str:
-    return name if scenarios == 1 else f"{name} in {'all' if number == scenarios else number}"
+def _counted(names: Counter[str], scenarios: int) -> str:
+    counts = {name: "" if scenarios == 1 else f" in {number}" for name, number in names.items()}
+    return ", ".join(f"{name}{' in all' if names[name] == scenarios > 1 else told}" for name, told in counts.items())

@@ -13,9 +13,10 @@ from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.summary.headline import headline
 from indoor_explorers.evaluation.report.summary.overview import lead
-from indoor_explorers.evaluation.report.summary.resolution import resolution
+from indoor_explorers.evaluation.report.summary.resolution import Outcomes, resolution
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.statistics import Finding
 from tests.evaluation.report.records import flown, made_up, results_of, room
 
 NEVER: list[float | None] = [None] * 3
@@ -51,7 +52,7 @@ def test_a_scenario_counts_only_if_somebody_reached_the_level() -> None:
 def test_all_that_share_the_lowest_mean_are_named() -> None:
     (told,) = map(headline, of({"a": {"c": [20] * 3, "b": [20] * 3, "d": [30] * 3, "a": [20] * 3}}))
     assert told.startswith("<b>a</b>, <b>b</b> and <b>c</b> share the lowest mean T99: 20.0 steps over 3 episodes")
-    assert "<b>d</b> needed 10.0 more steps" in told
+    assert "<b>d</b> took +10.0 steps against" in told
 
 
 def test_without_a_test_nothing_is_said_about_significance() -> None:
@@ -72,8 +73,10 @@ def test_the_first_line_says_what_was_resolved_and_what_was_not() -> None:
     assert headline(two[0]).endswith("Significantly worse: slow. Not resolved: quick.")
     page = render(two[0].results)
     assert page.index("Significantly worse:") < page.index("flew the same") < page.index("<table")
-    assert resolution([{"Worse": ["<i>"], "As good": ["y"]}, {"Worse": ["<i>"], "Not resolved": ["y"]}]) == (
-        "Worse: &lt;i&gt; in all. As good: y in 1. Not resolved: y in 1."
+    found: list[Outcomes] = [{Finding.OPEN: ["y"], Finding.WORSE: ["<i>"]}, {Finding.AS_GOOD: ["y"], None: ["<i>"]}]
+    assert resolution(found, 0.025) == (
+        "Significantly worse: &lt;i&gt; in 1. As good within 2.5\u202f%: y in 1. Not resolved: y in 1. "
+        "Too few episodes for a test: &lt;i&gt; in 1."
     )
 
 
@@ -91,7 +94,7 @@ def broken() -> Results:
 def test_a_crash_is_not_told_as_slowness() -> None:
     results = broken()
     told = headline(Comparison(results, "room"))
-    assert "<b>slow</b> needed 75.0 more steps" in told
+    assert "<b>slow</b> took +75.0 steps" in told
     assert "<b>boom</b> failed in 3 of 3 episodes." in told
     page, console = render(results), Console(width=80)
     above = page[: page.index('id="caveats"')]
