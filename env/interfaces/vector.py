@@ -99,8 +99,6 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         shared = self._encoder.shared
         self._live = LivePlanes(self.world, shared.planes) if isinstance(shared, ChannelsEncoder) else None
         self._observed: Any = create_empty_array(self.single_observation_space, num_envs)
-        if self._live is not None:
-            self._observed = self._live.planes[:, 0]
 
     def reset(self, *, seed: Seeds = None, options: dict[str, Any] | None = None) -> tuple[Arrays, dict[str, Any]]:
         """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``."""
@@ -214,7 +212,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
     def _observe(self, chosen: Mask) -> None:
         """Encode what the chosen episodes' UAVs know."""
         if self._live is not None:
-            self._live.update()
+            self._observed = self._live.update()[:, 0]
         elif chosen.all():
             self._encoder.encode(self._views(), self._observed)
         else:

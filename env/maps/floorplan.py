@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -48,6 +49,9 @@ class Floorplan:
         if self.start is not None and not self._is_free(self.start):
             raise InputError(f"{self.name}: expected the start on a free cell, got {self.start}; move the mark")
         self.truth.setflags(write=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Floorplan, (self.truth, self.name, self.resolution, self.kept, self.start)  # whose truth is read-only
 
     def _is_free(self, cell: Cell) -> bool:
         inside = all(0 <= place < side for place, side in zip(cell, self.shape, strict=True))

@@ -41,6 +41,9 @@ class Window:
         ):
             raise _no_display("neither DISPLAY nor WAYLAND_DISPLAY is set")
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Window, (self._title, self._fps), {"closed": self.closed}  # what pygame holds cannot be copied
+
     def show(self, picture: NDArray[np.uint8]) -> None:
         """Show a picture, scaled to the window, and wait until the next one is due."""
         pygame = self._pygame
