@@ -7,6 +7,8 @@ from collections.abc import Iterable
 
 #: Characters of what a policy said went wrong that are kept.
 LONGEST = 500
+#: Characters of a value, or of a plug-in's error, that are repeated in a message.
+SHOWN = 120
 
 
 class InputError(ValueError):
@@ -42,6 +44,14 @@ def one_line(text: str, most: int = LONGEST) -> str:
     flat = " ".join(text[: 2 * most].split())
     shown = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in flat)
     return shown if len(shown) <= most else shown[: most - 1] + "…"
+
+
+def shown(value: object, most: int = SHOWN) -> str:
+    """Return how a value is written, on one line, even where its ``repr`` fails."""
+    try:
+        return one_line(repr(value), most)
+    except Exception as error:
+        return f"a {type(value).__name__} whose repr raises {type(error).__name__}"
 
 
 def described(error: BaseException, most: int = LONGEST) -> str:

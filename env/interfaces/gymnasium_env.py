@@ -91,7 +91,7 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         """Fly one step; after the end of the episode nothing changes, and rewards are 0."""
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
-        self.world.step(np.array([[action]]))
+        self.world.step([[action]])  # type: ignore[arg-type]  # one of numpy's is a number, too
         self._renderer.stepped()
         info = info_of(self.world, 0, 0)
         return (

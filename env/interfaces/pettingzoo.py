@@ -57,7 +57,9 @@ def env(
     raw = parallel_env(scenario, render_mode, observation, settings, index)
     from pettingzoo.utils import parallel_to_aec, wrappers
 
-    return wrappers.OrderEnforcingWrapper(wrappers.AssertOutOfBoundsWrapper(parallel_to_aec(raw)))
+    from indoor_explorers.env.interfaces.pettingzoo_env import CheckedActions
+
+    return wrappers.OrderEnforcingWrapper(CheckedActions(parallel_to_aec(raw)))
 
 
 def _need_pettingzoo() -> None:

@@ -31,6 +31,7 @@ from indoor_explorers.env.observations.base import Arrays, copy_of, row_of
 from indoor_explorers.env.observations.batched import BatchedEncoder
 from indoor_explorers.env.observations.incremental import LivePlanes
 from indoor_explorers.env.observations.planes import ChannelsEncoder
+from indoor_explorers.env.policies.policy import integers
 from indoor_explorers.env.rendering.renderer import Renderer
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.preparation import Prepared
@@ -98,7 +99,9 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         self.action_space = batch_space(self.single_action_space, num_envs)
         shared = self._encoder.shared
         self._live = LivePlanes(self.world, shared.planes) if isinstance(shared, ChannelsEncoder) else None
-        self._observed: Any = create_empty_array(self.single_observation_space, num_envs)
+        self._observed: Any = None
+        if self._live is None:
+            self._observed = create_empty_array(self.single_observation_space, num_envs)
 
     def reset(self, *, seed: Seeds = None, options: dict[str, Any] | None = None) -> tuple[Arrays, dict[str, Any]]:
         """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``."""
@@ -127,7 +130,7 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         mode = self.metadata["autoreset_mode"]
         if mode is AutoresetMode.DISABLED and self._over.any():
             raise ResetNeeded("expected episodes that go on, got some that have ended; reset them with reset_mask")
-        chosen = self.world.checked_actions(np.asarray(actions)[..., None])
+        chosen = self.world.checked_actions(integers(actions, self.world.scenario.actions)[..., None])
         prepared = self._prepare(np.flatnonzero(self._over).tolist(), [None] * self.num_envs)
         self.world.step(chosen)  # nothing happens in an episode that is over
         self._renderer.stepped()
@@ -152,6 +155,10 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         if not self._begun.all():
             raise ResetNeeded("expected episodes to render, got a new environment; call reset first")
         return tuple(self._renderer.picture(b) for b in range(self.num_envs))
+
+    def __getstate__(self) -> dict[str, Any]:
+        live = self._live is not None
+        return self.__dict__ | ({"_observed": None} if live else {})  # which a copy shares with its own planes again
 
     def _spread(self, seed: Seeds) -> Sequence[int | None]:
         if seed is None:
@@ -212,7 +219,9 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
     def _observe(self, chosen: Mask) -> None:
         """Encode what the chosen episodes' UAVs know."""
         if self._live is not None:
-            self._observed = self._live.update()[:, 0]
+            self._live.update()
+            if self._observed is None:
+                self._observed = self._live.planes[:, 0]
         elif chosen.all():
             self._encoder.encode(self._views(), self._observed)
         else:

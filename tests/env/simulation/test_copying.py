@@ -10,7 +10,7 @@ from indoor_explorers.env import PRESETS, InputError, World
 from tests.env.worlds import random_actions
 
 #: What the presets lack.
-HARDER = {
+HARDER: dict[str, dict[str, object]] = {
     "failures": {"failures.hazard": 0.02, "failures.radio_hazard": 0.1, "failures.radio_outage": 4, "radio.loss": 0.3},
     "errors": {"noise.misses": 0.05, "drift.rate": 0.05, "base.at": "start", "lidar.field_of_view": 120.0},
     "prior": {"prior.kind": "outdated", "base.at": "start"},
