@@ -51,11 +51,13 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         render_mode: str | None,
         settings: Mapping[str, Any] | None,
         index: int,
+        first_seed: int = 0,
     ) -> None:
         self.render_mode = find_render_mode(render_mode)
         self.world = new_world(find_scenario(scenario, settings), 1, index)
         self._renderer = Renderer(self.world, self.render_mode, RENDER_FPS)
         self._index = index
+        self._first_seed = first_seed
         self._rng: np.random.Generator | None = None
         self._begun = False
         self.possible_agents = [f"uav_{n}" for n in range(self.world.scenario.team)]
@@ -80,9 +82,11 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Arrays], dict[str, dict[str, Any]]]:
         """Start an episode, seed ``seed`` as ``World.reset([seed])`` does; no options are read."""
-        if self._rng is None or seed is not None:
-            self._rng = np_random(seed)[0]
-        self.world.begin(0, draw_seed(self._rng) if seed is None else seed, index=self._index)
+        given = None if seed is None else self._first_seed + seed
+        if self._rng is None or given is not None:
+            self._rng = np_random(given)[0]
+        drawn = self._first_seed + draw_seed(self._rng) if given is None else given
+        self.world.begin(0, drawn, index=self._index)
         self._begun = True
         self._renderer.begun(0)
         for n, encoder in enumerate(self._encoders):

@@ -24,11 +24,17 @@ class End(IntEnum):
     """Why an agent's episode ended; ``BUDGET`` is a truncation, all others are terminations."""
 
     FLYING = 0
+    """It has not ended."""
     GOAL = 1
+    """The goal coverage is reached."""
     COLLISION = 2
+    """It flew into an obstacle."""
     OUT_OF_BOUNDS = 3
+    """It flew off the map."""
     STUCK = 4
+    """It went on without a discovery or between the same cells for too long, as the rule ``stuck`` says."""
     BUDGET = 5
+    """All steps are flown."""
     STOPPED = 6
     """It failed, see :mod:`indoor_explorers.env.simulation.failures`."""
 
