@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Iterable
 
 #: Characters of what a policy said went wrong that are kept.
@@ -25,6 +26,11 @@ class PolicyError(Exception):
 
 class RunError(RuntimeError):
     """Report a run that cannot go on through no fault of its input, such as a worker that was killed."""
+
+
+def debugging() -> bool:
+    """Return whether errors are shown with their traceback."""
+    return bool(os.environ.get("INDOOR_EXPLORERS_DEBUG"))
 
 
 def did_you_mean(word: str, known: Iterable[str], prefix: str = "") -> str:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from indoor_explorers.env.errors import debugging as debugging
 from indoor_explorers.evaluation.experiment.request import Request
 
 if TYPE_CHECKING:
@@ -37,11 +37,6 @@ class Command(Generic[Options]):
     def start(self, given: dict[str, Any], typed: str) -> int:
         """Run with the options that were given; returns the exit status."""
         return self.run(self.options(**given), typed)
-
-
-def debugging() -> bool:
-    """Return whether errors are shown with their traceback."""
-    return bool(os.environ.get("INDOOR_EXPLORERS_DEBUG"))
 
 
 def make_console() -> Console:
