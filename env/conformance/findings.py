@@ -46,7 +46,7 @@ class Finding(NamedTuple):
     error: Violation | None = None
     """The violation, of a check that failed."""
     conclusive: bool = True
-    """False for a failure that says nothing of its own, since an earlier finding explains it."""
+    """False for a check that tells nothing: an earlier finding explains its failure, or it cannot be made."""
 
     @property
     def fix(self) -> str:

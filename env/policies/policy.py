@@ -88,6 +88,10 @@ class Policy(ABC):
     #: called, and timed, for one UAV after the other.
     batched: ClassVar[bool] = False
 
+    #: (H, W) of the only maps that it flies, such as those of a network's training; None for any. It may be set on the
+    #: instance. The conformance suite then flies rooms of this size and no large map.
+    map_shape: tuple[int, int] | None = None
+
     @abstractmethod
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV for one episode."""

@@ -256,15 +256,34 @@ def test_a_policy_that_cannot_fly_is_told_why_once(kind, policy, text, fix):
         check_policy(make(kind, policy))
 
 
-class FailsInTeams(Honest):
+class OneSize(Honest):
+    """As a network of fixed input size."""
+
+    shape = (16, 16)
+
     def act(self, view):
-        return 4 if self.briefing.shape == (16, 16) else self.briefing.missing
+        return super().act(view) if view.belief.shape == self.shape else self.briefing.missing
 
 
-def test_a_fault_that_only_a_later_flight_meets_is_reported_there():
-    found = findings(FailsInTeams)
+def test_a_policy_that_flies_maps_of_one_size_passes_all_it_can():
+    found = findings(OneSize)
     assert failures(found) == {"latency, large map"}
-    assert "AttributeError" in found["latency, large map"].text
+    large = found["latency, large map"]
+    assert (large.error, large.conclusive, large.fix) == (None, False, "")
+    assert "cannot be told, as act raised AttributeError" in large.text
+    assert "set its map_shape" in large.text
+    assert list(check_policy(make(OneSize))) == list(CHECKS)
+
+
+def test_a_policy_may_say_the_size_of_the_only_maps_it_flies():
+    wide = type("Wide", (OneSize,), {"shape": (12, 20)})
+    assert "decisions" in failures(findings(wide))
+    said = type("Said", (Flying,), {"map_shape": (12, 20)})
+    found = findings(wide, said)
+    assert failures(found) == set()
+    assert "one UAV, 12x20" in found["latency"].text
+    assert "not timed" in found["latency, large map"].text
+    assert "7 maps" in found["map of the seed"].text
 
 
 class WritesBriefing(Honest):
