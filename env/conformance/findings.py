@@ -39,6 +39,7 @@ class Finding(NamedTuple):
     name: str
     """Name of the check."""
     passed: bool
+    """Whether it found nothing wrong."""
     text: str
     """What was found, in a few words."""
     seconds: float

@@ -51,12 +51,12 @@ ALL_CELLS, TRAINED_GOAL = "all cells", "the goal of its training"
 class Pilot(ABC):
     """Choose the actions of one UAV in one episode."""
 
-    #: Sent to the teammates in radio range after the move: None or at most 16 numbers.
     message: Message = None
+    """Sent to the teammates in radio range after the move: None or at most 16 numbers."""
 
-    #: Whether this UAV would end its mission now, as the map seems complete enough to it. It flies on all the same;
-    #: results tell what stopping would have cost in coverage and saved in steps.
     done: bool = False
+    """Whether this UAV would end its mission now, as the map seems complete enough to it. It flies on all the same;
+    results tell what stopping would have cost in coverage and saved in steps."""
 
     @abstractmethod
     def act(self, view: View) -> int:
@@ -73,24 +73,24 @@ class Policy(ABC):
     Make subclasses frozen keyword-only dataclasses: their fields are then stored with the results.
     """
 
-    #: True for a reference policy that gets the true map; results mark it.
     privileged: ClassVar[bool] = False
+    """True for a reference policy that gets the true map; results mark it."""
 
-    #: True for a policy that reads ``briefing.generator``, which any policy may; results mark it.
     uses_generator: ClassVar[bool] = False
+    """True for a policy that reads ``briefing.generator``, which any policy may; results mark it."""
 
-    #: The coverage that it plans for, in a few words, such as "all cells"; empty if it does not say. Results tell where
-    #: policies plan for different coverage.
     plans_for: ClassVar[str] = ""
+    """The coverage that it plans for, in a few words, such as "all cells"; empty if it does not say. Results tell where
+    policies plan for different coverage."""
 
-    #: True if :meth:`act` is faster for many UAVs at once than one by one, such as with one forward pass. It is then
-    #: called for all UAVs of a batch at once, and a decision's time is its share of the batch's; otherwise it is
-    #: called, and timed, for one UAV after the other.
     batched: ClassVar[bool] = False
+    """True if :meth:`act` is faster for many UAVs at once than one by one, such as with one forward pass. It is then
+    called for all UAVs of a batch at once, and a decision's time is its share of the batch's; otherwise it is called,
+    and timed, for one UAV after the other."""
 
-    #: (H, W) of the only maps that it flies, such as those of a network's training; None for any. It may be set on the
-    #: instance. The conformance suite then flies rooms of this size and no large map.
     map_shape: tuple[int, int] | None = None
+    """(H, W) of the only maps that it flies, such as those of a network's training; None for any. It may be set on the
+    instance. The conformance suite then flies rooms of this size and no large map."""
 
     @abstractmethod
     def pilot(self, briefing: Briefing) -> Pilot:

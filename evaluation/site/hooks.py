@@ -31,7 +31,7 @@ from indoor_explorers.evaluation.site.reference import (
     command_line_page,
     files_page,
     metrics_page,
-    python_page,
+    python_pages,
     settings_page,
 )
 
@@ -63,7 +63,6 @@ MADE = {
     "reference/settings.md": settings_page,
     "reference/metrics.md": metrics_page,
     "reference/files.md": files_page,
-    "reference/python.md": python_page,
 }
 #: What draws the pictures of the pages, by name.
 DRAWN = (
@@ -91,6 +90,8 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, page, content=(ROOT / source).read_text("utf-8")))
     for page, make in MADE.items():
         files.append(File.generated(config, page, content=make()))
+    for page, content in python_pages().items():
+        files.append(File.generated(config, page, content=content))
     data = config.extra["data"]
     comparisons = [*experiments(config.extra["episodes"]), *(suites(Path(data).expanduser()) if data else ())]
     reports = list(published(Path(config.site_dir).parent / "published", comparisons))
