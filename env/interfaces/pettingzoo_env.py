@@ -105,7 +105,8 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
             raise InputError(f"expected a dict with one action for each of {self.agents}, got {given}")
         chosen = np.full((1, len(self.possible_agents)), int(Action.STAY))
         for agent, action in actions.items():
-            chosen[0, self._numbers[agent]] = one_action(action, self.world.scenario.actions)
+            number = isinstance(action, np.signedinteger)  # nearly always; all else takes longer
+            chosen[0, self._numbers[agent]] = action if number else one_action(action, self.world.scenario.actions)
         self.world.step(chosen)
         self._renderer.stepped()
         pay = self.world.state.reward[0].tolist()

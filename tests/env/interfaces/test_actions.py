@@ -7,60 +7,49 @@ from indoor_explorers.env import PRESETS, Action, InputError, World, env, parall
 from indoor_explorers.env.interfaces import IndoorExplorersEnv, IndoorExplorersVectorEnv
 
 TASK = "thesis-team-2"
-WRONG = {
-    "float": (0.5, "an int from 0 to 4, got the float 0.5"),
-    "whole float": (np.round(1.2), "an int from 0 to 4, got the float 1.0"),
-    "complex": (1j, "an int from 0 to 4, got the complex 1j"),
-    "bool": (True, "an int from 0 to 4, got the bool True"),
-    "text": ("1", "an int from 0 to 4, got the str '1'"),
-    "dict": ({}, "an int from 0 to 4, got the dict {}"),
-    "object": (object(), "an int from 0 to 4, got the object <object object at"),
-    "lists": ([1, [2]], "an int from 0 to 4, got the list"),
-    "none": (None, "an action from 0 to 4, got None"),
-    "large": (2**70, "an action from 0 to 4, got 1180591620717411303424"),
+WRONG = (
+    (0.5, "an int from 0 to 4, got the float 0.5"),
+    (np.round(1.2), "an int from 0 to 4, got the float 1.0"),
+    (1j, "an int from 0 to 4, got the complex 1j"),
+    (True, "an int from 0 to 4, got the bool True"),
+    ("1", "an int from 0 to 4, got the str '1'"),
+    ({}, "an int from 0 to 4, got the dict {}"),
+    (object(), "an int from 0 to 4, got the object <object object at"),
+    ([1, [2]], "an int from 0 to 4, got the list"),
+    (None, "an action from 0 to 4, got None"),
+    (2**70, "an action from 0 to 4, got 1180591620717411303424"),
+)
+
+
+def begun():
+    made = World(PRESETS[TASK])
+    made.reset([1])
+    return made
+
+
+#: What is stepped, and how it is given an action.
+STEPS = {
+    "world": (begun, lambda made, action: made.step([[action, action]])),
+    "single": (IndoorExplorersEnv, lambda made, action: made.step(action)),
+    "vector": (lambda: IndoorExplorersVectorEnv(2), lambda made, action: made.step([action, action])),
+    "together": (lambda: parallel_env(TASK), lambda made, action: made.step({"uav_0": 4, "uav_1": action})),
+    "in turn": (lambda: env(TASK), lambda made, action: made.step(action)),
 }
 
 
-def world(action):
-    made = World(PRESETS[TASK])
-    made.reset([1])
-    made.step([[action, action]])
-
-
-def single(action):
-    made = IndoorExplorersEnv()
-    made.reset(seed=1)
-    made.step(action)
-
-
-def vector(action):
-    made = IndoorExplorersVectorEnv(2)
-    made.reset(seed=1)
-    made.step([action, action])
-
-
-def together(action):
-    made = parallel_env(TASK)
-    made.reset(seed=1)
-    made.step({"uav_0": 4, "uav_1": action})
-
-
-def in_turn(action):
-    made = env(TASK)
-    made.reset(seed=1)
-    made.step(action)
-
-
-@pytest.mark.parametrize("step", [world, single, vector, together, in_turn])
-@pytest.mark.parametrize("wrong", WRONG)
-def test_what_is_no_action_is_refused_in_one_line(step, wrong):
-    action, message = WRONG[wrong]
-    with pytest.raises(InputError) as refused:
-        step(action)
-    assert message in str(refused.value)
-    assert str(refused.value).isprintable()
+@pytest.mark.parametrize("kind", STEPS)
+def test_what_is_no_action_is_refused_in_one_line(kind):
+    make, step = STEPS[kind]
+    made = make()
+    if kind != "world":
+        made.reset(seed=1)
+    for action, message in WRONG:
+        with pytest.raises(InputError) as refused:
+            step(made, action)
+        assert message in str(refused.value)
+        assert str(refused.value).isprintable()
     for right in (4, np.int8(4), np.uint64(4), np.array(4), Action.STAY):
-        step(right)
+        step(made, right)
 
 
 @pytest.mark.parametrize("given", [None, 4, [4, 4]])
