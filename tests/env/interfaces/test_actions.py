@@ -7,7 +7,7 @@ from indoor_explorers.env import PRESETS, Action, InputError, World, env, parall
 from indoor_explorers.env.interfaces import IndoorExplorersEnv, IndoorExplorersVectorEnv
 
 TASK = "thesis-team-2"
-WRONG = (
+WRONG: tuple[tuple[object, str], ...] = (
     (0.5, "an int from 0 to 4, got the float 0.5"),
     (np.round(1.2), "an int from 0 to 4, got the float 1.0"),
     (1j, "an int from 0 to 4, got the complex 1j"),
