@@ -46,10 +46,10 @@ def debugging() -> bool:
 
 def make_console() -> Console:
     """Return the console that commands print to."""
-    from rich.console import Console
+    from indoor_explorers.evaluation.cli.console import PlainConsole
 
-    console = Console()
-    return console if console.is_terminal else Console(width=PLAIN_WIDTH)
+    console = PlainConsole()
+    return console if console.is_terminal else PlainConsole(width=PLAIN_WIDTH)
 
 
 def print_line(console: Console, line: str, style: str | None = None) -> None:

@@ -19,6 +19,7 @@ from indoor_explorers.env.errors import one_line
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
+from indoor_explorers.evaluation.episodes.stored_names import with_own_models
 from indoor_explorers.evaluation.experiment.experiment import Task, merged_experiments
 from indoor_explorers.evaluation.results.contradictions import contradictions
 from indoor_explorers.evaluation.results.damage import (
@@ -101,7 +102,7 @@ class StoreReader:
         for name, fingerprint, facts in self._rows("SELECT name, fingerprint, facts FROM scenario ORDER BY position"):
             found[name] = {"fingerprint": fingerprint, **self._facts(facts, f"scenario {name!r}")}
             with self._understood(f"scenario {name!r}"):
-                recorded_scenario(found[name])
+                recorded_scenario(with_own_models(found[name]))
         return found
 
     def runs(self) -> list[dict[str, Any]]:

@@ -66,7 +66,7 @@ def print_ratios(results: Results, asked: Sequence[str] | None, console: Console
 def print_notes(results: Results, console: Console) -> None:
     """Print suite and part, what happened to the stores, and which policies know the maps or the seeds."""
     notes = (*results.suite_notes, *results.notes, *results.retry_notes, *results.map_notes, *results.seed_notes)
-    for note in notes:
+    for note in (*notes, *results.plugin_notes):
         print_line(console, note)
 
 

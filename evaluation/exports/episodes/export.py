@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal, get_args
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.exports.episodes.choosing import chosen_record
 from indoor_explorers.evaluation.exports.episodes.csv_tables import FILES, write_csv
 from indoor_explorers.evaluation.exports.episodes.moments import frame_of
@@ -32,6 +31,7 @@ def export_episode(
     format: Format = "mcap",
     step_seconds: float | None = None,
     speed: float | None = None,
+    plugins: Iterable[str] = (),
 ) -> Path:
     """Write one episode of a results folder for other programs, and return where it lies.
 
@@ -49,6 +49,7 @@ def export_episode(
             for ``ros2 bag play``, in the format of Humble; ``csv``, ``steps.csv`` and ``meta.json``.
         step_seconds: seconds of a step; 1 if neither this nor the speed is given.
         speed: metres per second, instead: a step is then the time to fly one cell.
+        plugins: the lidar and radio models from outside this package that may be imported for it.
 
     Raises:
         InputError: the episode is not there, is not the only one, or cannot be written.
@@ -57,10 +58,10 @@ def export_episode(
     """
     if format not in get_args(Format):
         raise InputError(f"expected a format of {', '.join(get_args(Format))}, got {format!r}")
-    target, results = _checked_target(Path(out), format), Results.load(Path(folder))
+    target, results = _checked_target(Path(out), format), Results.load(Path(folder), plugins)
     wanted = {"policy": policy, "scenario": scenario, "map": map, "seed": seed}
     record = chosen_record(results, str(folder), wanted)
-    settings = recorded_scenario(results.scenarios[record.task.scenario])
+    settings = results.scenario(record.task.scenario)
     seconds = _step_seconds(record, step_seconds, speed)
     try:
         WRITERS[format](record, settings, target, seconds)
