@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain, combinations, product, starmap
+from itertools import combinations, product
 
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.episodes.stored_names import refusal
@@ -125,9 +125,10 @@ def boards(parts: Sequence[Part], fly: int = 0) -> list[Board]:
         run = results.suite_run
         key = tuple(sorted(results.scenarios)) if run is None else (run.suite.name, run.part)
         found.setdefault(key, []).append((folder, results))
-    named = [group for group in found.values() if group[0][1].suite_run is None]
-    for one, other in chain.from_iterable(starmap(product, combinations(named, 2))):
-        _refuse_one_title(one, other)
+    of_no_suite = [group for group in found.values() if group[0][1].suite_run is None]
+    for group, another in combinations(of_no_suite, 2):
+        for one, other in product(group, another):
+            _refuse_one_title(one, other)
     return [_board(group, fly) for group in found.values()]
 
 

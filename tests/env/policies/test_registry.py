@@ -159,7 +159,7 @@ class RaisesInItsMessage(Exception):
         raise KeyError("no message")
 
 
-class CannotBeMade(Policy):
+class CannotBeMade(Named):
     def __init__(self):
         raise RaisesInItsMessage
 
