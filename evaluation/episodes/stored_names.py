@@ -34,8 +34,8 @@ def refusal(settings: Mapping[str, Any], plugins: Collection[str], naming: Mappi
 def policy_refusal(choice: Mapping[str, Any], plugins: Collection[str]) -> str:
     """Say the same of a stored policy, given as its entry of the experiment.
 
-    A policy that this package declares is its own, unless it is given a text that could lead to a module, or to a
-    policy of others.
+    A policy that this package declares is its own, unless it is given a text that could lead to a module, to a file
+    or to a policy of others.
     """
     use, parameters = str(choice.get("use")), choice.get("parameters")
     needed = [("policy", use)] if use not in policy_entry_points() or _leads_outside(use) else []
@@ -66,7 +66,7 @@ def _at(settings: Mapping[str, Any], place: str) -> Any:
 
 
 def _leads_outside(text: str) -> bool:
-    return ":" in text or (text in policy_entry_points() and not is_own_policy(text))
+    return ":" in text or "/" in text or (text in policy_entry_points() and not is_own_policy(text))
 
 
 def _texts(value: Any) -> Iterator[str]:

@@ -51,7 +51,7 @@ def legend(fly: int) -> str:
     """Return what the columns mean, and whether policies flew ``fly`` of their episodes again."""
     again = (
         f"Policies were made again, and flew {counted(fly, 'episode')} of each scenario again with the same actions; "
-        "those that were not are named below."
+        "those that were not are named with the tables."
     )
     return f"{LEGEND} {again if fly else NOT_FLOWN}"
 

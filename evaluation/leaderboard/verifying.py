@@ -32,8 +32,10 @@ from indoor_explorers.evaluation.results.results import Results
 NOT_SIMULATED = (*OF_THE_MACHINE, "messages_bytes")
 #: Episodes for which another worker process is started.
 TASKS_EACH = 20
-#: Facts that a policy says of itself, and that decide how it is ranked and marked.
-FLAGS = ("privileged", "uses_generator", "batched")
+#: Facts that a policy says of itself and that decide how it is marked.
+FLAGS = ("uses_generator", "batched")
+#: Facts that change the hash of a policy and may have changed since in one that is the same.
+HASHED = ("parameters", "weights_for")
 
 
 class Made(NamedTuple):
@@ -45,12 +47,8 @@ class Made(NamedTuple):
 
 
 def mismatches(results: Results) -> Iterator[str]:
-    """Yield a line for each episode that is not what its map, seed and actions give.
-
-    Scenarios that name code which the user did not are left out.
-    """
-    known = [name for name, settings in results.scenarios.items() if not refusal(settings, results.plugins)]
-    scenarios = {name: _whole_scenario(results, name) for name in known}
+    """Yield a line for each episode that is not what its map, seed and actions give."""
+    scenarios = _scenarios(results)
     for record in (record for record in results.records if record.task.scenario in scenarios):
         scenario = scenarios[record.task.scenario]
         if not isinstance(scenario.map, FileMaps) and _is_another_map(record, scenario):
@@ -115,9 +113,12 @@ def flown_differently(results: Results, count: int, made: Mapping[str, Made]) ->
 
     """
     stored = {(record.policy, record.task): record for record in results.records}
-    known = {name for name, settings in results.scenarios.items() if not refusal(settings, results.plugins)}
-    keys = [(name, policy) for name, policy in results.groups if name in known and policy in made]
-    jobs = [_job(results, key, made[key[1]], count) for key in keys]
+    scenarios, groups = _scenarios(results), results.groups.items()
+    jobs = [
+        _job(scenarios[name], records, made[policy], count)
+        for (name, policy), records in groups
+        if name in scenarios and policy in made
+    ]
     workers = min(os.cpu_count() or 1, 1 + sum(len(job.tasks) for job in jobs) // TASKS_EACH)
     for records in make_engine("local", workers)(jobs) if jobs else ():
         for again in records:
@@ -128,26 +129,29 @@ def flown_differently(results: Results, count: int, made: Mapping[str, Made]) ->
 
 def policy_difference(stored: Mapping[str, Any], made: Mapping[str, Any]) -> str:
     """Return in what a policy that was made differs from the facts stored about it, flags included."""
-    flags = [name for name in FLAGS if name in stored]
-    if stored.get("parameters", {}).keys() == made["parameters"].keys():
-        flags += [name for name in ("hash",) if name in stored]
-    one, other = ({name: facts[name] for name in flags} for facts in (stored, made))
+    one, other = ({name: bool(facts.get(name)) for name in FLAGS} for facts in (stored, made))
+    if "hash" in stored and all(stored.get(name) == made.get(name) for name in HASHED):
+        one, other = ({**flags, "hash": facts.get("hash")} for flags, facts in ((one, stored), (other, made)))
     return version_difference(stored, made) or differing_fields(one, other)
 
 
-def _job(results: Results, key: tuple[str, str], made: Made, count: int) -> Job:
-    """Return the flight of some of the episodes of a scenario and policy on the maps that are stored."""
-    records = results.groups[key]
+def _job(scenario: Scenario, records: Sequence[Record], made: Made, count: int) -> Job:
+    """Return the flight of some episodes of a policy."""
     places = np.unique(np.linspace(0, len(records) - 1, min(count, len(records))).round().astype(int))
     tasks = tuple(records[place].task for place in places)
     isolated, bounds = not is_own_policy(made.choice.use), dict.fromkeys(tasks, 1)
-    privileged = isolated and made.facts["privileged"]
-    return Job(made.choice, _whole_scenario(results, key[0]), tasks, bounds, isolated, privileged)
+    return Job(made.choice, scenario, tasks, bounds, isolated, isolated and made.facts["privileged"])
 
 
 def _entries(experiments: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Return how policies were made by name, from experiments in TOML."""
     return {entry["name"]: entry for text in experiments for entry in tomllib.loads(text)["policies"]}
+
+
+def _scenarios(results: Results) -> dict[str, Scenario]:
+    """Return the stored scenarios by name, but for those that name code which the user did not."""
+    known = [name for name, settings in results.scenarios.items() if not refusal(settings, results.plugins)]
+    return {name: _whole_scenario(results, name) for name in known}
 
 
 def _whole_scenario(results: Results, name: str) -> Scenario:
