@@ -129,9 +129,9 @@ def flown_differently(results: Results, count: int, made: Mapping[str, Made]) ->
 
 def policy_difference(stored: Mapping[str, Any], made: Mapping[str, Any]) -> str:
     """Return in what a policy that was made differs from the facts stored about it, flags included."""
-    one, other = ({name: bool(facts.get(name)) for name in FLAGS} for facts in (stored, made))
-    if "hash" in stored and all(stored.get(name) == made.get(name) for name in HASHED):
-        one, other = ({**flags, "hash": facts.get("hash")} for flags, facts in ((one, stored), (other, made)))
+    alike = "hash" in stored and all(stored.get(name) == made.get(name) for name in HASHED)
+    names = (*FLAGS, "hash") if alike else FLAGS
+    one, other = ({name: facts.get(name) or False for name in names} for facts in (stored, made))
     return version_difference(stored, made) or differing_fields(one, other)
 
 

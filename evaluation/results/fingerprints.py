@@ -46,8 +46,8 @@ def _fingerprint(settings: Mapping[str, Any], flown: Mapping[int, set[str]]) -> 
     if outside_names(settings):
         return None
     if maps["source"] in OF_CELLS:
-        count = len(maps["paths"]) if maps["source"] == "files" else 1
-        if any(not flown[index] for index in range(count)):
+        cells = ["/".join(sorted(flown[index])) for index, _ in enumerate(maps.get("paths", ["the office"]))]
+        if not all(cells):
             return None
-        maps = {"source": maps["source"], "cells": ["/".join(sorted(flown[index])) for index in range(count)]}
+        maps = {"source": maps["source"], "cells": cells}
     return hashed(task_facts(settings) | {"map": maps})

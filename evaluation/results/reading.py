@@ -103,6 +103,7 @@ class StoreReader:
             found[name] = {"fingerprint": fingerprint, **self._facts(facts, f"scenario {name!r}")}
             with self._understood(f"scenario {name!r}"):
                 recorded_scenario(with_own_models(found[name]))
+                str(found[name]["map"]["source"])  # its maps are looked at later
         return found
 
     def runs(self) -> list[dict[str, Any]]:

@@ -62,7 +62,7 @@ class Results(ResultNotes):
     """Metrics of plug-ins by key, see :func:`~indoor_explorers.evaluation.results.custom_metrics.with_metrics`."""
 
     plugins: frozenset[str] = frozenset()
-    """What the user named of that which the results name from outside this package; nothing else is imported."""
+    """What may be imported of the models and policies from outside this package that the results name."""
 
     @property
     def measures(self) -> Mapping[str, Measure]:
@@ -71,11 +71,7 @@ class Results(ResultNotes):
 
     @classmethod
     def load(cls, folder: Path, plugins: Iterable[str] = ()) -> Results:
-        """Read ``folder/results.db``, which imports nothing.
-
-        Of what the results name from outside this package, models of the world and policies, only ``plugins`` are
-        imported when replays, exports and leaderboards need them.
-        """
+        """Read ``folder/results.db``, which imports nothing; see ``plugins``."""
         path = folder / "results.db"
         if not path.is_file():
             raise InputError(f"{folder}: expected a folder with a results.db in it, got none; fly compare --out first")
@@ -90,12 +86,7 @@ class Results(ResultNotes):
             )
 
     def scenario(self, name: str) -> Scenario:
-        """Return a stored scenario without its maps.
-
-        Raises:
-            InputError: it has a lidar or radio from outside this package that is not in ``plugins``.
-
-        """
+        """Return a stored scenario without its maps; one that needs what is not in ``plugins`` is refused."""
         return recorded_scenario(self.scenarios[name], self.plugins)
 
     def title(self, name: str) -> str:
