@@ -40,14 +40,11 @@ EXTRAS = {
 
 
 class _Target(NamedTuple):
-    """What makes a policy."""
+    """What makes a policy: ``module:attribute``, the parameters that its name gives, and whether it is declared."""
 
     address: str
-    """``module:attribute``."""
     given: dict[str, str]
-    """The parameters that its name gives."""
     declared: bool
-    """Whether an installed distribution declares it."""
 
 
 def policy_entry_points() -> dict[str, EntryPoint]:
@@ -83,7 +80,7 @@ def make_policy(name: str, **parameters: Any) -> Policy:
     """Make a policy by registry name, ``NAME:PATH`` or ``module:Class``, with parameters for its constructor.
 
     Raises:
-        InputError: no such name, no policy, a missing optional dependency, or parameters it does not take.
+        InputError: no such name, a missing optional dependency, or parameters it does not take.
         PolicyError: its module or its constructor raises something else.
 
     """
@@ -106,7 +103,7 @@ def policy_class(name: str) -> Any:
     """Return the class, or the declared function, that :func:`make_policy` would call.
 
     Raises:
-        InputError: no such name, no policy, or a missing optional dependency.
+        InputError: no such name, or a missing optional dependency.
 
     """
     return _load(name)[0]

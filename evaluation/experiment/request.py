@@ -54,7 +54,6 @@ SEED = Option(metavar="S", read=read_natural)
 SETTINGS = Option(metavar="key=value", read=read_setting, several=True, flag="--set")
 POLICY_NAMES = Option(metavar="a,b,...", read=read_names)
 PLUGIN_NAMES = Option(metavar="a,b,...", read=read_names)
-STORED_NAMES = Option(metavar="a,b,...", read=read_names)
 RADIO_NAMES = Option(metavar="a,b,...", read=read_names)
 #: Folders of a suite's map files.
 DATA_FOLDERS = Annotated[

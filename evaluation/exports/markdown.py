@@ -27,7 +27,7 @@ def markdown_tables(results: Results) -> str:
 def _section(comparison: Comparison, missing: Sequence[str]) -> str:
     shown = table_headings(comparison)
     lines = [
-        f"## {escaped(comparison.results.title(comparison.scenario))}",
+        f"## {escaped(comparison.title)}",
         "",
         _line(["policy", *shown]),
         _line(["---", *["---:"] * len(shown)]),

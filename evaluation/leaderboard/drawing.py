@@ -73,8 +73,7 @@ def _table(board: Board, comparison: Comparison) -> BoardTable:
     maps = counted(comparison.map_count, "map")
     if comparison.building_count < comparison.map_count:
         maps += f" of {counted(comparison.building_count, 'building')}"
-    title = comparison.results.title(comparison.scenario)
-    return BoardTable(f"{title}: {counted(tasks, 'task')} on {maps}", headings, rows)
+    return BoardTable(f"{comparison.title}: {counted(tasks, 'task')} on {maps}", headings, rows)
 
 
 def _row(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> tuple[str, ...]:

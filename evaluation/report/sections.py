@@ -119,7 +119,7 @@ def section_of(comparison: Comparison, section_id: str, styles: Styles, replays:
     limit = REPLAY_BYTES // len(comparison.results.scenarios)
     return Section(
         id=section_id,
-        name=comparison.results.title(comparison.scenario),
+        name=comparison.title,
         level=comparison.level,
         headline=headline(comparison),
         task=_task_summary(comparison),

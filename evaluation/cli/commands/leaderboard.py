@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import STORED_NAMES, Request
+from indoor_explorers.evaluation.experiment.request import PLUGIN_NAMES, Request
 from indoor_explorers.evaluation.options import Option, read_natural
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class LeaderboardOptions(Request):
     fly: Annotated[int, Option(metavar="N", read=read_natural)] = 0
     """Also make each policy, which must be the one stored, and let it fly N of its episodes of each scenario again,
     which must give the same actions. Those from outside this package fly in processes of their own."""
-    plugins: Annotated[tuple[str, ...], STORED_NAMES] = ()
+    plugins: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
     """Policies, map generators, lidar and radio models from outside this package that the results name and that may be
     imported, each spelt as there."""
     out: Annotated[Path | None, Option(metavar="FILE.md")] = None

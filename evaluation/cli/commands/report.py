@@ -7,7 +7,7 @@ from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.cli.commands.compare import print_notes, print_ratios
-from indoor_explorers.evaluation.experiment.request import PLUGIN_NAMES, POLICY_NAMES, STORED_NAMES, Request
+from indoor_explorers.evaluation.experiment.request import PLUGIN_NAMES, POLICY_NAMES, Request
 from indoor_explorers.evaluation.options import Option, read_natural
 
 
@@ -29,7 +29,7 @@ class ReportOptions(Request):
     """Metrics of plug-ins to add: installed names, or module:NAME."""
     panels: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
     """Panels of plug-ins to add to the page: installed names, or module:function."""
-    plugins: Annotated[tuple[str, ...], STORED_NAMES] = ()
+    plugins: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
     """Lidar and radio models from outside this package that the results name and that may be imported for replays."""
     exports: Annotated[Path | None, Option(metavar="DIR")] = None
     """Also write summary, tables, figures, experiments and planner-arena.db."""
