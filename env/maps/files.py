@@ -9,6 +9,7 @@ import numpy as np
 from PIL import Image
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
@@ -44,7 +45,7 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
 
     Raises :class:`InputError` with one line that says what is wrong with the file or the resolution.
     """
-    path = Path(path)
+    path = expanded(path)
     check_file(path)
     suffix = path.suffix.lower()
     if suffix not in READERS:

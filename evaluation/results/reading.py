@@ -210,8 +210,8 @@ class StoreReader:
             plain = kind == "table" and str(made).upper().startswith("CREATE TABLE")
             if kind != "index" and not (plain and (name in TABLES or name.startswith("sqlite_"))):
                 raise InputError(
-                    f"{self.path}: expected a results store, got a database with the {kind} {one_line(repr(name), 80)}; "
-                    "remove that, or use another folder"
+                    f"{self.path}: expected a results store, got a database with the {kind} "
+                    f"{one_line(repr(name), 80)}; remove that, or use another folder"
                 )
 
     def _checksums(self) -> set[bytes] | None:

@@ -299,7 +299,7 @@ def test_a_file_of_another_kind_is_never_deleted(tmp_path):
     ("statement", "what"),
     [
         ("CREATE TRIGGER t AFTER INSERT ON episode BEGIN DELETE FROM episode; END", "trigger 't'"),
-        ("CREATE VIEW \"a\nb\" AS SELECT * FROM episode", "view 'a\\nb'"),
+        ('CREATE VIEW "a\nb" AS SELECT * FROM episode', "view 'a\\nb'"),
         ("CREATE VIRTUAL TABLE attempt USING fts5(policy)", "table 'attempt'"),
     ],
 )
