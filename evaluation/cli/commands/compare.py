@@ -14,6 +14,7 @@ from indoor_explorers.evaluation.options import Option
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from indoor_explorers.evaluation.cli.console import PlainConsole
     from indoor_explorers.evaluation.results.results import Results
 
 
@@ -43,14 +44,14 @@ def run_compare(options: CompareOptions, typed: str) -> int:
     thresholds = {scenario.name: threshold_of(scenario.goal) for scenario in experiment.scenarios}
     with ProgressBar(console, thresholds) as bar:
         results = run(experiment, options.out, options, watcher=bar, command=typed)
-    console.print(headline_table(results, console.width))
+    console.print_table(headline_table(results, console.width))
     print_ratios(results, options.ratio_to, console)
     print_notes(results, console)
     print_line(console, f"Report: {options.out / 'report.html'}")
     return _print_failures(results, console)
 
 
-def print_ratios(results: Results, asked: Sequence[str] | None, console: Console) -> None:
+def print_ratios(results: Results, asked: Sequence[str] | None, console: PlainConsole) -> None:
     """Print steps as ratios to those of the policies asked for, and minus them; nothing where none are."""
     from indoor_explorers.evaluation.report.tables.difference_table import difference_lines
     from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
@@ -60,7 +61,7 @@ def print_ratios(results: Results, asked: Sequence[str] | None, console: Console
     if asked:
         ratios = Ratios.of(results, asked)
         for part in (*ratio_lines(ratios), *difference_lines(results, differences(results, ratios.to))):
-            console.print(part, highlight=False)
+            console.print_table(part)
 
 
 def print_notes(results: Results, console: Console) -> None:

@@ -111,7 +111,7 @@ def _compare(options: MapsOptions) -> int:
     for name, scenario in scenarios.items():
         maps = maps_of(scenario, options.samples or SAMPLES, seed)
         others.append(measured(Path(name).stem, maps, scenario, seed))
-    console.print(comparison_table(given, others))
+    console.print_table(comparison_table(given, others))
     print_line(console, "Wasserstein distances to the files, in standard deviations of theirs; 0: alike", "dim")
     if options.figures is not None:
         for path in write_comparison(given, others, options.figures):
