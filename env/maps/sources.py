@@ -158,7 +158,7 @@ AnyMaps = Annotated[
 ]
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 def _read_once(path: str, resolution: float | None) -> Floorplan:
     from indoor_explorers.env.maps.files import read_map
 

@@ -94,7 +94,7 @@ class ComparisonRequest(Request):
     maps: Annotated[tuple[str, ...], BeforeValidator(_paths), Option(metavar="PATH", several=True)] = ()
     """Explore these map files instead; with --suite, these of its maps."""
     resolution: Annotated[float | None, RESOLUTION] = None
-    """Metres per cell to resample map files to."""
+    """Metres per cell to resample map files to. Pictures have no scale: a pixel of theirs counts as 1 m."""
     suite: Annotated[str | None, Option(metavar="NAME")] = None
     """Fly the tasks of a suite, which indoor-explorers suites lists. Choose some of them with --team, --radio, --maps,
     which then names maps or buildings ('GHC*'), and fewer --episodes; results say that they are a subset."""

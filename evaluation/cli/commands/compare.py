@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from indoor_explorers.evaluation.cli.console import PlainConsole
+    from indoor_explorers.evaluation.experiment.experiment import Experiment
     from indoor_explorers.evaluation.results.results import Results
 
 
@@ -41,6 +42,8 @@ def run_compare(options: CompareOptions, typed: str) -> int:
     from indoor_explorers.evaluation.results.coverage_threshold import threshold_of
 
     console, experiment = make_console(), plan(options)
+    for note in _file_notes(experiment):
+        print_line(console, note, "yellow")
     thresholds = {scenario.name: threshold_of(scenario.goal) for scenario in experiment.scenarios}
     with ProgressBar(console, thresholds) as bar:
         results = run(experiment, options.out, options, watcher=bar, command=typed)
@@ -49,6 +52,13 @@ def run_compare(options: CompareOptions, typed: str) -> int:
     print_notes(results, console)
     print_line(console, f"Report: {options.out / 'report.html'}")
     return _print_failures(results, console)
+
+
+def _file_notes(experiment: Experiment) -> list[str]:
+    """Return what the readers of map files suspect or leave out, each line once."""
+    sources = [scenario.map for scenario in experiment.scenarios if not scenario.map.generated]
+    plans = (source.floorplan(index, 0) for source in sources for index in range(source.count))
+    return list(dict.fromkeys(note for plan in plans for note in plan.notes))
 
 
 def print_ratios(results: Results, asked: Sequence[str] | None, console: PlainConsole) -> None:
