@@ -30,7 +30,7 @@ class PlainConsole(Console):
             yield segment if segment.control else segment._replace(text=printable(segment.text))
 
     def print_table(self, table: RenderableType) -> None:
-        """Print a table; where the output is not a terminal it is as wide as it needs."""
+        """Print a table or a text; where the output is not a terminal it is as wide as it needs."""
         if self.is_terminal:
             return self.print(table, highlight=False)
         options = replace(self.options, max_width=WIDEST)

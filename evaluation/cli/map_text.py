@@ -36,7 +36,7 @@ def facts(floorplan: Floorplan) -> str:
     return (
         f"{floorplan.name}: {floorplan.shape[0]} x {floorplan.shape[1]} cells, {scale}, {area}, "
         f"{min(floorplan.connected, floorplan.main_part.sum() / free):.1%} of the source's free area connected, "
-        f"{floorplan.kept:.1%} of it kept{start}"
+        f"{floorplan.kept:.1%} kept{start}"
     )
 
 

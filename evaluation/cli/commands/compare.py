@@ -42,7 +42,7 @@ def run_compare(options: CompareOptions, typed: str) -> int:
     from indoor_explorers.evaluation.results.coverage_threshold import threshold_of
 
     console, experiment = make_console(), plan(options)
-    for note in _file_notes(experiment):
+    for note in file_notes(experiment):
         print_line(console, note, "yellow")
     thresholds = {scenario.name: threshold_of(scenario.goal) for scenario in experiment.scenarios}
     with ProgressBar(console, thresholds) as bar:
@@ -54,7 +54,7 @@ def run_compare(options: CompareOptions, typed: str) -> int:
     return _print_failures(results, console)
 
 
-def _file_notes(experiment: Experiment) -> list[str]:
+def file_notes(experiment: Experiment) -> list[str]:
     """Return what the readers of map files suspect or leave out, each line once."""
     sources = [scenario.map for scenario in experiment.scenarios if not scenario.map.generated]
     plans = (source.floorplan(index, 0) for source in sources for index in range(source.count))

@@ -13,8 +13,11 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import MazeMaps, OfficesMaps
 from indoor_explorers.env.search.connected_parts import connected_parts
 from indoor_explorers.env.simulation.spawns import draw_floorplan
+from indoor_explorers.evaluation.cli.commands.compare import file_notes
 from indoor_explorers.evaluation.cli.map_text import _coarse, facts, picture
 from indoor_explorers.evaluation.cli.parser import main
+from indoor_explorers.evaluation.experiment.planning import plan as plan_of
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 
 
 def plan(text, **more):
@@ -63,12 +66,12 @@ def test_the_largest_maze_is_drawn_though_its_corridors_are_finer_than_dots(corr
 
 def test_the_facts_of_a_map():
     assert facts(plan("#### #..# #### #.##", resolution=0.5, kept=0.75)) == (
-        "plan: 4 x 4 cells, 0.5 m a cell, 3 free (0.8 m2), 66.7% of the source's free area connected, 75.0% of it kept"
+        "plan: 4 x 4 cells, 0.5 m a cell, 3 free (0.8 m2), 66.7% of the source's free area connected, 75.0% kept"
     )
     assert facts(plan("#S.")).startswith(
         "plan: 1 x 3 cells, no scale, 2 free, 100.0% of the source's free area connected, "
     )
-    assert facts(plan("#S.")).endswith("% of it kept; start at (0, 1)")
+    assert facts(plan("#S.")).endswith("% kept; start at (0, 1)")
 
 
 def test_the_share_connected_before_the_cut_is_told_and_a_small_one_is_a_caution(tmp_path, capsys):
@@ -76,7 +79,7 @@ def test_the_share_connected_before_the_cut_is_told_and_a_small_one_is_a_caution
     grey[:, :60], grey[:, 100::2] = 255, 255
     Image.fromarray(grey).save(tmp_path / "photo.png")
     _, out, _ = printed(capsys, "maps", tmp_path / "photo.png")
-    assert "44.4% of the source's free area connected, 44.4% of it kept" in out
+    assert "44.4% of the source's free area connected, 44.4% kept" in out
     assert "photo: only 44.4% of the free area is left, the largest connected part: is it a map" in out
     assert "photo.png: a picture has no scale: a pixel is taken for 1 m; --resolution 3 makes 100 cells" in out
 
@@ -98,8 +101,8 @@ def test_a_mask_of_what_is_free_and_a_turned_origin_are_told(tmp_path, capsys):
         "turned.yaml: the map is flown as its picture lies: the yaw of its origin, 0.7853 rad, is ignored",
     )
     assert all(line in out for line in told)
-    words = ("--policies", "random", "--episodes", 1, "--set", "budget=2", "--workers", 0, "--out", tmp_path / "out")
-    assert told[1] in printed(capsys, "compare", "--maps", files[2], *words)[1]
+    asked = ComparisonRequest(maps=[*map(str, files)], policies="random")
+    assert file_notes(plan_of(asked)) == [*told]
 
 
 def printed(capsys, *words):

@@ -5,8 +5,9 @@ import inspect
 import numpy as np
 import pytest
 
-from indoor_explorers.env import PRESETS, InputError
+from indoor_explorers.env import PRESETS, InputError, make_policy
 from indoor_explorers.env.maps.files import read_map
+from indoor_explorers.env.maps.readers.ros import parse_ros
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.cli.commands.compare import CompareOptions
 from indoor_explorers.evaluation.cli.commands.maps import MapsOptions
@@ -73,3 +74,9 @@ def test_a_tilde_is_the_home_folder_everywhere(tmp_path, monkeypatch):
         assert [*plan(request).scenarios[0].map.paths] == own
     assert MapsOptions(paths=("~/m.npy", "~nobody-of-that-name/x")).paths[0] == tmp_path / "m.npy"
     assert read_map("~/m.npy").shape == (5, 5)
+    keys = "resolution: 1\nnegate: 0\noccupied_thresh: .65\nfree_thresh: .2"
+    (tmp_path / "m.yaml").write_text(f"image: ~/a/m.pgm\n{keys}\n")
+    assert parse_ros(tmp_path / "m.yaml").image == tmp_path / "a" / "m.pgm"
+    for name in ("dddqn", "dddqn-places", "dddqn-thesis"):
+        with pytest.raises(InputError, match=str(tmp_path)):
+            make_policy(name, weights="~/none.safetensors")
