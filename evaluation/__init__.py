@@ -4,9 +4,12 @@ Names are imported when they are first used: worker processes do not need tables
 answers Ctrl-C from its first moment.
 """
 
-from typing import TYPE_CHECKING, Any
+from __future__ import annotations
 
+TYPE_CHECKING = False  # typing takes a while to import
 if TYPE_CHECKING:
+    from typing import Any
+
     from indoor_explorers.evaluation.comparing import compare
     from indoor_explorers.evaluation.engines.local import fly_job
     from indoor_explorers.evaluation.engines.workload import missing_jobs

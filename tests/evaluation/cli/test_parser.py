@@ -1,6 +1,8 @@
 """Help, version and errors come before anything heavy is imported."""
 
+import os
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -38,15 +40,22 @@ def test_help_and_usage_errors_import_nothing_heavy(words, status, tmp_path):
     assert done.stderr.splitlines()[-1] == str(status)
 
 
-def test_ctrl_c_while_modules_load_is_one_line(monkeypatch, capsys):
+def test_ctrl_c_while_modules_load_is_one_line(monkeypatch, capfd):
     class Interrupting:
         def find_spec(self, name, path=None, target=None):
-            raise KeyboardInterrupt
+            signal.raise_signal(signal.SIGINT)
+
+    def leave(status):
+        raise SystemExit(status)
 
     monkeypatch.delitem(sys.modules, "indoor_explorers.evaluation.cli.parser")
     monkeypatch.setattr(sys, "meta_path", [Interrupting()])
-    assert cli.main(["--help"]) == 130
-    assert capsys.readouterr().err == "indoor-explorers: interrupted; nothing was done\n"
+    monkeypatch.setattr(os, "_exit", leave)
+    handler = signal.getsignal(signal.SIGINT)
+    with pytest.raises(SystemExit, match="130"):
+        cli.main(["--help"])
+    assert signal.getsignal(signal.SIGINT) is handler
+    assert capfd.readouterr().err == "indoor-explorers: interrupted; nothing was done\n"
 
 
 def test_without_a_word_there_is_help(capsys):
