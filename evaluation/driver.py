@@ -53,7 +53,7 @@ def run(
     """Fly the episodes that ``out`` lacks, then write the exports and the report.
 
     ``request`` says how episodes are flown: engine, workers and limits; see
-    :func:`~indoor_explorers.evaluation.compare.compare`.
+    :func:`~indoor_explorers.evaluation.comparing.compare`.
     """
     fly_missing(experiment, out, request, watcher=watcher, command=command)
     models = {name for each in experiment.scenarios for name in (each.lidar.model, each.radio.model)}

@@ -12,8 +12,7 @@ from indoor_explorers.evaluation.experiment.request import PLUGIN_NAMES, Request
 from indoor_explorers.evaluation.options import Option, read_natural
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
+    from indoor_explorers.evaluation.cli.console import PlainConsole
     from indoor_explorers.evaluation.leaderboard.board import Board
     from indoor_explorers.evaluation.leaderboard.drawing import BoardTable
     from indoor_explorers.evaluation.results.results import Results
@@ -90,7 +89,7 @@ def _refuse_mismatches(folder: str, results: Results, count: int) -> None:
         )
 
 
-def _print(board: Board, console: Console) -> None:
+def _print(board: Board, console: PlainConsole) -> None:
     from indoor_explorers.evaluation.leaderboard.drawing import board_tables
     from indoor_explorers.evaluation.report.tables.policy_names import footnotes
 
@@ -102,7 +101,7 @@ def _print(board: Board, console: Console) -> None:
         print_line(console, note)
 
 
-def _print_table(table: BoardTable, console: Console) -> None:
+def _print_table(table: BoardTable, console: PlainConsole) -> None:
     from rich import box
     from rich.table import Table
 
@@ -115,7 +114,7 @@ def _print_table(table: BoardTable, console: Console) -> None:
         drawn.add_column(table.headings[place], justify="left" if policy else "right", no_wrap=not policy)
     for row in table.rows:
         drawn.add_row(*(one_line(row[place], LONGEST_CELL) for place in shown))
-    console.print(drawn, highlight=False)
+    console.print_table(drawn)
 
 
 LEADERBOARD = Command(

@@ -70,7 +70,7 @@ def run_report(options: ReportOptions, typed: str) -> int:
         raise InputError(f"{where}: cannot be written: {error.strerror}; choose another --out or --exports") from error
     console = make_console()
     for part in against_lines(against, console.width) if against is not None else ():
-        console.print(part, highlight=False)
+        console.print_table(part)
     print_ratios(results, options.ratio_to, console)
     print_notes(results, console)
     print_line(console, f"Report: {options.out}")

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.files import expanded, written_whole
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.exports.episodes.choosing import chosen_record
 from indoor_explorers.evaluation.exports.episodes.csv_tables import FILES, write_csv
@@ -58,7 +59,7 @@ def export_episode(
     """
     if format not in get_args(Format):
         raise InputError(f"expected a format of {', '.join(get_args(Format))}, got {format!r}")
-    target, results = _checked_target(Path(out), format), Results.load(Path(folder), plugins)
+    target, results = _checked_target(expanded(out), format), Results.load(expanded(folder), plugins)
     wanted = {"policy": policy, "scenario": scenario, "map": map, "seed": seed}
     record = chosen_record(results, str(folder), wanted)
     settings = results.scenario(record.task.scenario)
@@ -88,7 +89,7 @@ def _checked_target(target: Path, format: Format) -> Path:
         raise InputError(f"expected {wanted} as --out of format {format}, got {target}")
     if target.is_dir() and (format == "mcap" or not all(map(_is_exported, target.iterdir()))):
         raise InputError(f"{target}: expected no folder, or one that an export has written; choose another --out")
-    if target.is_file() and format != "mcap":
+    if format != "mcap" and target.exists() and not target.is_dir():
         raise InputError(f"{target}: expected the name of a folder, got a file; choose another --out")
     return target
 
@@ -99,20 +100,20 @@ def _is_exported(path: Path) -> bool:
 
 def _write_mcap(record: Record, scenario: Scenario, target: Path, seconds: float) -> None:
     write_bag = _bag_writer()
-    with _new_folder(target) as scratch:
+    with written_whole(target) as partial, _new_folder(partial) as scratch:
         write_bag(record, scenario, scratch / target.stem, seconds, mcap=True)
-        (scratch / target.stem / target.name).replace(target)
+        (scratch / target.stem / target.name).replace(partial)
 
 
 def _write_rosbag2(record: Record, scenario: Scenario, target: Path, seconds: float) -> None:
     write_bag = _bag_writer()
-    with _new_folder(target) as scratch:
+    with _new_folder(target.resolve()) as scratch:
         write_bag(record, scenario, scratch / target.name, seconds, mcap=False)
         _replace_folder(scratch / target.name, target)
 
 
 def _write_csv(record: Record, scenario: Scenario, target: Path, seconds: float) -> None:
-    with _new_folder(target) as scratch:
+    with _new_folder(target.resolve()) as scratch:
         (scratch / target.name).mkdir()
         write_csv(record, scenario, scratch / target.name, seconds)
         _replace_folder(scratch / target.name, target)
@@ -150,7 +151,8 @@ def _new_folder(target: Path) -> Iterator[Path]:
 
 
 def _replace_folder(written: Path, target: Path) -> None:
-    """Move a finished folder to its place; an earlier one lies beside it until then."""
+    """Move a finished folder to its place, or where a link there leads; an earlier one lies beside it until then."""
+    target = target.resolve()
     if target.exists():
         target.replace(written.with_name(f"{written.name}.before"))
     written.replace(target)
