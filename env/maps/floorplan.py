@@ -31,6 +31,10 @@ class Floorplan:
     """Share of the source's free area that is still reached in this map; 1.0 means that no floor was lost."""
     start: Cell | None = None
     """The free cell (row, column) that the source marks as the place to start from, if any."""
+    connected: float = 1.0
+    """Share of the source's free area that is in its largest connected part, before the source was reduced."""
+    notes: tuple[str, ...] = ()
+    """What readers of the file suspect or leave out, a line each."""
 
     def __post_init__(self) -> None:
         if self.truth.ndim != 2 or self.truth.size == 0:

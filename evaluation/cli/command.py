@@ -12,8 +12,8 @@ from indoor_explorers.evaluation.experiment.request import Request
 if TYPE_CHECKING:
     from rich.console import Console
 
-#: Characters of a line where the output is not a terminal.
-PLAIN_WIDTH = 120
+    from indoor_explorers.evaluation.cli.console import PlainConsole
+
 #: What Ctrl-C says, unless a command says something else.
 KEPT = "what is finished is kept, and the same command goes on from there"
 
@@ -39,12 +39,11 @@ class Command(Generic[Options]):
         return self.run(self.options(**given), typed)
 
 
-def make_console() -> Console:
+def make_console() -> PlainConsole:
     """Return the console that commands print to."""
-    from rich.console import Console
+    from indoor_explorers.evaluation.cli.console import PlainConsole
 
-    console = Console()
-    return console if console.is_terminal else Console(width=PLAIN_WIDTH)
+    return PlainConsole()
 
 
 def print_line(console: Console, line: str, style: str | None = None) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
+from indoor_explorers.evaluation.cli.command import make_console, print_line
 from indoor_explorers.evaluation.playground.page import playground
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
 from indoor_explorers.evaluation.site.pictures.concepts import concept_pictures
@@ -94,13 +95,15 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, page, content=content))
     data = config.extra["data"]
     comparisons = [*experiments(config.extra["episodes"]), *(suites(Path(data).expanduser()) if data else ())]
-    reports = list(published(Path(config.site_dir).parent / "published", comparisons))
+    console = make_console()  # mkdocs is quiet, and flights and pictures take minutes
+    reports = list(published(Path(config.site_dir).parent / "published", comparisons, console))
     for report in reports:
         files.append(File.generated(config, report.file, content=report.report))
     files.append(File.generated(config, "reports/index.md", content=reports_page(reports, with_suites=bool(data))))
     files.append(File.generated(config, "example-report.html", content=example_report()))
     files.append(File.generated(config, "playground.html", content=playground()))
     for draw in DRAWN:
+        print_line(console, f"drawing {draw.__name__.replace('_', ' ')}")
         for name, picture in draw().items():
             files.append(File.generated(config, f"gallery/{name}", content=picture))
     for page in list(files.documentation_pages()):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, Pilot, Policy, make_policy
-from indoor_explorers.evaluation.compare import compare
+from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.experiment.sources import MOST_FILES, changed_files, outside_files
 from indoor_explorers.evaluation.results.results import Results
 
