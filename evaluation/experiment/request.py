@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import BaseModel, BeforeValidator, ConfigDict, field_validator
 
+from indoor_explorers.env.files import expanded
 from indoor_explorers.evaluation.experiment.limits import DECISION_TIMEOUT
 from indoor_explorers.evaluation.options import (
     Option,
@@ -36,11 +37,11 @@ def _several(value: Any) -> Any:
 
 
 def _paths(value: Any) -> Any:
-    return tuple(str(path) for path in _several(value) or ())
+    return tuple(str(expanded(path)) for path in _several(value) or ())
 
 
 def _folders(value: Any) -> Any:
-    return tuple(Path(path).expanduser() for path in _several(value) or ())
+    return tuple(expanded(path) for path in _several(value) or ())
 
 
 def _settings(value: Any) -> Any:
@@ -71,6 +72,14 @@ class Request(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, arbitrary_types_allowed=True)
 
+    @field_validator("*")
+    @classmethod
+    def _at_home(cls, value: Any) -> Any:
+        """Put the home folder in place of ``~`` at the beginning of a path, or of several."""
+        if isinstance(value, tuple):
+            return tuple(expanded(each) if isinstance(each, Path) else each for each in value)
+        return expanded(value) if isinstance(value, Path) else value
+
 
 class ComparisonRequest(Request):
     """The options of a comparison. To add an option, add a field here."""
@@ -87,7 +96,7 @@ class ComparisonRequest(Request):
     maps: Annotated[tuple[str, ...], BeforeValidator(_paths), Option(metavar="PATH", several=True)] = ()
     """Explore these map files instead; with --suite, these of its maps."""
     resolution: Annotated[float | None, RESOLUTION] = None
-    """Metres per cell to resample map files to."""
+    """Metres per cell to resample map files to. Pictures have no scale: a pixel of theirs counts as 1 m."""
     suite: Annotated[str | None, Option(metavar="NAME")] = None
     """Fly the tasks of a suite, which indoor-explorers suites lists. Choose some of them with --team, --radio, --maps,
     which then names maps or buildings ('GHC*'), and fewer --episodes; results say that they are a subset."""

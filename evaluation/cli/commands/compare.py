@@ -13,6 +13,8 @@ from indoor_explorers.evaluation.options import Option
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from indoor_explorers.evaluation.cli.console import PlainConsole
+    from indoor_explorers.evaluation.experiment.experiment import Experiment
     from indoor_explorers.evaluation.results.results import Results
 
 
@@ -36,14 +38,14 @@ def run_compare(options: CompareOptions, typed: str) -> int:
 
     console = make_console()
     results = fly_missing(options, typed, console)
-    console.print(headline_table(results, console.width))
+    console.print_table(headline_table(results, console.width))
     print_ratios(results, options.ratio_to, console)
     print_notes(results, console)
     print_line(console, f"Report: {options.out / 'report.html'}")
     return print_failures(results, console)
 
 
-def fly_missing(options: CompareOptions, typed: str, console: Console) -> Results:
+def fly_missing(options: CompareOptions, typed: str, console: PlainConsole) -> Results:
     """Fly what is missing with a progress bar, write the page and the exports, and return all results."""
     from indoor_explorers.evaluation.cli.progress import ProgressBar
     from indoor_explorers.evaluation.driver import run
@@ -51,12 +53,21 @@ def fly_missing(options: CompareOptions, typed: str, console: Console) -> Result
     from indoor_explorers.evaluation.results.coverage_threshold import threshold_of
 
     experiment = plan(options)
+    for note in file_notes(experiment):
+        print_line(console, note, "yellow")
     thresholds = {scenario.name: threshold_of(scenario.goal) for scenario in experiment.scenarios}
     with ProgressBar(console, thresholds) as bar:
         return run(experiment, options.out, options, watcher=bar, command=typed)
 
 
-def print_ratios(results: Results, asked: Sequence[str] | None, console: Console) -> None:
+def file_notes(experiment: Experiment) -> list[str]:
+    """Return what the readers of map files suspect or leave out, each line once."""
+    sources = [scenario.map for scenario in experiment.scenarios if not scenario.map.generated]
+    plans = (source.floorplan(index, 0) for source in sources for index in range(source.count))
+    return list(dict.fromkeys(note for plan in plans for note in plan.notes))
+
+
+def print_ratios(results: Results, asked: Sequence[str] | None, console: PlainConsole) -> None:
     """Print steps as ratios to those of the policies asked for, and minus them; nothing where none are."""
     from indoor_explorers.evaluation.report.tables.difference_table import difference_lines
     from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
@@ -66,13 +77,13 @@ def print_ratios(results: Results, asked: Sequence[str] | None, console: Console
     if asked:
         ratios = Ratios.of(results, asked)
         for part in (*ratio_lines(ratios), *difference_lines(results, differences(results, ratios.to))):
-            console.print(part, highlight=False)
+            console.print_table(part)
 
 
 def print_notes(results: Results, console: Console) -> None:
     """Print suite and part, what happened to the stores, and which policies know the maps or the seeds."""
     notes = (*results.suite_notes, *results.notes, *results.retry_notes, *results.map_notes, *results.seed_notes)
-    for note in notes:
+    for note in (*notes, *results.plugin_notes):
         print_line(console, note)
 
 

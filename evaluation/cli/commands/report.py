@@ -33,6 +33,8 @@ class ReportOptions(Request):
     """Metrics of plug-ins to add: installed names, or module:NAME."""
     panels: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
     """Panels of plug-ins to add to the page: installed names, or module:function."""
+    plugins: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
+    """Lidar and radio models from outside this package that the results name and that may be imported for replays."""
     exports: Annotated[Path | None, Option(metavar="DIR")] = None
     """Also write summary, tables, figures, experiments and planner-arena.db."""
 
@@ -48,7 +50,8 @@ def run_report(options: ReportOptions, typed: str) -> int:
     from indoor_explorers.evaluation.results.custom_metrics import with_metrics
     from indoor_explorers.evaluation.results.results import Results
 
-    results = with_metrics(combined([Results.load(folder) for folder in options.folders]), options.metrics)
+    whole = combined([Results.load(folder, options.plugins) for folder in options.folders])
+    results = with_metrics(whole, options.metrics)
     if options.margin is not None:
         results = replace(results, margin=options.margin)
     against = None if options.against is None else compare_with(results, Results.load(options.against))
@@ -73,7 +76,7 @@ def run_report(options: ReportOptions, typed: str) -> int:
         raise InputError(f"{where}: cannot be written: {error.strerror}; choose another --out or --exports") from error
     console = make_console()
     for part in against_lines(against, console.width) if against is not None else ():
-        console.print(part, highlight=False)
+        console.print_table(part)
     print_ratios(results, options.ratio_to, console)
     print_notes(results, console)
     print_line(console, f"Report: {options.out}")

@@ -34,6 +34,11 @@ class Comparison:
     results: Results
     scenario: str
 
+    @property
+    def title(self) -> str:
+        """What the scenario is called in titles and captions."""
+        return self.results.title(self.scenario)
+
     @cached_property
     def groups(self) -> dict[str, list[Record]]:
         """The records by policy, without policies that have none."""

@@ -93,7 +93,9 @@ def reading(contrast: Contrast) -> str:
     if contrast.shown:
         word = "slower" if contrast.difference.mean > 0 else "faster"
         less = f" by less than {margin(contrast)}" if contrast.equivalent else ""
-        return f"{word}{less}{where_both_finished(contrast)}"
+        more = contrast.finished[0] - contrast.finished[1]
+        mixed = f", but finished {abs(more)} {'more' if more > 0 else 'fewer'}" * (contrast.finding is Finding.MIXED)
+        return f"{word}{less}{where_both_finished(contrast)}{mixed}"
     if contrast.finding is Finding.AS_GOOD:
         return f"as good within {margin(contrast)}{where_both_finished(contrast)}"
     if contrast.finding is not Finding.OPEN:

@@ -66,8 +66,9 @@ def headline_table(results: Results, width: int = WIDE, *, notes: bool = True) -
     lines += [BOLD] if len(results.policies) - len(results.privileged_policies) > 1 else []
     bounds: set[str] = set()
     for scenario in results.scenarios:
-        if len(results.scenarios) > 1:
-            name = scenario if level else f"{scenario} ({results.level(scenario).title})"
+        name = results.title(scenario)
+        if len(results.scenarios) > 1 or name != scenario:
+            name = name if level else f"{name} ({results.level(scenario).title})"
             table.add_row(Text(name, "bold"))
         comparison = Comparison(results.on_common_tasks, scenario)
         lines += missing_episodes(results, scenario) + _notes(comparison, named=len(results.scenarios) > 1)

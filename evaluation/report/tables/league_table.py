@@ -40,6 +40,7 @@ class LeagueColumn(NamedTuple):
     id: str
     """The section about it."""
     scenario: str
+    """Its title."""
     time: str
     """The time that policies are compared by, such as ``T99``."""
     tasks: str
@@ -112,7 +113,7 @@ def league_table(comparisons: Mapping[str, Comparison], styles: Styles) -> Leagu
 def _column(section: str, comparison: Comparison) -> LeagueColumn:
     tasks = counted(len(comparison.results.common_tasks(comparison.scenario)), "task")
     first = comparison.ranked_policies[0] if comparison.groups else ""
-    return LeagueColumn(section, comparison.scenario, comparison.level.title, tasks, first)
+    return LeagueColumn(section, comparison.title, comparison.level.title, tasks, first)
 
 
 def _order(ranked: Sequence[tuple[Comparison, Mapping[str, Rank]]]) -> list[str]:

@@ -9,10 +9,12 @@ from scipy import stats
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.ranks import ranks
 from indoor_explorers.evaluation.report.analysis.shown_best import BOLD
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.summary.headline import headline
 from indoor_explorers.evaluation.report.summary.notes import narrow_notes
+from indoor_explorers.evaluation.report.tables.contrast_table import reading
 from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 from indoor_explorers.evaluation.statistics import Finding
 from tests.evaluation.report.records import flown
@@ -75,6 +77,17 @@ def test_what_is_as_good_and_what_is_open_is_said_with_the_number_that_would_res
     assert "failures of" in text
     assert "cannot exclude (up to 10 %) would add up to" in text
     assert "within" not in markdown_tables(replace(results, margin=0.0))
+
+
+def test_a_policy_that_is_quick_and_fails_is_not_called_better():
+    sound = [40 + seed % 7 for seed in range(30)]
+    results = flown({"sound": sound, "rare": [None if seed in (3, 4) else late - 8 for seed, late in enumerate(sound)]})
+    comparison = Comparison(results, "room")
+    said = "over the 28 of 30 tasks that both finished"
+    assert reading(comparison.contrasts["sound"]) == f"slower {said}, but finished 2 more"
+    assert f"<b>sound</b> took +8.0 [+8.0, +8.0] steps against rare {said}; the difference is" in headline(comparison)
+    assert {rank.text for rank in ranks(comparison).values()} == {"1="}
+    assert bold_rows(results) == set()
 
 
 def test_policies_that_flew_the_same_episodes_are_named_and_count_as_one(results):
