@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -55,10 +55,11 @@ def run(
     """Fly the episodes that ``out`` lacks, then write the exports and the report.
 
     ``request`` says how episodes are flown: engine, workers and limits; see
-    :func:`~indoor_explorers.evaluation.compare.compare`.
+    :func:`~indoor_explorers.evaluation.comparing.compare`.
     """
     fly_missing(experiment, out, request, watcher=watcher, command=command)
-    return write_outputs(out, request)
+    models = {name for each in experiment.scenarios for name in (each.lidar.model, each.radio.model)}
+    return write_outputs(out, request, models)
 
 
 def fly_missing(
@@ -157,15 +158,18 @@ def _make_folder(out: Path) -> None:
         raise InputError(f"{out}: expected a folder that can be written, got a read-only one; choose another --out")
 
 
-def write_outputs(out: Path, request: ComparisonRequest = DEFAULTS) -> Results:
-    """Write the exports and the report from ``out/results.db``, with the baselines, metrics and panels asked for."""
+def write_outputs(out: Path, request: ComparisonRequest = DEFAULTS, plugins: Iterable[str] = ()) -> Results:
+    """Write the exports and the report from ``out/results.db``, with the baselines, metrics and panels asked for.
+
+    ``plugins`` are the models from outside this package that may be imported for it.
+    """
     # imported here: they take seconds to import, and worker processes do not need them
     from indoor_explorers.evaluation.exports import write_exports
     from indoor_explorers.evaluation.report import write_report
     from indoor_explorers.evaluation.results.custom_metrics import with_metrics
     from indoor_explorers.evaluation.results.results import Results
 
-    results = with_metrics(Results.load(out), request.metrics)
+    results = with_metrics(Results.load(out, plugins), request.metrics)
     write_exports(results, out, ratio_to=request.ratio_to)
     write_report(results, out / "report.html", ratio_to=request.ratio_to, panels=request.panels)
     return results

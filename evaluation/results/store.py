@@ -23,6 +23,7 @@ from indoor_explorers.evaluation.results.rows import (
     ATTEMPTS,
     CHECKSUMS,
     SCHEMA,
+    TABLES,
     Row,
     episode_row,
     floorplan_row,
@@ -30,8 +31,6 @@ from indoor_explorers.evaluation.results.rows import (
 from indoor_explorers.evaluation.results.writing import is_corrupt, not_written, remove, transaction, write_ahead
 from indoor_explorers.evaluation.results.written_rows import WrittenRows
 
-#: All tables that a store may have, each after those that refer to it.
-TABLES = ("damaged", "episode", "attempt", "floorplan", "scenario", "policy", "run", "checksum", "meta")
 #: Differences that a refusal names.
 MOST_NAMED = 4
 
@@ -55,15 +54,18 @@ class Store(WrittenRows):
         self._digests: dict[Task, str] = {}
         """The digests of the maps that were added."""
         existed = path.exists()
+        if existed and not path.is_file():
+            raise InputError(f"{path}: expected a results store, got no regular file; choose another folder")
         try:
             if fresh and existed and is_corrupt(path):
-                remove(path)
+                remove(path.resolve())
             self._db = connect(path.resolve().as_uri())
             write_ahead(self._db)
             self._db.execute("PRAGMA synchronous = NORMAL")
             self._db.execute("PRAGMA foreign_keys = ON")
             with self._db:
                 self._db.execute("BEGIN IMMEDIATE")  # another process may be opening it too
+                self._refuse_strange()
                 self._create()
                 if not fresh:
                     self._check()
