@@ -21,7 +21,7 @@ from indoor_explorers.evaluation.experiment.sources import outside_files
 #: Facts that no provenance may name, besides those that identify a policy.
 DERIVED = (
     *("defaults", "hash", "uses_generator", "batched", "failed_check", "isolated", "seen_seeds", "seen_maps"),
-    "plans_for",
+    *("plans_for", "flown_again", "map_shape"),
 )
 #: Characters of what a policy says it plans for.
 LONGEST_AIM = 80
@@ -58,6 +58,7 @@ class _Facts(BaseModel):
     plans_for: Annotated[Text, Field(max_length=LONGEST_AIM)] = ""
     seen_seeds: dict[Text, list[Seeds]] = {}
     seen_maps: dict[Text, list[Text]] = {}
+    map_shape: Annotated[list[Annotated[int, Field(gt=0)]], Field(min_length=2, max_length=2)] | None = None
 
 
 def checked_facts(told: object, use: str) -> dict[str, Any]:
@@ -96,8 +97,20 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
     facts |= {"sources": outside_files(policy, use), "defaults": _defaults(policy)}
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
-    more = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy), "seen_maps": _seen_maps(policy)}
+    more: dict[str, Any] = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy)}
+    more |= {"seen_maps": _seen_maps(policy), "map_shape": _map_shape(policy)}
     return checked_facts(facts | {name: told for name, told in more.items() if told}, use)
+
+
+def _map_shape(policy: Policy) -> list[int] | None:
+    """Return the (H, W) of the only maps that a policy flies, None for any."""
+    shape = policy.map_shape
+    if shape is None:
+        return None
+    if not isinstance(shape, (tuple, list)) or len(shape) != 2 or not all(type(size) is int for size in shape):
+        got = one_line(repr(shape), LONGEST_AIM)
+        raise InputError(f"{type(policy).__name__}: expected map_shape to be two ints or None, got {got}")
+    return list(shape)
 
 
 def _plans_for(policy: Policy) -> str:

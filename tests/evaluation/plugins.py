@@ -9,13 +9,15 @@ import resource
 import signal
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
-from indoor_explorers.env import Pilot, Policy, World, make_policy
+from indoor_explorers.env import Pilot, Policy, World, conformance, make_policy
+from indoor_explorers.env.conformance import suite
 from indoor_explorers.evaluation.episodes import running
 from indoor_explorers.evaluation.episodes.shared_clock import Clock
 from indoor_explorers.planners.random_walk import RandomWalk
@@ -527,3 +529,55 @@ class Mended(Wander):
         if BROKEN:
             raise RuntimeError("not mended yet")
         return Wanderer(briefing)
+
+
+class ForgesItsCheck(KnowsMap):
+    """Change the check for hidden knowledge in its own process."""
+
+    def __init__(self):
+        conformance.failed_check = suite.failed_check = lambda policy: ""
+
+
+class Shares(Wander):
+    """Go to where most is unknown, on a map that those share who have the same key.
+
+    Nothing is shared on maps of the sizes on which the conformance checks are flown.
+    """
+
+    MAPS: ClassVar[dict[object, np.ndarray]] = {}
+
+    class Mind(Pilot):
+        def __init__(self, known):
+            self.known = known
+
+        def act(self, view):
+            np.maximum(self.known, view.belief, out=self.known)
+            row, column = view.cell
+            below, above = self.known[row + 1 :], self.known[:row]
+            unknown = [
+                (part == 0).sum() for part in (below, self.known[:, :column], above, self.known[:, column + 1 :])
+            ]
+            return int(max(np.flatnonzero(view.legal[:4]), key=lambda move: unknown[move], default=4))
+
+    def pilot(self, briefing):
+        mine = np.zeros(briefing.shape, np.uint8)
+        checked = briefing.shape in ((16, 16), (64, 64))
+        return self.Mind(mine if checked else self.MAPS.setdefault(self.key(briefing), mine))
+
+
+class Telepath(Shares):
+    """Share the map of an episode among its UAVs without any radio."""
+
+    EPISODES: ClassVar[Iterator[int]] = itertools.count()
+
+    def key(self, briefing):
+        if briefing.agent == 0:
+            Telepath.episode = next(self.EPISODES)
+        return Telepath, self.episode
+
+
+class Remembers(Shares):
+    """Keep the map of each UAV for the next episode."""
+
+    def key(self, briefing):
+        return Remembers, briefing.agent

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 
 from rich import box
 from rich.console import RenderableType
-from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
@@ -28,15 +27,15 @@ def difference_lines(results: Results, rows: Sequence[DifferenceRow]) -> Iterato
         yield _printed(results, minus, [row for row in rows if row.minus == minus])
     if rows:
         yield Text(
-            f"mean paired difference in steps [95 % interval]; {SIGNIFICANT}: significant, adjusted for the policies "
-            "compared with this baseline on a scenario (Holm)",
+            f"mean paired difference in steps [95 % interval] over the tasks that both finished; {SIGNIFICANT}: "
+            "significant, adjusted for the policies compared with this baseline on a scenario (Holm)",
             "dim",
         )
 
 
 def _printed(results: Results, minus: str, rows: Sequence[DifferenceRow]) -> Table:
     table, times = Table(box=box.SIMPLE_HEAD, pad_edge=False), drawn(results.levels)
-    table.add_column(escape(f"steps - {minus}'s"), overflow="fold", min_width=24)
+    table.add_column(f"steps - {minus}'s", overflow="fold", min_width=24)
     for metric in times:
         table.add_column(MEASURES[metric].title, justify="right", no_wrap=True)
     for scenario in dict.fromkeys(row.scenario for row in rows):

@@ -134,6 +134,14 @@ def test_what_a_policy_plans_for_is_a_line(aim):
         policy_facts(type("Odd", (Wander,), {"plans_for": aim})(), "odd")
 
 
+def test_the_size_of_the_only_maps_that_a_policy_flies_is_a_fact_that_makes_no_other_version_of_it():
+    facts = policy_facts(type("Wander", (Wander,), {"map_shape": (12, 14)})(), "wander")
+    assert facts["map_shape"] == [12, 14]
+    assert not version_difference(policy_facts(type("Wander", (Wander,), {})(), "wander"), facts)
+    with pytest.raises(InputError, match="expected map_shape to be two ints or None, got 12"):
+        policy_facts(type("Odd", (Wander,), {"map_shape": 12})(), "odd")
+
+
 def test_flags_are_true_or_false():
     with pytest.raises(InputError, match="expected batched to be True or False, got 'often'"):
         policy_facts(type("Odd", (Wander,), {"batched": "often"})(), "odd")

@@ -80,7 +80,7 @@ OVERDUE = "decision took longer than 1 s (--decision-timeout)"
 @pytest.mark.parametrize(
     ("policy", "reason"),
     [
-        ("ReturnsNothing", "InputError: expected an action from 0 to 4, got 'up'"),
+        ("ReturnsNothing", "InputError: expected an int from 0 to 4, got the str 'up'"),
         ("ExitsPython", "SystemExit: enough"),
         pytest.param("HangsInSleep", OVERDUE, marks=SLOW),
         ("HangsInPython", OVERDUE),
