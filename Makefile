@@ -4,14 +4,16 @@
 # make test-all  the tests that make test leaves out: trainings with other libraries, clusters, wheel, browser
 # make stress    kill a comparison fifty times and see that nothing is lost: some ten minutes
 # make soak      fly every policy over many maps, teams and radios and list who freezes, dithers or fails: an hour
-# make docs      write the documentation to results/site, from files and code alone; a dead link fails;
-#                with DATA=FOLDER also the reports of the suites on the maps that are cloned there
+# make docs      write the documentation to results/site; a dead link fails. Flies the experiment families with EPISODES=2
+#                on each map, once: some four minutes on two cores. EPISODES=30, as published: much longer.
+#                With DATA=FOLDER also the reports of the suites on the maps that are cloned there
 # make dist      build wheel and sdist in dist/, and try the wheel in a fresh environment
 # make browser   have a Chromium for the tests of the report page, where Debian's can be installed
 
 PYTHON ?= python3
 VENV ?= .venv
 OUT ?= results/$@
+EPISODES ?= 2
 RUN = $(VENV)/bin
 BROWSERS = chromium chromium-browser google-chrome
 PYTEST = $(RUN)/python -P -m pytest -n 2 --dist loadgroup --no-loadscope-reorder
@@ -20,7 +22,16 @@ APT = DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=0 -o Acquir
 # every process of a test would compile the package's modules to bytecode anew
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: compare compare-full test test-all lint warm-up stress soak docs dist browser clean
+# prints the folder of another clone, whose code the environment runs
+define OTHER_CLONE
+import importlib.metadata as m, json, pathlib, urllib.parse as u
+told = [json.loads(d.read_text("direct_url.json") or "{}") for d in m.distributions(name="indoor-explorers")]
+homes = [pathlib.Path(u.unquote(u.urlparse(t["url"]).path)) for t in told if t.get("dir_info", {}).get("editable")]
+print(*(home for home in homes if home.resolve() != pathlib.Path.cwd().resolve()))
+endef
+export OTHER_CLONE
+
+.PHONY: compare compare-full test test-all lint warm-up stress soak docs dist browser clean own-venv
 
 compare: $(VENV)/.installed-compare
 	$(RUN)/indoor-explorers compare --experiment evaluation/experiments/quick.toml --out $(OUT)
@@ -50,7 +61,7 @@ soak: $(VENV)/.installed-test
 	$(RUN)/python -m tests.behaviour.soak
 
 docs: $(VENV)/.installed-test
-	INDOOR_EXPLORERS_SITE_DATA="$(DATA)" NO_MKDOCS_2_WARNING=1 $(RUN)/python -P -m mkdocs build --quiet --config-file evaluation/site/mkdocs.yml
+	INDOOR_EXPLORERS_SITE_EPISODES="$(EPISODES)" INDOOR_EXPLORERS_SITE_DATA="$(DATA)" NO_MKDOCS_2_WARNING=1 $(RUN)/python -P -m mkdocs build --quiet --config-file evaluation/site/mkdocs.yml
 	@echo "Documentation: results/site/index.html"
 
 dist: $(VENV)/.installed-test
@@ -74,11 +85,15 @@ $(VENV)/bin/python:
 		{ echo "expected Python 3.11 or newer, got $$($(PYTHON) --version); set PYTHON=..."; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.installed-compare: pyproject.toml constraints.txt | $(VENV)/bin/python
+own-venv: | $(VENV)/bin/python
+	@other=$$($(RUN)/python -P -c "$$OTHER_CLONE") && test -z "$$other" || \
+		{ echo "$(VENV) belongs to the clone in $$other, expected one of this folder; set another VENV"; exit 2; }
+
+$(VENV)/.installed-compare: pyproject.toml constraints.txt | own-venv
 	$(RUN)/python -m pip install --quiet --constraint constraints.txt --editable .
 	touch $@
 
-$(VENV)/.installed-test: pyproject.toml constraints.txt | $(VENV)/bin/python
+$(VENV)/.installed-test: pyproject.toml constraints.txt | own-venv
 	$(RUN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
 	touch $@ $(VENV)/.installed-compare
 

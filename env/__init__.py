@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from indoor_explorers.env.scenarios.loading import load_scenario
     from indoor_explorers.env.scenarios.presets import PRESETS, scenario
     from indoor_explorers.env.scenarios.scenario import Scenario
+    from indoor_explorers.env.simulation.state import End
     from indoor_explorers.env.simulation.world import World
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "UNKNOWN",
     "Action",
     "Briefing",
+    "End",
     "Finding",
     "GeneratedMaps",
     "InputError",
@@ -68,6 +70,7 @@ _MODULES = {
     "scenarios.loading": ("load_scenario",),
     "scenarios.presets": ("PRESETS", "scenario"),
     "scenarios.scenario": ("Scenario",),
+    "simulation.state": ("End",),
     "simulation.world": ("World",),
 }
 __getattr__ = lazy_names(__name__, _MODULES)

@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Iterable
 
 #: Characters of what a policy said went wrong that are kept.
 LONGEST = 500
+#: Characters of a value, or of a plug-in's error, that are repeated in a message.
+SHOWN = 120
+#: Characters of an error's line and of a word in it, such as a path; of a longer word, those kept on both sides.
+LONGEST_LINE, LONGEST_WORD, WORD_HEAD, WORD_TAIL = 2000, 400, 200, 80
 
 
-class InputError(ValueError):
+class _OneLineError(Exception):
+    """An error whose message is made one printable line, whatever file names and values are in it."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(one_line(message, LONGEST_LINE))
+
+
+class InputError(_OneLineError, ValueError):
     """Report input of a user that cannot be used.
 
     The message is one line: what was expected, what was received and how to fix it. The command line
@@ -21,8 +33,13 @@ class PolicyError(Exception):
     """Report a policy that breaks the contract of :mod:`indoor_explorers.env.policies.policy`."""
 
 
-class RunError(RuntimeError):
+class RunError(_OneLineError, RuntimeError):
     """Report a run that cannot go on through no fault of its input, such as a worker that was killed."""
+
+
+def debugging() -> bool:
+    """Return whether errors are shown with their traceback."""
+    return bool(os.environ.get("INDOOR_EXPLORERS_DEBUG"))
 
 
 def did_you_mean(word: str, known: Iterable[str], prefix: str = "") -> str:
@@ -38,10 +55,25 @@ def did_you_mean(word: str, known: Iterable[str], prefix: str = "") -> str:
 
 
 def one_line(text: str, most: int = LONGEST) -> str:
-    """Return a text as one line that can be printed: control characters escaped, and cut after ``most`` characters."""
-    flat = " ".join(text[: 2 * most].split())
+    """Return a text as one line that can be printed: control characters escaped, and cut after ``most`` characters.
+
+    Words that are longer than any good path lose their middle, so that what stands after them is still read.
+    """
+    flat = " ".join(map(_cut, text[: 10 * most].split()))
     shown = "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in flat)
     return shown if len(shown) <= most else shown[: most - 1] + "…"
+
+
+def _cut(word: str) -> str:
+    return word if len(word) <= LONGEST_WORD else f"{word[:WORD_HEAD]}…{word[-WORD_TAIL:]}"
+
+
+def shown(value: object, most: int = SHOWN) -> str:
+    """Return how a value is written, on one line, even where its ``repr`` fails."""
+    try:
+        return one_line(repr(value), most)
+    except Exception as error:
+        return f"a {type(value).__name__} whose repr raises {type(error).__name__}"
 
 
 def described(error: BaseException, most: int = LONGEST) -> str:

@@ -1,18 +1,48 @@
-"""Files that are written completely or not at all."""
+"""Paths that users give, and files that are written completely or not at all."""
 
 from __future__ import annotations
 
+import os
+import shutil
+import stat
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 
+def expanded(path: str | Path) -> Path:
+    """Return a path with the home folder in place of ``~`` at its beginning; that of an unknown user stays."""
+    return Path(os.path.expanduser(path))  # noqa: PTH111, pathlib's raises for users that do not exist
+
+
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
-    """Give a path to write to that becomes ``path`` at the end; when writing fails, ``path`` stays as it was."""
+    """Give a path to write to that becomes ``path`` at the end; when writing fails, ``path`` stays as it was.
+
+    A link stays, and the file that it leads to is replaced. What is neither file nor folder, such as a pipe or a
+    device, stays as well and is written to at the end.
+    """
+    if _is_special(path):
+        with tempfile.TemporaryDirectory(prefix="indoor-explorers-") as folder:
+            partial = Path(folder, path.name)
+            yield partial
+            with partial.open("rb") as written, path.open("wb") as special:
+                shutil.copyfileobj(written, special)
+        return
+    path = Path(os.path.realpath(path))
     partial = path.with_name(f".{path.name}.partial")
     try:
         yield partial
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def _is_special(path: Path) -> bool:
+    """Tell whether a path leads to something that is neither file nor folder; raises ``OSError`` for circular links."""
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))

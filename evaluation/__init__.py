@@ -1,15 +1,16 @@
 """Experiments, their results and reports.
 
-Names other than :func:`compare` are imported when they are first used: worker processes do not need tables and
-statistics, and the command line shows its help at once.
+Names are imported when they are first used: worker processes do not need tables and statistics, and the command line
+answers Ctrl-C from its first moment.
 """
 
-from typing import TYPE_CHECKING
+from __future__ import annotations
 
-from indoor_explorers.env.lazy_names import lazy_names
-from indoor_explorers.evaluation.compare import compare
-
+TYPE_CHECKING = False  # typing takes a while to import
 if TYPE_CHECKING:
+    from typing import Any
+
+    from indoor_explorers.evaluation.comparing import compare
     from indoor_explorers.evaluation.engines.local import fly_job
     from indoor_explorers.evaluation.engines.workload import missing_jobs
     from indoor_explorers.evaluation.episodes.record import Record
@@ -40,6 +41,7 @@ __all__ = [
 ]
 
 _MODULES = {
+    "comparing": ("compare",),
     "experiment.policy_facts": ("policy_facts",),
     "engines.local": ("fly_job",),
     "engines.workload": ("missing_jobs",),
@@ -54,4 +56,8 @@ _MODULES = {
     "results.store": ("Store",),
 }
 
-__getattr__ = lazy_names(__name__, _MODULES)
+
+def __getattr__(name: str) -> Any:
+    from indoor_explorers.env.lazy_names import lazy_names
+
+    return lazy_names(__name__, _MODULES)(name)

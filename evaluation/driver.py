@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -11,6 +11,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.engines.factory import make_engine
+from indoor_explorers.evaluation.engines.flown_again import found_in_flights
 from indoor_explorers.evaluation.engines.knowledge import Facts, with_failed_checks
 from indoor_explorers.evaluation.engines.loading import PolicyLoader
 from indoor_explorers.evaluation.engines.workload import Workload
@@ -22,6 +23,7 @@ from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.experiment.selection import chosen_baselines
 from indoor_explorers.evaluation.results.policy_version import version_difference
 from indoor_explorers.evaluation.results.store import Store
+from indoor_explorers.evaluation.results.verification import refuse_changed, refuse_mismatches
 
 if TYPE_CHECKING:
     from indoor_explorers.evaluation.results.results import Results
@@ -53,10 +55,11 @@ def run(
     """Fly the episodes that ``out`` lacks, then write the exports and the report.
 
     ``request`` says how episodes are flown: engine, workers and limits; see
-    :func:`~indoor_explorers.evaluation.compare.compare`.
+    :func:`~indoor_explorers.evaluation.comparing.compare`.
     """
     fly_missing(experiment, out, request, watcher=watcher, command=command)
-    return write_outputs(out, request)
+    models = {name for each in experiment.scenarios for name in (each.lidar.model, each.radio.model)}
+    return write_outputs(out, request, models)
 
 
 def fly_missing(
@@ -90,6 +93,11 @@ def fly_missing(
                 workload.add(records)
                 if watcher is not None:
                     watcher.flown(records, workload.seconds_left())
+            refuse_changed(store, number)
+            refuse_mismatches(store, experiment, number)
+            if how.workers != 0:
+                store.add_facts(found_in_flights(experiment, store, how.memory_limit))
+                refuse_changed(store, number)
 
 
 def _refuse_unstartable(experiment: Experiment) -> None:
@@ -114,13 +122,17 @@ def _checked(
 
 
 def _of_all_runs(about: Mapping[str, Facts], stored: Mapping[str, Facts]) -> dict[str, Facts]:
-    """Return the facts to store: a policy flew isolated if it did so in all runs, which older stores do not tell."""
+    """Return the facts to store, with what checks found in earlier runs.
+
+    A policy flew isolated if it did so in all runs, which older stores do not tell.
+    """
     told = {}
     for name, facts in about.items():
         before = stored.get(name, facts)
         if version_difference(before, facts):
             before = facts
-        told[name] = facts | {"isolated": facts["isolated"] and before.get("isolated")}
+        found = {fact: before[fact] for fact in ("failed_check", "flown_again") if fact in before}
+        told[name] = found | facts | {"isolated": facts["isolated"] and before.get("isolated")}
     return told
 
 
@@ -146,15 +158,18 @@ def _make_folder(out: Path) -> None:
         raise InputError(f"{out}: expected a folder that can be written, got a read-only one; choose another --out")
 
 
-def write_outputs(out: Path, request: ComparisonRequest = DEFAULTS) -> Results:
-    """Write the exports and the report from ``out/results.db``, with the baselines, metrics and panels asked for."""
+def write_outputs(out: Path, request: ComparisonRequest = DEFAULTS, plugins: Iterable[str] = ()) -> Results:
+    """Write the exports and the report from ``out/results.db``, with the baselines, metrics and panels asked for.
+
+    ``plugins`` are the models from outside this package that may be imported for it.
+    """
     # imported here: they take seconds to import, and worker processes do not need them
     from indoor_explorers.evaluation.exports import write_exports
     from indoor_explorers.evaluation.report import write_report
     from indoor_explorers.evaluation.results.custom_metrics import with_metrics
     from indoor_explorers.evaluation.results.results import Results
 
-    results = with_metrics(Results.load(out), request.metrics)
+    results = with_metrics(Results.load(out, plugins), request.metrics)
     write_exports(results, out, ratio_to=request.ratio_to)
     write_report(results, out / "report.html", ratio_to=request.ratio_to, panels=request.panels)
     return results

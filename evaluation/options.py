@@ -66,13 +66,13 @@ def read_names(text: str) -> list[str]:
     return names
 
 
-def _number(kind: type, least: float, what: str) -> Callable[[str], Any]:
+def _number(kind: type, least: float, what: str, below: float = float("inf")) -> Callable[[str], Any]:
     def read(text: str) -> Any:
         try:
             value = kind(text)
         except ValueError:
             value = None
-        if value is None or not least <= value < float("inf"):
+        if value is None or not least <= value < below:
             raise ArgumentTypeError(f"expected {what}, got {text!r}")
         return value
 
@@ -85,4 +85,5 @@ read_metres = _number(float, 1e-6, "a number of metres above 0")
 read_seconds = _number(float, 0.01, "a number of seconds of at least 0.01")
 read_gigabytes = _number(float, 0.01, "a number of gigabytes of at least 0.01")
 read_speed = _number(float, 0.001, "a number of metres a second of at least 0.001")
+read_share = _number(float, 0, "a share below 1 such as 0.05, or 0 for none", below=1)
 read_rate = _number(float, 0.1, "a number of frames a second of at least 0.1")

@@ -89,7 +89,7 @@ def run_training(
                 console.print(f"evaluation: {figures}", highlight=False)
 
         weights = module.train(config, scenario, out, seed=seed, resume=resume, report=show)
-    console.print(f"Weights: {weights}", highlight=False, soft_wrap=True)
+    console.print(f"Weights: {weights}", markup=False, highlight=False, soft_wrap=True)
     return 0
 
 

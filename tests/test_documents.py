@@ -13,7 +13,7 @@ from indoor_explorers.env import PRESETS, policy_names
 from indoor_explorers.evaluation.cli.commands import COMMANDS
 from indoor_explorers.evaluation.cli.parser import build_parser
 from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS
-from indoor_explorers.evaluation.site.reference import command_line_page, files_page, public_modules
+from indoor_explorers.evaluation.site.reference import command_line_page, files_page, public_modules, python_pages
 from tests.documents import BOUNDS, PAGES, PLANNERS, ROOT, SITE, printed_of, python_of
 
 DOCUMENTS = (*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "evaluation" / "CLUSTER.md")
@@ -78,6 +78,19 @@ def test_the_references_know_every_command_and_what_it_exports():
     assert all(f"`{column}`" in files_page() for column in COLUMNS)
 
 
+def test_the_python_reference_has_a_page_for_each_module_and_lists_the_members_of_enumerations():
+    pages, nav = python_pages(), (SITE / "mkdocs.yml").read_text()
+    assert len(pages) == 1 + len(public_modules())
+    assert all(f": {page}\n" in nav for page in pages)
+    shown = re.findall(
+        r"^::: \S+\.(\w+)\n {4}options:\n {6}show_if_no_docstring", pages["reference/python/env.md"], re.MULTILINE
+    )
+    assert shown == ["Action", "End"]
+    blocks = re.findall(r"^::: (\S+)$", "\n".join(pages.values()), re.MULTILINE)
+    assert len(blocks) == len(set(blocks))
+    assert "See [parallel_env][" in pages["reference/python/interfaces.md"]
+
+
 def test_the_readme_is_short():
     assert len((ROOT / "README.md").read_bytes()) <= 8000
 
@@ -111,7 +124,13 @@ def test_the_site_is_built_and_fetches_nothing(tmp_path):
     done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, timeout=300, env=few)
     assert done.returncode == 0, done.stderr
     pages = {str(path.relative_to(tmp_path / "site")): path.read_text() for path in (tmp_path / "site").rglob("*.html")}
-    made = {"index.html", "methods/planners.html", "methods/bounds.html", "reference/python.html"}
+    made = {
+        "index.html",
+        "methods/planners.html",
+        "methods/bounds.html",
+        "reference/python.html",
+        "reference/python/env.html",
+    }
     assert made | {"reference/settings.html", "reports/index.html", "reports/families.html"} <= pages.keys()
     for name, text in pages.items():
         assert not re.search(r"<(script|img|link)[^>]* (src|href)=\"https?://", text), name

@@ -10,7 +10,7 @@ import numpy as np
 from indoor_explorers.env.conformance.findings import CannotFly, Violation, calling, shown
 from indoor_explorers.env.conformance.traces import Trace
 from indoor_explorers.env.grid.cells import Action
-from indoor_explorers.env.policies.policy import Pilot, is_action
+from indoor_explorers.env.policies.policy import Pilot, is_action, no_action
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Message
 
 
@@ -19,7 +19,7 @@ def checked_action(answer: object, trace: Trace, count: int = 5) -> int:
     if is_action(answer, count):
         return int(answer)
     names = ", ".join([*(action.name.lower() for action in Action), "turn"][:count])
-    found = f"expected an action from 0 to {count - 1} ({names}), got {shown(answer)}"
+    found = no_action(answer, count, f" ({names})")
     trace.violations.setdefault("actions", Violation(found, "return an int, such as int(np.argmax(values))"))
     return int(Action.STAY)
 

@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from indoor_explorers.env.errors import PolicyError, described, one_line
+from indoor_explorers.env.errors import SHOWN as SHOWN
+from indoor_explorers.env.errors import PolicyError, described
+from indoor_explorers.env.errors import shown as shown
 
-#: Characters of a plug-in's value or error that are repeated in a message.
-SHOWN = 120
 #: The folders of this package and of the policy interface; where a plug-in raised is looked for outside of them.
 _OURS = Path(__file__).parents[1]
 
@@ -39,6 +39,7 @@ class Finding(NamedTuple):
     name: str
     """Name of the check."""
     passed: bool
+    """Whether it found nothing wrong."""
     text: str
     """What was found, in a few words."""
     seconds: float
@@ -46,7 +47,7 @@ class Finding(NamedTuple):
     error: Violation | None = None
     """The violation, of a check that failed."""
     conclusive: bool = True
-    """False for a failure that says nothing of its own, since an earlier finding explains it."""
+    """False for a check that tells nothing: an earlier finding explains its failure, or it cannot be made."""
 
     @property
     def fix(self) -> str:
@@ -76,11 +77,3 @@ def _where(error: BaseException) -> str:
     home = Path(frames[0].filename).parent
     place = [frame for frame in frames if Path(frame.filename).is_relative_to(home)][-1]
     return f"see {Path(place.filename).name}, line {place.lineno}, in {place.name}"
-
-
-def shown(value: object) -> str:
-    """Return how a value that a plug-in gave is written, on one line, even where its ``repr`` fails."""
-    try:
-        return one_line(repr(value), SHOWN)
-    except Exception as error:
-        return f"a {type(value).__name__} whose repr raises {type(error).__name__}"

@@ -24,10 +24,11 @@ from indoor_explorers.env.conformance.contract import (
 )
 from indoor_explorers.env.conformance.findings import CannotFly, calling, shown
 from indoor_explorers.env.conformance.traces import Decision, Setup, Trace, digest_of
-from indoor_explorers.env.grid.cells import UNKNOWN, Action
+from indoor_explorers.env.grid.arrays import Belief, read_only
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN, Action
 from indoor_explorers.env.maps.sources import MapSource
 from indoor_explorers.env.policies.policy import Pilot, Policy
-from indoor_explorers.env.policies.view import Briefing
+from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.rollout import Uav, rollout
 from indoor_explorers.env.simulation.world import World
@@ -62,6 +63,23 @@ class Changed(NamedTuple):
     """True: it is asked as before but makes random legal moves. False: it is not asked, stays and sends nothing."""
 
 
+class Misled(NamedTuple):
+    """A UAV that is shown much of the map that it has not seen, and that flies and sends what it did before."""
+
+    agent: int
+    before: Trace
+    """The episode as it was flown without this."""
+
+    def view(self, view: View, truth: Belief) -> View:
+        """Return what it is shown: its view, and of the true map all but the rows that are farthest from it."""
+        rows = np.arange(len(truth))[:, None]
+        far = abs(rows - view.cell[0]) > 0.8 * abs(rows - view.cell[0]).max()
+        shown = np.where((view.belief == UNKNOWN) & ~far, truth, view.belief)
+        added = np.where(shown == OCCUPIED, 5.0, -5.0) * (shown != view.belief)
+        log_odds = None if view.log_odds is None else read_only((view.log_odds + added).astype(np.float32))
+        return view._replace(belief=read_only(shown), log_odds=log_odds)
+
+
 class CheckedFlight:
     """Fly one policy in a batch of episodes side by side."""
 
@@ -74,6 +92,8 @@ class CheckedFlight:
         ask: Callable[[list[Uav]], list[list[Uav]]] = together,
         changed: Changed | None = None,
         told: MapSource | None = None,
+        misled: Misled | None = None,
+        unseen: bool = True,
     ) -> None:
         """Start the episodes of ``setups``.
 
@@ -84,22 +104,25 @@ class CheckedFlight:
             ask: Divides the UAVs to be asked into calls.
             changed: A UAV whose actions are replaced.
             told: False source of maps in the briefings.
+            misled: A UAV whose views are replaced.
+            unseen: Whether the traces have the cells that no UAV has seen, an array for each step.
 
         """
         self._policy = policy
         self._ask = ask
-        self._changed = changed
+        self._changed, self._misled, self._unseen = changed, misled, unseen
         self._task = scenario.model_copy(deep=True)  # which the policy may reach through its briefing
         self._told = None if told is None else self._task.model_copy(update={"map": told})
         self._world = World(self._task, len(setups))
         for b, setup in enumerate(setups):
             self._world.begin(b, setup.seed, floorplan=setup.floorplan, spawns=setup.spawns)
-        self._traces = [Trace(setup) for setup in setups]
+        self.traces = [Trace(setup) for setup in setups]
+        """What was flown so far, also after an error."""
         self._rngs = [np.random.default_rng(setup.seed) for setup in setups]
         self._briefings: list[tuple[Trace, Briefing, dict[str, str]]] = []
         """The briefing of each pilot, and its facts at the start."""
         self._pilots = {
-            (b, n): self._pilot(trace, b, n) for b, trace in enumerate(self._traces) for n in range(scenario.team)
+            (b, n): self._pilot(trace, b, n) for b, trace in enumerate(self.traces) for n in range(scenario.team)
         }
 
     @property
@@ -130,13 +153,14 @@ class CheckedFlight:
         for _ in islice(rollout(self._world, self._decided), steps):
             pass
         self._debrief()
-        return self._traces
+        return self.traces
 
     def _decided(self, flying: list[Uav]) -> Iterator[tuple[Uav, int]]:
         """Ask the UAVs in turn; a wandering one's answer is replaced."""
         for b in sorted({b for b, _ in flying}):
-            self._traces[b].steps.append({})
-            self._traces[b].unseen.append((self._world.state.union[b] == UNKNOWN).tobytes())
+            self.traces[b].steps.append({})
+            if self._unseen:
+                self.traces[b].unseen.append((self._world.state.union[b] == UNKNOWN).tobytes())
         present = [(b, n) for b, n in flying if self._changed != Changed(n, wanders=False)]
         for group in filter(None, self._ask(present)):
             yield from zip(group, self._answers(group), strict=True)
@@ -149,6 +173,9 @@ class CheckedFlight:
         state = self._world.state
         pilots, views = [self._pilots[one] for one in group], [self._world.view(b, n) for b, n in group]
         digests = [digest_of(view) for view in views]
+        if self._misled is not None:
+            pairs = zip(group, views, strict=True)
+            views = [self._misled.view(v, state.truth[b]) if n == self._misled.agent else v for (b, n), v in pairs]
         guarded = (state.belief, state.legal, state.visited, state.truth)
         before = [array.copy() for array in guarded]
         with calling("act"):
@@ -168,11 +195,14 @@ class CheckedFlight:
 
     def _recorded(self, b: int, n: int, answer: object, digest: bytes, share: float) -> int:
         """Record one UAV's answer and post its message; returns the action to fly."""
-        trace, world = self._traces[b], self._world
+        trace, world = self.traces[b], self._world
         action = checked_action(answer, trace, world.scenario.actions)
         with calling("pilot.message"):
             said = self._pilots[b, n].message
         message = checked_message(said, trace)
+        if self._misled is not None and n == self._misled.agent:
+            before = self._misled.before.steps[len(trace.steps) - 1].get(n)
+            action, message = before.choice if before is not None else (action, message)
         trace.seconds.append(share)
         trace.into_walls += action < Action.STAY and not world.state.legal[b, n, action]
         trace.steps[-1][n] = Decision(digest, action, message)
@@ -182,6 +212,6 @@ class CheckedFlight:
     def _debrief(self) -> None:
         """Ask each pilot for its tally, and look at what became of the briefings."""
         for (b, _), pilot in self._pilots.items():
-            check_tallied(pilot, self._traces[b])
+            check_tallied(pilot, self.traces[b])
         for trace, briefing, facts in self._briefings:
             check_briefed(briefing, facts, trace)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
-from indoor_explorers.env.conformance.findings import Violation
+from indoor_explorers.env.conformance.findings import Violation, calling
 from indoor_explorers.env.conformance.flying import Changed, CheckedFlight, together
 from indoor_explorers.env.conformance.traces import Setup, Trace
 from indoor_explorers.env.maps.sources import MapSource
@@ -38,11 +38,26 @@ class Harness:
         return type(self.policy).act is not Policy.act
 
     @cached_property
+    def map_shape(self) -> tuple[int, int] | None:
+        """The size of the only maps that the policy flies; None for any."""
+        with calling("policy.map_shape"):
+            return self.policy.map_shape
+
+    def sized(self, scenario: Scenario) -> Scenario:
+        """Return a scenario with maps of a size that the policy flies."""
+        if self.map_shape is None:
+            return scenario
+        height, width = self.map_shape
+        return scenario.with_settings({"map.height": height, "map.width": width})
+
+    @cached_property
     def alone(self) -> tuple[Trace, Trace]:
         """The episodes of one UAV and of four, each flown for itself; their violations are left to the checks."""
-        solo, team = (CheckedFlight(self.policy, scenario, [FIRST]) for scenario in (SOLO, TEAM))
+        solo = CheckedFlight(self.policy, self.sized(SOLO), [FIRST])
         self.pilot = solo.pilot_kind
-        return solo.fly(STEPS)[0], team.fly(STEPS)[0]
+        (one,) = solo.fly(STEPS)
+        (team,) = CheckedFlight(self.policy, self.sized(TEAM), [FIRST]).fly(STEPS)
+        return one, team
 
     @cached_property
     def beside(self) -> list[Trace]:
@@ -67,7 +82,8 @@ class Harness:
 
         """
         known = {kind for trace in self.alone for kind in trace.violations}
-        traces = CheckedFlight(policy or self.policy, scenario, setups, ask=ask, changed=changed, told=told).fly(steps)
+        task = self.sized(scenario)
+        traces = CheckedFlight(policy or self.policy, task, setups, ask=ask, changed=changed, told=told).fly(steps)
         for trace in traces:
             for kind in trace.violations.keys() - known:
                 raise trace.violations[kind]

@@ -57,7 +57,7 @@ def check_unseen(harness: Harness) -> str:
     flown = [*zip((SOLO, TEAM), harness.alone, strict=True), *_informed(harness)]
     for scenario, trace in flown:
         for step in MOMENTS:
-            setup = changed_where_unseen(scenario, trace, step) if step < len(trace.steps) else None
+            setup = changed_where_unseen(harness.sized(scenario), trace, step) if step < len(trace.steps) else None
             if setup is None:
                 continue
             (again,) = harness.fly(scenario, [setup], step + 1)
@@ -98,7 +98,7 @@ def check_seed(harness: Harness) -> str:
     """Pair generators with maps of other seeds: a policy must not explore better on the map of its generator's seed."""
     if is_privileged(harness.policy):
         return "not checked: the policy is privileged and knows the true map"
-    maps = [_on_own_map(seed) for seed in SEEDS]
+    maps = [_on_own_map(harness.sized(SOLO), seed) for seed in SEEDS]
     explored = np.zeros((len(maps), len(maps)), np.int64)
     for shift in range(len(maps)):
         seen = _explored_by(harness, [setup._replace(seed=SEEDS[n - shift]) for n, setup in enumerate(maps)], maps)
@@ -115,10 +115,10 @@ def check_seed(harness: Harness) -> str:
     return f"{len(maps)} maps and generators, all pairs: hardly better on the map of the same seed (p = {chance:.2g})"
 
 
-def _on_own_map(seed: int) -> Setup:
+def _on_own_map(scenario: Scenario, seed: int) -> Setup:
     """Return the start on a seed's own map, which stays when the seed is replaced."""
-    plan = draw_floorplan(SOLO, seed)
-    return Setup(seed, plan, tuple(draw_spawns(SOLO, plan, seed)))
+    plan = draw_floorplan(scenario, seed)
+    return Setup(seed, plan, tuple(draw_spawns(scenario, plan, seed)))
 
 
 def _explored_by(harness: Harness, setups: list[Setup], own: list[Setup]) -> list[int]:

@@ -19,12 +19,15 @@ SLOWER_FACTOR, SLOWER_SECONDS = 2.0, 50e-6
 
 
 def report_latency(harness: Harness) -> str:
-    """Time one UAV in a 16x16 room."""
-    return f"one UAV, 16x16: {latency_text(_timed(harness, SOLO, STEPS))}"
+    """Time one UAV in a room, 16x16 unless the policy flies another size."""
+    height, width = harness.map_shape or (16, 16)
+    return f"one UAV, {height}x{width}: {latency_text(_timed(harness, SOLO, STEPS))}"
 
 
 def report_large_latency(harness: Harness) -> str:
-    """Time four UAVs on a 64x64 map."""
+    """Time four UAVs on a 64x64 map, if the policy flies one."""
+    if harness.map_shape is not None:
+        return "not timed: the policy's map_shape says that it flies maps of one size"
     shares = "; each time a UAV's share of a batch" if harness.policy.batched else ""
     return f"four UAVs, 64x64: {latency_text(_timed(harness, LARGE, LARGE_STEPS))}{shares}"
 

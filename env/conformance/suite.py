@@ -23,7 +23,7 @@ from indoor_explorers.env.conformance.information_leaks import (
 from indoor_explorers.env.conformance.latency import report_large_latency, report_latency
 from indoor_explorers.env.policies.policy import Policy
 
-REPEATABLE = "same seed, same episode"
+REPEATABLE, LARGE = "same seed, same episode", "latency, large map"
 #: The checks by name, in the order in which they run; each returns what it found or raises a :class:`Violation`.
 CHECKS: dict[str, Callable[[Harness], str]] = {
     "decisions": check_decisions,
@@ -39,7 +39,7 @@ CHECKS: dict[str, Callable[[Harness], str]] = {
     "map generator": check_generator,
     "unlinked teammates": check_unlinked,
     "latency": report_latency,
-    "latency, large map": report_large_latency,
+    LARGE: report_large_latency,
 }
 #: The checks for knowledge that a policy may not have, after those without which they tell nothing.
 KNOWLEDGE = (
@@ -74,6 +74,9 @@ def _explained(finding: Finding, earlier: dict[str, Finding]) -> Finding:
         return finding._replace(text=f"not run: see {first}", conclusive=False)
     if isinstance(finding.error, Differs) and finding.name != REPEATABLE and not earlier[REPEATABLE].passed:
         return finding._replace(text=f"cannot be told: see {REPEATABLE}", conclusive=False)
+    if isinstance(finding.error, CannotFly) and finding.name == LARGE:
+        text = f"cannot be told, as {finding.text}; if it flies maps of one size alone, set its map_shape"
+        return finding._replace(text=text, error=None, conclusive=False)
     return finding
 
 

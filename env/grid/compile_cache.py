@@ -115,7 +115,7 @@ class CompileCache:
             return
         with contextlib.suppress(OSError):
             if not result.library.has_dynamic_globals:  # addresses of this process
-                _write(file, _dumps(result._reduce()))
+                write_entry(file, _dumps(result._reduce()))
         self._release(file)
 
     def _file(self, sig: Any, codegen: Any) -> Path | None:
@@ -237,7 +237,7 @@ def _read(file: Path, target_context: Any) -> Any:
     return found
 
 
-def _write(file: Path, data: bytes) -> None:
+def write_entry(file: Path, data: bytes) -> None:
     """Write an entry whole: a reader never finds half of it."""
     file.parent.mkdir(exist_ok=True)
     handle, partial = tempfile.mkstemp(dir=file.parent, suffix=".partial")

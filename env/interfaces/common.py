@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.errors import InputError, did_you_mean, shown
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.observations.base import Encoder
+from indoor_explorers.env.policies.policy import integers, is_action, no_action
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End, State
@@ -35,6 +36,10 @@ def find_scenario(scenario: Scenario | str, settings: Mapping[str, Any] | None =
     """
     if isinstance(scenario, str):
         scenario = named_scenario(scenario)
+    if not isinstance(scenario, Scenario):
+        raise InputError(f"expected a scenario, the name of a preset or a .toml file, got {shown(scenario)}")
+    if not isinstance(settings or {}, Mapping):
+        raise InputError(f"expected settings by name such as {{'lidar.range': 5}}, got {shown(settings)}")
     return scenario.with_settings(settings) if settings else scenario
 
 
@@ -65,6 +70,21 @@ def new_lone_world(scenario: Scenario, batch: int, index: int, threads: int = 1)
             "use indoor_explorers.env.parallel_env, or settings={'team': 1}"
         )
     return new_world(scenario, batch, index, threads)
+
+
+def one_action(action: Any, count: int) -> int:
+    """Return the action that an integer, or an array of one without axes, means.
+
+    Raises:
+        InputError: it is none of ``count`` actions.
+
+    """
+    number = action if is_action(action, count) else integers(action, count)
+    if not isinstance(number, np.ndarray):
+        return int(number)
+    if number.ndim or not is_action(number.item(), count):
+        raise InputError(no_action(action, count))
+    return int(number)
 
 
 def draw_seed(rng: np.random.Generator) -> int:

@@ -36,10 +36,11 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
 
     Where the lidar's field of view is limited there is a sixth action, to turn.
 
-    ``reset(seed=s)`` starts episode seed ``s`` exactly as ``World.reset([s])`` does; a reset without a seed
-    draws the next episode's seed from ``np_random``. Goal, collision, out of bounds and stuck terminate, the
-    step budget truncates. Infos hold ``action_mask`` (A,) int8, ``coverage``, ``step`` and ``end``, and with a
-    home base ``base_age`` and ``base_coverage``, see :func:`indoor_explorers.env.interfaces.common.info_of`.
+    ``reset(seed=s)`` starts episode seed ``first_seed + s`` exactly as ``World.reset([first_seed + s])`` does; a reset
+    without a seed draws the next episode's seed from ``np_random`` and adds ``first_seed``, too. Goal, collision, out
+    of bounds and stuck terminate, the step budget truncates. Infos hold ``action_mask`` (A,) int8, ``coverage``,
+    ``step`` and ``end``, and with a home base ``base_age`` and ``base_coverage``, see
+    :func:`indoor_explorers.env.interfaces.common.info_of`.
     """
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": RENDER_FPS}  # noqa: RUF012 (base's)
@@ -52,6 +53,7 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         settings: Mapping[str, Any] | None = None,
         index: int = 0,
         copy: bool = True,
+        first_seed: int = 0,
     ) -> None:
         """Prepare a scenario, the name of a preset or a .toml file.
 
@@ -62,6 +64,8 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
             settings: Dotted settings to replace in the scenario, such as ``{"lidar.range": 5}``.
             index: Which map of a scenario with several map files.
             copy: Whether each observation is new; else the next call overwrites it, which is faster.
+            first_seed: Added to every seed that ``reset`` is given or draws, which keeps a training's episodes apart
+                from those of comparisons: 2**40, for instance.
 
         Raises:
             InputError: an argument is invalid, or the scenario has a larger team.
@@ -73,6 +77,7 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         self._encoder = make_encoder(observation, self.world.briefing(0, 0))
         self._index = index
         self._copy = copy
+        self._first_seed = first_seed
         self._begun = False
         self.observation_space = self._encoder.space
         self._observation = empty(self.observation_space)
@@ -80,8 +85,10 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Arrays, dict[str, Any]]:
         """Start an episode; no options are read."""
-        super().reset(seed=seed)
-        self.world.begin(0, draw_seed(self.np_random) if seed is None else seed, index=self._index)
+        given = None if seed is None else self._first_seed + seed
+        super().reset(seed=given)
+        drawn = self._first_seed + draw_seed(self.np_random) if given is None else given
+        self.world.begin(0, drawn, index=self._index)
         self._begun = True
         self._renderer.begun(0)
         begin_encoder(self._encoder, self.world, 0, 0)
@@ -91,7 +98,7 @@ class IndoorExplorersEnv(gymnasium.Env[Arrays, np.int64]):
         """Fly one step; after the end of the episode nothing changes, and rewards are 0."""
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
-        self.world.step(np.array([[action]]))
+        self.world.step([[action]])  # type: ignore[arg-type]  # one of numpy's is a number, too
         self._renderer.stepped()
         info = info_of(self.world, 0, 0)
         return (

@@ -19,6 +19,7 @@ def parallel_env(
     observation: Observation = "channels",
     settings: Mapping[str, Any] | None = None,
     index: int = 0,
+    first_seed: int = 0,
 ) -> TeamEnv:
     """Return a PettingZoo ``ParallelEnv`` of a scenario's team, agents ``uav_0``, ``uav_1`` and so on.
 
@@ -35,6 +36,7 @@ def parallel_env(
         observation: Name of an encoder, or a factory of one, see :mod:`indoor_explorers.env.observations`.
         settings: Dotted settings to replace in the scenario, such as ``{"team": 3}``.
         index: Which map of a scenario with several map files.
+        first_seed: Added to every seed that ``reset`` is given or draws, as in the Gymnasium environment.
 
     Raises:
         InputError: PettingZoo is not installed, or an argument is invalid.
@@ -43,7 +45,7 @@ def parallel_env(
     _need_pettingzoo()
     from indoor_explorers.env.interfaces.pettingzoo_env import TeamEnv
 
-    return TeamEnv(scenario, observation, render_mode, settings, index)
+    return TeamEnv(scenario, observation, render_mode, settings, index, first_seed)
 
 
 def env(
@@ -52,12 +54,15 @@ def env(
     observation: Observation = "channels",
     settings: Mapping[str, Any] | None = None,
     index: int = 0,
+    first_seed: int = 0,
 ) -> Any:
     """Return the same environment as a PettingZoo ``AECEnv``: agents choose in turn, then all move at once."""
-    raw = parallel_env(scenario, render_mode, observation, settings, index)
+    raw = parallel_env(scenario, render_mode, observation, settings, index, first_seed)
     from pettingzoo.utils import parallel_to_aec, wrappers
 
-    return wrappers.OrderEnforcingWrapper(wrappers.AssertOutOfBoundsWrapper(parallel_to_aec(raw)))
+    from indoor_explorers.env.interfaces.pettingzoo_env import CheckedActions
+
+    return wrappers.OrderEnforcingWrapper(CheckedActions(parallel_to_aec(raw)))
 
 
 def _need_pettingzoo() -> None:

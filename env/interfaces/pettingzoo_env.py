@@ -11,8 +11,9 @@ from gymnasium.spaces import Box, Discrete, Space
 from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
+from pettingzoo.utils import BaseWrapper
 
-from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.errors import InputError, shown
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN, Action
 from indoor_explorers.env.interfaces.common import (
     RENDER_FPS,
@@ -24,6 +25,7 @@ from indoor_explorers.env.interfaces.common import (
     info_of,
     is_terminated,
     new_world,
+    one_action,
 )
 from indoor_explorers.env.observations import Observation, make_encoder
 from indoor_explorers.env.observations.base import Arrays
@@ -49,11 +51,13 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         render_mode: str | None,
         settings: Mapping[str, Any] | None,
         index: int,
+        first_seed: int = 0,
     ) -> None:
         self.render_mode = find_render_mode(render_mode)
         self.world = new_world(find_scenario(scenario, settings), 1, index)
         self._renderer = Renderer(self.world, self.render_mode, RENDER_FPS)
         self._index = index
+        self._first_seed = first_seed
         self._rng: np.random.Generator | None = None
         self._begun = False
         self.possible_agents = [f"uav_{n}" for n in range(self.world.scenario.team)]
@@ -78,9 +82,11 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Arrays], dict[str, dict[str, Any]]]:
         """Start an episode, seed ``seed`` as ``World.reset([seed])`` does; no options are read."""
-        if self._rng is None or seed is not None:
-            self._rng = np_random(seed)[0]
-        self.world.begin(0, draw_seed(self._rng) if seed is None else seed, index=self._index)
+        given = None if seed is None else self._first_seed + seed
+        if self._rng is None or given is not None:
+            self._rng = np_random(given)[0]
+        drawn = self._first_seed + draw_seed(self._rng) if given is None else given
+        self.world.begin(0, drawn, index=self._index)
         self._begun = True
         self._renderer.begun(0)
         for n, encoder in enumerate(self._encoders):
@@ -94,11 +100,13 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
         """Fly one step; ``actions`` has one action for each of ``agents``. Those that end leave ``agents``."""
         if not self._begun:
             raise ResetNeeded("expected an episode to step in, got a new environment; call reset first")
-        if actions.keys() != set(self.agents):
-            raise InputError(f"expected one action for each of {self.agents}, got them for {list(actions)}")
+        if not isinstance(actions, Mapping) or actions.keys() != set(self.agents):
+            given = f"them for {list(actions)}" if isinstance(actions, Mapping) else shown(actions)
+            raise InputError(f"expected a dict with one action for each of {self.agents}, got {given}")
         chosen = np.full((1, len(self.possible_agents)), int(Action.STAY))
         for agent, action in actions.items():
-            chosen[0, self._numbers[agent]] = action
+            number = isinstance(action, np.signedinteger)  # nearly always; all else takes longer
+            chosen[0, self._numbers[agent]] = action if number else one_action(action, self.world.scenario.actions)
         self.world.step(chosen)
         self._renderer.stepped()
         pay = self.world.state.reward[0].tolist()
@@ -145,3 +153,14 @@ class TeamEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo carries no types
 
     def _infos(self) -> dict[str, dict[str, Any]]:
         return {agent: info_of(self.world, 0, self._numbers[agent]) for agent in self.agents}
+
+
+class CheckedActions(BaseWrapper):  # type: ignore[misc]  # PettingZoo carries no types
+    """Refuse what is no action at the turn of the agent that gave it, where PettingZoo's own wrapper asserts."""
+
+    def step(self, action: Any) -> None:
+        """Take an agent's action; None of one that has ended."""
+        agent = self.agent_selection
+        if not (self.terminations[agent] or self.truncations[agent]):
+            action = one_action(action, self.action_space(agent).n)
+        super().step(action)

@@ -31,6 +31,7 @@ from indoor_explorers.env.observations.base import Arrays, copy_of, row_of
 from indoor_explorers.env.observations.batched import BatchedEncoder
 from indoor_explorers.env.observations.incremental import LivePlanes
 from indoor_explorers.env.observations.planes import ChannelsEncoder
+from indoor_explorers.env.policies.policy import integers
 from indoor_explorers.env.rendering.renderer import Renderer
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.preparation import Prepared
@@ -49,7 +50,8 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
     and infos hold the last observation and info as ``final_obs`` and ``final_info``. ``DISABLED``: the caller
     resets the episodes that ended, with ``options["reset_mask"]``.
 
-    An integer seed ``s`` seeds the episodes with ``s``, ``s + 1`` and so on; a sequence seeds each; every
+    An integer seed ``s`` seeds the episodes with ``s``, ``s + 1`` and so on; a sequence seeds each; ``first_seed`` is
+    added to all; every
     environment then draws its later episodes from a generator of its own, as the single environment does. Infos
     hold arrays (B, ...) of what the single environment's hold, each with the mask ``_key`` that Gymnasium asks for.
     """
@@ -73,17 +75,15 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         threads: int = 1,
         first_seed: int = 0,
     ) -> None:
-        """Prepare ``num_envs`` episodes, divided among ``threads``; other arguments are as for the single environment.
-
-        Episodes that draw their seeds draw them from ``first_seed`` on, which separates a training's from others.
-        """
+        """Prepare ``num_envs`` episodes, divided among ``threads``; others are the single environment's arguments."""
         if num_envs < 1:
             raise InputError(f"expected num_envs to be at least 1, got {num_envs}")
         self.num_envs = num_envs
         self.render_mode = find_render_mode(render_mode, VECTOR_RENDER_MODES)
         self.world = new_lone_world(find_scenario(scenario, settings), num_envs, index, threads)
         self._renderer = Renderer(self.world, self.render_mode, RENDER_FPS)
-        self.metadata = self.metadata | {"autoreset_mode": _find_mode(autoreset_mode)}
+        self.autoreset_mode = _find_mode(autoreset_mode)
+        self.metadata = self.metadata | {"autoreset_mode": self.autoreset_mode}
         self._encoder = BatchedEncoder(observation, self.world.briefing(0, 0), num_envs)
         self._index = index
         self._first_seed = first_seed
@@ -98,9 +98,9 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         self.action_space = batch_space(self.single_action_space, num_envs)
         shared = self._encoder.shared
         self._live = LivePlanes(self.world, shared.planes) if isinstance(shared, ChannelsEncoder) else None
-        self._observed: Any = create_empty_array(self.single_observation_space, num_envs)
-        if self._live is not None:
-            self._observed = self._live.planes[:, 0]
+        self._observed: Any = None
+        if self._live is None:
+            self._observed = create_empty_array(self.single_observation_space, num_envs)
 
     def reset(self, *, seed: Seeds = None, options: dict[str, Any] | None = None) -> tuple[Arrays, dict[str, Any]]:
         """Start all episodes, or those of the (B,) bool array ``options["reset_mask"]``."""
@@ -126,10 +126,10 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
             raise refused
         if not self._begun.all():
             raise ResetNeeded("expected episodes to step in, got a new environment; call reset first")
-        mode = self.metadata["autoreset_mode"]
+        mode = self.autoreset_mode
         if mode is AutoresetMode.DISABLED and self._over.any():
             raise ResetNeeded("expected episodes that go on, got some that have ended; reset them with reset_mask")
-        chosen = self.world.checked_actions(np.asarray(actions)[..., None])
+        chosen = self.world.checked_actions(integers(actions, self.world.scenario.actions)[..., None])
         prepared = self._prepare(np.flatnonzero(self._over).tolist(), [None] * self.num_envs)
         self.world.step(chosen)  # nothing happens in an episode that is over
         self._renderer.stepped()
@@ -155,14 +155,18 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
             raise ResetNeeded("expected episodes to render, got a new environment; call reset first")
         return tuple(self._renderer.picture(b) for b in range(self.num_envs))
 
+    def __getstate__(self) -> dict[str, Any]:
+        live = self._live is not None
+        return self.__dict__ | ({"_observed": None} if live else {})  # which a copy shares with its own planes again
+
     def _spread(self, seed: Seeds) -> Sequence[int | None]:
         if seed is None:
             return [None] * self.num_envs
         if isinstance(seed, int | np.integer):
-            return [int(seed) + b for b in range(self.num_envs)]
+            return [self._first_seed + int(seed) + b for b in range(self.num_envs)]
         if len(seed) != self.num_envs:
             raise InputError(f"expected one seed for each of {self.num_envs} environments, got {len(seed)}")
-        return [None if one is None else int(one) for one in seed]
+        return [None if one is None else self._first_seed + int(one) for one in seed]
 
     def _chosen(self, options: dict[str, Any] | None) -> Mask:
         mask = np.asarray((options or {}).get("reset_mask", np.ones(self.num_envs, np.bool_)))
@@ -215,6 +219,8 @@ class IndoorExplorersVectorEnv(VectorEnv[Arrays, NDArray[np.integer[Any]], NDArr
         """Encode what the chosen episodes' UAVs know."""
         if self._live is not None:
             self._live.update()
+            if self._observed is None:
+                self._observed = self._live.planes[:, 0]
         elif chosen.all():
             self._encoder.encode(self._views(), self._observed)
         else:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
@@ -17,10 +19,10 @@ from indoor_explorers.env.maps.readers.doorways import open_doorways
 from indoor_explorers.env.maps.readers.houseexpo import RESOLUTION, read_houseexpo
 from indoor_explorers.env.maps.readers.json_text import read_json
 from indoor_explorers.env.maps.readers.movingai import read_movingai
-from indoor_explorers.env.maps.readers.npy import read_npy
+from indoor_explorers.env.maps.readers.npy import inverted_notes, read_npy
 from indoor_explorers.env.maps.readers.opening import Fits, check_file
 from indoor_explorers.env.maps.readers.plain import read_plain
-from indoor_explorers.env.maps.readers.ros import read_ros
+from indoor_explorers.env.maps.readers.ros import parse_ros, read_ros
 from indoor_explorers.env.maps.readers.vectormap import read_vectormap
 from indoor_explorers.env.maps.reduction import Source, check_resolution, checked_factor, cropped, reduced
 
@@ -32,8 +34,9 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
     :func:`~indoor_explorers.env.maps.reduction.reduced`.
 
     - ``.yaml``, ``.yml``: a ROS map_server map; doorways that it leaves unknown are opened, and the unknown around
-      the building is cut away.
-    - ``.png``, ``.pgm``, ``.pnm``, ``.bmp``: a plain picture; bright is free, and a coloured spot marks the start.
+      the building is cut away. A yaw of its origin is ignored.
+    - ``.png``, ``.pgm``, ``.pnm``, ``.bmp``: a plain picture; bright is free, transparent is white, and a coloured
+      spot marks the start.
     - ``.map``: a grid of the MovingAI benchmarks.
     - ``.npy``: a NumPy array of occupancies.
     - ``.json``, an object: a HouseExpo outline, cut to the house; cells of 0.1 m where none are asked for.
@@ -44,7 +47,7 @@ def read_map(path: str | Path, resolution: float | None = None) -> Floorplan:
 
     Raises :class:`InputError` with one line that says what is wrong with the file or the resolution.
     """
-    path = Path(path)
+    path = expanded(path)
     check_file(path)
     suffix = path.suffix.lower()
     if suffix not in READERS:
@@ -72,7 +75,10 @@ def _fits(path: Path, resolution: float | None) -> Fits:
 
 
 def _read_ros(path: Path, resolution: float | None) -> Floorplan:
-    return _indoors(path, *read_ros(path, _fits(path, resolution)), resolution)
+    plan = _indoors(path, *read_ros(path, _fits(path, resolution)), resolution)
+    yaw = parse_ros(path).yaw
+    turned = f"{path.name}: the map is flown as its picture lies: the yaw of its origin, {yaw:g} rad, is ignored"
+    return replace(plan, notes=(turned,)) if yaw else plan
 
 
 def _read_xml(path: Path, resolution: float | None) -> Floorplan:
@@ -105,7 +111,8 @@ def _read_movingai(path: Path, resolution: float | None) -> Floorplan:
 
 def _read_npy(path: Path, resolution: float | None) -> Floorplan:
     cells = read_npy(path, _fits(path, resolution))
-    return reduced(Source(name=path.stem, where=str(path), cells=cells, resolution=1.0), resolution)
+    plan = reduced(Source(name=path.stem, where=str(path), cells=cells, resolution=1.0), resolution)
+    return replace(plan, notes=inverted_notes(path, cells))
 
 
 #: How a file is read, by its ending.

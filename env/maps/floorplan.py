@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +31,10 @@ class Floorplan:
     """Share of the source's free area that is still reached in this map; 1.0 means that no floor was lost."""
     start: Cell | None = None
     """The free cell (row, column) that the source marks as the place to start from, if any."""
+    connected: float = 1.0
+    """Share of the source's free area that is in its largest connected part, before the source was reduced."""
+    notes: tuple[str, ...] = ()
+    """What readers of the file suspect or leave out, a line each."""
 
     def __post_init__(self) -> None:
         if self.truth.ndim != 2 or self.truth.size == 0:
@@ -48,6 +53,9 @@ class Floorplan:
         if self.start is not None and not self._is_free(self.start):
             raise InputError(f"{self.name}: expected the start on a free cell, got {self.start}; move the mark")
         self.truth.setflags(write=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Floorplan, (self.truth, self.name, self.resolution, self.kept, self.start)  # whose truth is read-only
 
     def _is_free(self, cell: Cell) -> bool:
         inside = all(0 <= place < side for place, side in zip(cell, self.shape, strict=True))

@@ -6,7 +6,7 @@ Cells outside of the largest connected free part can never be explored, so they 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -70,16 +70,16 @@ def reduced(source: Source, resolution: float | None) -> Floorplan:
         )
     share = float(main.sum() / all_free.sum())
     if factor == 1.0:
-        return Floorplan.from_free(main, source.name, source.resolution, share, settled(source.start, main))
+        plan = Floorplan.from_free(main, source.name, source.resolution, share, settled(source.start, main))
+        return replace(plan, connected=share)
     free, connected = _best(area_share(source.cells == OCCUPIED, factor), area_share(main, factor))
     if not free.any():
         raise InputError(
             f"{source.where}: expected some floor left, got none at a resolution of {resolution:g} m; "
             f"ask for a finer one (the source has {source.resolution:g} m)"
         )
-    return Floorplan.from_free(
-        free, source.name, resolution, share * connected, settled(source.start, free, factor=factor)
-    )
+    start = settled(source.start, free, factor=factor)
+    return replace(Floorplan.from_free(free, source.name, resolution, share * connected, start), connected=share)
 
 
 def settled(start: Cell | None, free: Mask, factor: float = 1.0) -> Cell | None:
@@ -197,4 +197,4 @@ def cropped(plan: Floorplan) -> Floorplan:
     walled = np.pad(inner, 1)
     wall = int(walled.size <= MAX_CELLS)
     start = None if plan.start is None else (plan.start[0] - int(rows[0]) + wall, plan.start[1] - int(cols[0]) + wall)
-    return Floorplan.from_free(walled if wall else inner, plan.name, plan.resolution, plan.kept, start)
+    return replace(plan, truth=np.where(walled if wall else inner, FREE, OCCUPIED).astype(np.uint8), start=start)

@@ -17,9 +17,11 @@ from pydantic import (
     ValidatorFunctionWrapHandler,
     WrapSerializer,
     WrapValidator,
+    field_validator,
 )
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.maps.base import BaseMaps, GeneratedMaps
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.generators.cave import CaveMaps
@@ -58,6 +60,11 @@ class FileMaps(BaseMaps):
     resolution: float | None = Field(None, gt=0.0)
     """Metres a cell to resample to; None keeps the file's. Files without a scale count a pixel as one metre."""
     _held: dict[int, Floorplan] = PrivateAttr(default_factory=dict)
+
+    @field_validator("paths")
+    @classmethod
+    def _at_home(cls, paths: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(str(expanded(path)) if path.startswith("~") else path for path in paths)
 
     @property
     def count(self) -> int:
@@ -151,7 +158,7 @@ AnyMaps = Annotated[
 ]
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 def _read_once(path: str, resolution: float | None) -> Floorplan:
     from indoor_explorers.env.maps.files import read_map
 

@@ -4,16 +4,44 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, TypeGuard
+from typing import Any, ClassVar, TypeGuard
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from indoor_explorers.env.errors import InputError, one_line, shown
 from indoor_explorers.env.policies.view import Briefing, Message, View
 
 
 def is_action(action: object, count: int = 5) -> TypeGuard[int]:
     """Tell whether a pilot's answer is one of ``count`` actions: an integer from 0, and no bool."""
     return isinstance(action, (int, np.integer)) and not isinstance(action, bool) and bool(0 <= action < count)
+
+
+def no_action(answer: object, count: int = 5, names: str = "") -> str:
+    """Say what was expected, with the ``names`` of the actions, and what was received that is none of them."""
+    span, kind = f"from 0 to {count - 1}{names}", one_line(type(answer).__name__)
+    if answer is None or (isinstance(answer, (int, np.integer)) and not isinstance(answer, bool)):
+        return f"expected an action {span}, got {shown(answer)}"
+    return f"expected an int {span}, got the {kind} {shown(answer)}"
+
+
+def integers(actions: ArrayLike, count: int = 5) -> NDArray[np.integer[Any]]:
+    """Return numbers as an array, of which those that are no integers are refused; their range is not checked.
+
+    Raises:
+        InputError: there are others, such as floats and bools.
+
+    """
+    try:
+        array = np.asarray(actions)
+    except (TypeError, ValueError):  # lists of different lengths
+        raise InputError(no_action(actions, count)) from None
+    if array.dtype.kind not in "iu":
+        for each in array.reshape(-1).tolist():
+            if not is_action(each, count):
+                raise InputError(no_action(each, count))
+    return array
 
 
 #: Values of :attr:`Policy.plans_for`.
@@ -23,12 +51,12 @@ ALL_CELLS, TRAINED_GOAL = "all cells", "the goal of its training"
 class Pilot(ABC):
     """Choose the actions of one UAV in one episode."""
 
-    #: Sent to the teammates in radio range after the move: None or at most 16 numbers.
     message: Message = None
+    """Sent to the teammates in radio range after the move: None or at most 16 numbers."""
 
-    #: Whether this UAV would end its mission now, as the map seems complete enough to it. It flies on all the same;
-    #: results tell what stopping would have cost in coverage and saved in steps.
     done: bool = False
+    """Whether this UAV would end its mission now, as the map seems complete enough to it. It flies on all the same;
+    results tell what stopping would have cost in coverage and saved in steps."""
 
     @abstractmethod
     def act(self, view: View) -> int:
@@ -45,20 +73,24 @@ class Policy(ABC):
     Make subclasses frozen keyword-only dataclasses: their fields are then stored with the results.
     """
 
-    #: True for a reference policy that gets the true map; results mark it.
     privileged: ClassVar[bool] = False
+    """True for a reference policy that gets the true map; results mark it."""
 
-    #: True for a policy that reads ``briefing.generator``, which any policy may; results mark it.
     uses_generator: ClassVar[bool] = False
+    """True for a policy that reads ``briefing.generator``, which any policy may; results mark it."""
 
-    #: The coverage that it plans for, in a few words, such as "all cells"; empty if it does not say. Results tell where
-    #: policies plan for different coverage.
     plans_for: ClassVar[str] = ""
+    """The coverage that it plans for, in a few words, such as "all cells"; empty if it does not say. Results tell where
+    policies plan for different coverage."""
 
-    #: True if :meth:`act` is faster for many UAVs at once than one by one, such as with one forward pass. It is then
-    #: called for all UAVs of a batch at once, and a decision's time is its share of the batch's; otherwise it is
-    #: called, and timed, for one UAV after the other.
     batched: ClassVar[bool] = False
+    """True if :meth:`act` is faster for many UAVs at once than one by one, such as with one forward pass. It is then
+    called for all UAVs of a batch at once, and a decision's time is its share of the batch's; otherwise it is called,
+    and timed, for one UAV after the other."""
+
+    map_shape: tuple[int, int] | None = None
+    """(H, W) of the only maps that it flies, such as those of a network's training; None for any. It may be set on the
+    instance. The conformance suite then flies rooms of this size and no large map."""
 
     @abstractmethod
     def pilot(self, briefing: Briefing) -> Pilot:

@@ -4,6 +4,9 @@ Policies, the project's own and plug-ins, are declared in the entry-point group 
 are declared in ``indoor_explorers.openers``: they make a policy from a path, such as ``sb3`` in ``sb3:results/ppo``.
 Before a colon, the name of an opener hides a module of the same name. A policy's module is imported when the policy
 is first made, so torch and ompl load only when they are used.
+
+What a name means is looked up before anything is called: what a distribution declares, which may be a function, or a
+subclass of :class:`~indoor_explorers.env.policies.policy.Policy`. Nothing else is ever called, whoever wrote the name.
 """
 
 from __future__ import annotations
@@ -14,7 +17,7 @@ from collections import defaultdict
 from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import Any, NamedTuple
 
 from indoor_explorers.env.errors import InputError, PolicyError, described, did_you_mean
 from indoor_explorers.env.policies.policy import Policy
@@ -23,6 +26,8 @@ GROUP = "indoor_explorers.policies"
 OPENERS = "indoor_explorers.openers"
 #: The parts of this package that hold its own policies.
 PARTS = ("planners", "learners")
+#: What a name that is not declared has to mean.
+WANTED = "expected a subclass of indoor_explorers.env.Policy"
 #: Which extra of the distribution brings an optional module.
 EXTRAS = {
     "torch": "rl",
@@ -32,6 +37,14 @@ EXTRAS = {
     "sb3_contrib": "sb3",
     "ray": "ray",
 }
+
+
+class _Target(NamedTuple):
+    """What makes a policy: ``module:attribute``, the parameters that its name gives, and whether it is declared."""
+
+    address: str
+    given: dict[str, str]
+    declared: bool
 
 
 def policy_entry_points() -> dict[str, EntryPoint]:
@@ -82,14 +95,12 @@ def make_policy(name: str, **parameters: Any) -> Policy:
     except (Exception, SystemExit) as error:
         raise PolicyError(f"policy {name!r} cannot be made: {described(error)}") from error
     if not isinstance(policy, Policy):
-        raise InputError(
-            f"policy {name!r}: expected a subclass of indoor_explorers.env.Policy, got {type(policy).__name__}"
-        )
+        raise InputError(f"policy {name!r}: {WANTED}, got {type(policy).__name__}")
     return policy
 
 
 def policy_class(name: str) -> Any:
-    """Return the class, or the function, that :func:`make_policy` would call.
+    """Return the class, or the declared function, that :func:`make_policy` would call.
 
     Raises:
         InputError: no such name, or a missing optional dependency.
@@ -139,31 +150,34 @@ def is_own_policy(name: str) -> bool:
         InputError: no such name.
 
     """
-    target, _ = _target(name)
-    package, _, rest = target.partition(".")
+    package, _, rest = _target(name).address.partition(".")
     return package == __name__.partition(".")[0] and rest.partition(".")[0] in PARTS
 
 
 def _load(name: str) -> tuple[Any, dict[str, str]]:
     """Return what makes the policy, and the parameters that its name gives."""
-    target, given = _target(name)
-    return _found(name, target), given
+    target = _target(name)
+    kind = _found(name, target.address)
+    if not target.declared and not (isinstance(kind, type) and issubclass(kind, Policy)):
+        what = "class" if isinstance(kind, type) else type(kind).__name__
+        raise InputError(f"policy {name!r}: {WANTED}, got the {what} {target.address}; nothing was called")
+    return kind, target.given
 
 
-def _target(name: str) -> tuple[str, dict[str, str]]:
-    """Return ``module:attribute`` of what makes the policy, and the parameters that its name gives."""
+def _target(name: str) -> _Target:
+    """Return what makes the policy, without importing anything."""
     known = policy_entry_points()
     before, colon, path = name.partition(":")
     if not colon and name in known:
-        return known[name].value, {}
+        return _Target(known[name].value, {}, declared=True)
     openers = opener_entry_points()
     if before not in openers:
         if not colon:
             raise InputError(f"unknown policy {name!r}{did_you_mean(name, {*known, *openers})}")
-        return name, {}
+        return _Target(name, {}, declared=False)
     if not path:
         raise InputError(f"policy {name!r}: expected {before}:PATH, got no path")
-    return openers[before].value, {"path": path}
+    return _Target(openers[before].value, {"path": path}, declared=True)
 
 
 def _found(name: str, target: str) -> Any:

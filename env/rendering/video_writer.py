@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from indoor_explorers.env.errors import InputError, RunError, did_you_mean
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import expanded, written_whole
 from indoor_explorers.env.rendering.indexed import Palette
 
 #: The most frames of a video, by ending; of longer episodes every second, fourth, ... moment is kept.
@@ -42,7 +42,7 @@ class VideoWriter:
     """
 
     def __init__(self, path: str | Path, fps: float | None = None, most: int | None = None) -> None:
-        self.path = Path(path)
+        self.path = expanded(path)
         self._kind = _checked_kind(self.path)
         self._limit = min(FRAMES[self._kind], most or FRAMES[self._kind])
         self._fps = fps

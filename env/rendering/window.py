@@ -16,6 +16,8 @@ from indoor_explorers.env.errors import InputError
 SCREEN_SHARE = 0.9
 #: SDL's drivers that show nothing: fine when they were asked for, else a sign that there is no display.
 BLIND = ("dummy", "offscreen")
+#: What to do without a display.
+WITHOUT = "use render_mode='rgb_array', or set SDL_VIDEODRIVER=dummy to draw where nobody looks"
 
 
 class Window:
@@ -29,17 +31,23 @@ class Window:
 
     """
 
-    def __init__(self, title: str, fps: float) -> None:
+    def __init__(self, title: str, fps: float, instead: str = WITHOUT) -> None:
+        """Prepare a window; errors tell what to do ``instead`` where there is no display."""
         self._pygame = load_pygame()
         self._title = title
         self._fps = fps
+        self._instead = instead
         self._clock: Any = None
         #: Whether the user has closed it.
         self.closed = False
         if sys.platform.startswith("linux") and not any(
             os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
         ):
-            raise _no_display("neither DISPLAY nor WAYLAND_DISPLAY is set")
+            raise self._no_display("neither DISPLAY nor WAYLAND_DISPLAY is set")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        made_anew = Window, (self._title, self._fps, self._instead)  # as what pygame holds cannot be copied
+        return *made_anew, {"closed": self.closed}
 
     def show(self, picture: NDArray[np.uint8]) -> None:
         """Show a picture, scaled to the window, and wait until the next one is due."""
@@ -85,9 +93,12 @@ class Window:
             pygame.display.set_mode((max(int(width * scale), 1), max(int(height * scale), 1)), pygame.RESIZABLE)
         except pygame.error as error:
             pygame.display.quit()
-            raise _no_display(str(error)) from error
+            raise self._no_display(str(error)) from error
         pygame.display.set_caption(self._title)
         self._clock = pygame.time.Clock()
+
+    def _no_display(self, reason: str) -> InputError:
+        return InputError(f"expected a display to open a window on, got none ({reason}); {self._instead}")
 
     def _heed(self) -> None:
         """Handle events: close when the user asks for it."""
@@ -116,9 +127,3 @@ def load_pygame() -> Any:
             "pygame is not installed, which windows need; pip install 'indoor-explorers[render]'"
         ) from error
     return pygame
-
-
-def _no_display(reason: str) -> InputError:
-    return InputError(
-        f"expected a display to open a window on, got none ({reason}); use --save FILE.gif, or render_mode='rgb_array'"
-    )

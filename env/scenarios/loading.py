@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.scenarios.presets import PRESETS, scenario
 from indoor_explorers.env.scenarios.scenario import COMPARED, Scenario
 from indoor_explorers.env.scenarios.validation import read_toml, validated
@@ -15,7 +16,7 @@ from indoor_explorers.env.scenarios.validation import read_toml, validated
 def named_scenario(name: str, folder: Path | None = None) -> Scenario:
     """Return a preset by name, or the scenario of a ``.toml`` file, whose path may be relative to ``folder``."""
     if name.endswith(".toml"):
-        return load_scenario((folder or Path()) / name)
+        return load_scenario((folder or Path()) / expanded(name))
     if name not in PRESETS:
         raise InputError(f"unknown scenario {name!r} (expected a preset or a .toml file){did_you_mean(name, PRESETS)}")
     return PRESETS[name]
@@ -26,7 +27,7 @@ def load_scenario(path: str | Path) -> Scenario:
 
     Paths of map files in it are relative to the file.
     """
-    path = Path(path)
+    path = expanded(path)
     return scenario_from_table({"name": path.stem} | read_toml(path), str(path), path.parent)
 
 
@@ -53,7 +54,7 @@ def scenario_from_table(table: Mapping[str, Any], where: str, folder: Path) -> S
     data = dict(table)
     maps = data.get("map")
     if isinstance(maps, dict) and isinstance(maps.get("paths"), list):
-        data["map"] = maps | {"paths": [str(folder / str(one)) for one in maps["paths"]]}
+        data["map"] = maps | {"paths": [str(folder / expanded(str(one))) for one in maps["paths"]]}
     base = data.pop("preset", None)
     if base is None:
         return validated(Scenario, data, where)

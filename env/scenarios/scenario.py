@@ -115,16 +115,9 @@ class Scenario(Part):
     @cached_property
     def fingerprint(self) -> str:
         """A short canonical hash of the task; the name and where map files lie do not matter, their cells do."""
-        facts = self.model_dump(mode="json", exclude={"name", "map"}) | {"map": self.map.identity()}
-        for part, _, setting in (name.partition(".") for name in LATER):
-            default = type(self).model_fields[part].default
-            if setting and getattr(getattr(self, part), setting) == getattr(default, setting):
-                del facts[part][setting]
-            elif not setting and getattr(self, part) == default:
-                del facts[part]
         plugins = [part.custom for part in (self.lidar, self.radio) if part.custom is not None]
-        facts |= {"code": [source_hash(plugin) for plugin in plugins]} if plugins else {}
-        return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
+        facts = task_facts(self.model_dump(mode="json")) | {"map": self.map.identity()}
+        return hashed(facts | ({"code": [source_hash(plugin) for plugin in plugins]} if plugins else {}))
 
     def budget_for(self, reachable: int) -> int:
         """Return the step budget on a map with that many reachable free cells."""
@@ -163,6 +156,26 @@ class Scenario(Part):
         import tomli_w
 
         return tomli_w.dumps(self.model_dump(mode="json", exclude_none=True))
+
+
+def task_facts(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings of a task as JSON, its maps aside, without those of :data:`LATER` at their defaults.
+
+    So settings that an earlier version stored and equal ones of this version give the same.
+    """
+    facts = {key: value for key, value in settings.items() if key not in ("name", "fingerprint", "map")}
+    for part, _, setting in (name.partition(".") for name in LATER):
+        default = Scenario.model_fields[part].default.model_dump(mode="json")
+        if setting and part in facts and facts[part].get(setting) == default[setting]:
+            facts[part] = {key: value for key, value in facts[part].items() if key != setting}
+        elif facts.get(part) == default:
+            del facts[part]
+    return facts
+
+
+def hashed(facts: Mapping[str, Any]) -> str:
+    """Return the fingerprint of a task's facts: its :func:`task_facts`, the identity of its maps, and code."""
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _defaults_of(source: str) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import Action
-from indoor_explorers.env.policies.policy import Pilot, Policy, is_action
+from indoor_explorers.env.policies.policy import Pilot, Policy, is_action, no_action
 from indoor_explorers.env.simulation.world import World
 
 #: A UAV of a batch: (episode, agent).
@@ -45,7 +45,7 @@ def ask_pilots(policy: Policy, pilots: Mapping[Uav, Pilot], world: World) -> Ask
             actions = policy.act([pilots[uav] for uav in group], [world.view(*uav) for uav in group])
             for uav, action in zip(group, actions, strict=True):
                 if not is_action(action, world.scenario.actions):
-                    raise InputError(f"expected an action from 0 to {world.scenario.actions - 1}, got {action!r}")
+                    raise InputError(no_action(action, world.scenario.actions))
                 world.post(*uav, pilots[uav].message)
                 yield uav, action
 

@@ -7,7 +7,7 @@ goes through :class:`indoor_explorers.env.simulation.world.World`.
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +16,25 @@ from indoor_explorers.env.policies.view import MESSAGE_LIMIT
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.scenarios.scenario import LEAST_BUDGET, Scenario
 
+#: A named tuple of arrays.
+Arrays = TypeVar("Arrays", bound=tuple[NDArray[Any], ...])
+
 
 class End(IntEnum):
     """Why an agent's episode ended; ``BUDGET`` is a truncation, all others are terminations."""
 
     FLYING = 0
+    """It has not ended."""
     GOAL = 1
+    """The goal coverage is reached."""
     COLLISION = 2
+    """It flew into an obstacle."""
     OUT_OF_BOUNDS = 3
+    """It flew off the map."""
     STUCK = 4
+    """It went on without a discovery or between the same cells for too long, as the rule ``stuck`` says."""
     BUDGET = 5
+    """All steps are flown."""
     STOPPED = 6
     """It failed, see :mod:`indoor_explorers.env.simulation.failures`."""
 
@@ -286,3 +295,9 @@ def empty_state(
         base_contact=zeros(np.bool_, n),
         base_step=zeros(i8, n),
     )
+
+
+def copied(arrays: Arrays) -> Arrays:
+    """Return a named tuple with arrays of its own; an array that it has twice, its copy has twice."""
+    copies = {id(array): array.copy() for array in arrays}
+    return type(arrays)(*(copies[id(array)] for array in arrays))

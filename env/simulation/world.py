@@ -6,12 +6,13 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, read_only
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.policies.policy import integers
 from indoor_explorers.env.policies.view import Briefing, Mate, Message, View, message_numbers
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.sensing.lidar import lidar_model
@@ -21,8 +22,8 @@ from indoor_explorers.env.simulation.preparation import Preparation, Prepared
 from indoor_explorers.env.simulation.prior_map import prior_map
 from indoor_explorers.env.simulation.reset import start_episodes
 from indoor_explorers.env.simulation.slam.model import UncertainModel
-from indoor_explorers.env.simulation.slam.state import Slam
-from indoor_explorers.env.simulation.state import End, State, empty_state, rules_of
+from indoor_explorers.env.simulation.slam.state import Slam, empty_slam
+from indoor_explorers.env.simulation.state import End, State, copied, empty_state, rules_of
 from indoor_explorers.env.simulation.step import advance, are_actions
 from indoor_explorers.env.simulation.threads import Threads
 
@@ -48,17 +49,51 @@ class World:
         self.begun = np.zeros(batch, np.int64)
         """(B,) number of episodes begun in each place of the batch."""
         self._floorplans: list[Floorplan | None] = [None] * batch
-        self._priors: dict[int, Belief] = {}
-        """Prior maps of the episodes that were asked for theirs."""
-        self._models: CustomModels | UncertainModel | None = CustomModels.of(scenario)
         self.slam: Slam | None = None
         """Scans, estimated poses and maps of log-odds, for reading; None where sensors and poses are exact."""
-        self._threads = Threads(max(1, min(threads, batch)))
-        self._preparation = Preparation(scenario, batch, self._threads)
-        self._engines: list[Engine] = []
         self._state: State | None = None
+        self._complete(threads)
+
+    def _complete(self, threads: int) -> None:
+        """Make the attributes that a copy makes anew."""
+        self._priors: dict[int, Belief] = {}
+        """Prior maps of the episodes that were asked for theirs."""
         self._shown: dict[tuple[int, int], tuple[Belief, Mask, Mask]] = {}
         """Belief, legal moves and visited cells of each (episode, agent) that was viewed."""
+        self._models: CustomModels | UncertainModel | None = CustomModels.of(self.scenario)
+        self._threads = Threads(max(1, min(threads, self.batch)))
+        self._preparation = Preparation(self.scenario, self.batch, self._threads)
+        self._engines: list[Engine] = []
+        if self._state is not None:
+            self._bind(self._state)
+
+    def copy(self) -> World:
+        """Return an independent world at the same step of the same episodes.
+
+        Both have the same future as long as they are given the same actions and messages: order of moves, contacts,
+        failures, noise and drift. ``copy.deepcopy`` does the same; ``pickle`` saves a world in the same way. Neither
+        includes pilots, encoders or :class:`~indoor_explorers.env.observations.incremental.LivePlanes`.
+        """
+        twin = object.__new__(type(self))
+        twin.__setstate__(self.__getstate__())
+        return twin
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> World:
+        return self.copy()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the arrays and settings; what compiled code holds is made anew from them."""
+        kept = ("scenario", "_told", "batch", "seeds", "begun", "_floorplans", "slam", "_state")
+        return {name: getattr(self, name) for name in kept} | {"threads": self._threads.count}
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        """Take over what :meth:`__getstate__` returned, in lists and arrays of its own."""
+        threads = kept.pop("threads")
+        self.__dict__ |= kept
+        self.seeds, self._floorplans, self.begun = self.seeds[:], self._floorplans[:], self.begun.copy()
+        self._state = None if self._state is None else copied(self._state)
+        self.slam = None if self.slam is None else copied(self.slam)
+        self._complete(threads)
 
     @property
     def state(self) -> State:
@@ -139,11 +174,16 @@ class World:
         exists, uncertain = self.scenario.base.exists, self.scenario.uncertain
         self._state = empty_state(self.batch, self.scenario.team, shape, window, base=exists, uncertain=uncertain)
         if uncertain:
-            self._models = model = UncertainModel(self.scenario, self.batch, shape)
-            self.slam = model.slam
+            self.slam = empty_slam(self.scenario, self.batch, shape)
+        self._bind(self._state)
+
+    def _bind(self, state: State) -> None:
+        """Hand the arrays over to compiled code, once for each thread."""
+        if self.slam is not None:
+            self._models = UncertainModel(self.scenario, self.slam)
         rules, lidar = rules_of(self.scenario), lidar_model(self.scenario.lidar.range, self.scenario.lidar.model)
         self._engines = [
-            bind(rules, self._state, lidar, new_work(lidar, self.scenario.team)) for _ in range(self._threads.count)
+            bind(rules, state, lidar, new_work(lidar, self.scenario.team)) for _ in range(self._threads.count)
         ]
 
     def floorplan(self, episode: int) -> Floorplan:
@@ -162,7 +202,7 @@ class World:
             self._priors[episode] = read_only(made)
         return self._priors[episode]
 
-    def step(self, actions: NDArray[np.integer[Any]], then: Callable[[Engine, int, int], object] | None = None) -> None:
+    def step(self, actions: ArrayLike, then: Callable[[Engine, int, int], object] | None = None) -> None:
         """Advance all running episodes by one step; ``actions`` is (B, N), those of ended agents are ignored.
 
         ``then(engine, first, last)`` is called for each share of the episodes in the thread that has stepped it.
@@ -179,16 +219,17 @@ class World:
 
         self.in_slices(work)
 
-    def checked_actions(self, actions: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
-        """Return (B, N) actions as int64, refusing another shape and numbers that are no actions."""
-        checked = np.ascontiguousarray(actions, np.int64)
+    def checked_actions(self, actions: ArrayLike) -> NDArray[np.int64]:
+        """Return (B, N) actions as int64, refusing another shape and what is no action."""
+        count = self.scenario.actions
+        checked = np.ascontiguousarray(integers(actions, count), np.int64)
         if checked.shape != self.state.end.shape:
             raise InputError(
                 f"expected actions of shape {self.state.end.shape} (episodes, agents), got {checked.shape}"
             )
-        if not are_actions(checked, self.scenario.actions):
-            last = self.scenario.actions - 1
-            raise InputError(f"expected actions from 0 to {last}, got {int(checked.min())} to {int(checked.max())}")
+        if not are_actions(checked, count):
+            least, most = int(checked.min()), int(checked.max())
+            raise InputError(f"expected actions from 0 to {count - 1}, got {least} to {most}")
         return checked
 
     def in_slices(self, work: Callable[[Engine, int, int], object]) -> None:

@@ -2,6 +2,6 @@
 
 import sys
 
-from indoor_explorers.evaluation.cli.parser import main
+from indoor_explorers.evaluation.cli import main
 
 sys.exit(main())

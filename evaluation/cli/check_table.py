@@ -58,7 +58,7 @@ def print_findings(console: Console, findings: Sequence[Finding]) -> None:
         table.add_row(_mark(finding, console.options.ascii_only), Text(finding.name), _found(finding))
     console.print(Padding(table, (0, 0, 1, _INDENT), expand=False), highlight=False)
     passed, seconds = sum(finding.passed for finding in findings), sum(finding.seconds for finding in findings)
-    style = "bold green" if passed == len(findings) else "bold red"
+    style = "bold red" if any(finding.error for finding in findings) else "bold green"
     summary = Text(f"{passed} of {len(findings)} checks passed", style=style).append(
         f" in {seconds:.1f} s", style="dim"
     )

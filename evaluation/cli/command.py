@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from indoor_explorers.env.errors import debugging as debugging
 from indoor_explorers.evaluation.experiment.request import Request
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-#: Characters of a line where the output is not a terminal.
-PLAIN_WIDTH = 120
+    from indoor_explorers.evaluation.cli.console import PlainConsole
+
 #: What Ctrl-C says, unless a command says something else.
 KEPT = "what is finished is kept, and the same command goes on from there"
 
@@ -39,17 +39,11 @@ class Command(Generic[Options]):
         return self.run(self.options(**given), typed)
 
 
-def debugging() -> bool:
-    """Return whether errors are shown with their traceback."""
-    return bool(os.environ.get("INDOOR_EXPLORERS_DEBUG"))
-
-
-def make_console() -> Console:
+def make_console() -> PlainConsole:
     """Return the console that commands print to."""
-    from rich.console import Console
+    from indoor_explorers.evaluation.cli.console import PlainConsole
 
-    console = Console()
-    return console if console.is_terminal else Console(width=PLAIN_WIDTH)
+    return PlainConsole()
 
 
 def print_line(console: Console, line: str, style: str | None = None) -> None:

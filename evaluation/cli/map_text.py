@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 
@@ -15,12 +16,17 @@ from indoor_explorers.env.maps.reduction import Source, reduced, settled
 #: What marks the start in a picture.
 START = "S"
 
+#: The share of the free area from which on a map loses no suspicious part, and a usual map's cells along a side.
+LEAST_KEPT, USUAL_SIDE = 0.5, 100
+#: Endings of pictures, which have no scale.
+PICTURES = (".png", ".pgm", ".pnm", ".bmp")
+
 #: The dot of a braille pattern (U+2800 on) for each of its 4 x 2 places.
 _DOTS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
 
 
 def facts(floorplan: Floorplan) -> str:
-    """Return one line about a map: size, resolution, free area, connected share, share kept, start."""
+    """Return one line about a map: size, resolution, free area, share connected before the cut, share kept, start."""
     free = int((floorplan.truth == FREE).sum())
     scale, area = "no scale", f"{free} free"
     if floorplan.resolution:
@@ -29,9 +35,31 @@ def facts(floorplan: Floorplan) -> str:
     start = "" if floorplan.start is None else f"; start at {floorplan.start}"
     return (
         f"{floorplan.name}: {floorplan.shape[0]} x {floorplan.shape[1]} cells, {scale}, {area}, "
-        f"{floorplan.main_part.sum() / free:.1%} of them connected; "
-        f"{floorplan.kept:.1%} of the source's free area kept{start}"
+        f"{min(floorplan.connected, floorplan.main_part.sum() / free):.1%} of the source's free area connected, "
+        f"{floorplan.kept:.1%} kept{start}"
     )
+
+
+def cautions(floorplan: Floorplan, path: Path | None = None, resolution: float | None = None) -> list[str]:
+    """Return a line for each thing about a map that may not be as meant.
+
+    Args:
+        floorplan: the map.
+        path: its file; None where it is from none.
+        resolution: the metres per cell that were asked for.
+
+    """
+    lines = [*floorplan.notes]
+    if floorplan.kept < LEAST_KEPT:
+        lines.append(
+            f"{floorplan.name}: only {floorplan.kept:.1%} of the free area is left, the largest connected part: is it "
+            "a map, are its doors open, is --resolution fine enough?"
+        )
+    if path is not None and path.suffix.lower() in PICTURES:
+        lines.append(f"{path.name}: a picture has no scale: a pixel is taken for 1 m")
+        if resolution is None and (factor := math.ceil(max(floorplan.shape) / USUAL_SIDE)) > 1:
+            lines[-1] += f"; --resolution {factor} makes {USUAL_SIDE} cells or fewer of each side"
+    return lines
 
 
 def picture(floorplan: Floorplan, width: int) -> str:

@@ -11,7 +11,15 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from indoor_explorers.env.errors import InputError, PolicyError, RunError, described, did_you_mean, one_line
+from indoor_explorers.env.errors import (
+    LONGEST_LINE,
+    InputError,
+    PolicyError,
+    RunError,
+    described,
+    did_you_mean,
+    one_line,
+)
 from indoor_explorers.evaluation.cli.arguments import add_options
 from indoor_explorers.evaluation.cli.command import KEPT, Command, debugging
 from indoor_explorers.evaluation.cli.commands import COMMANDS
@@ -20,8 +28,6 @@ from indoor_explorers.evaluation.cli.commands import COMMANDS
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 #: Shells that scripts for completion are written for.
 SHELLS = ("bash", "zsh", "tcsh")
-#: Characters of an error's line.
-LONGEST_LINE = 2000
 #: What the system says when a file finds no room: full disk, full quota, file too large.
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 

@@ -148,7 +148,7 @@ class Show:
 
     def in_window(self, fps: float | None) -> None:
         """Show every step in a window, and the last one until the window is closed; closing it ends the flights."""
-        window = Window(self._title, fps if fps is not None else FPS[0])
+        window = Window(self._title, fps if fps is not None else FPS[0], "use --save FILE.gif")
         try:
             for going in self._moments():
                 if going:

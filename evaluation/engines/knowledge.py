@@ -1,19 +1,25 @@
-"""Checks plug-in policies for knowledge that they may not have, each in a process of its own."""
+"""Checks plug-in policies for knowledge that they may not have before they fly.
+
+The checks are flown by this process; the policy decides in a process of its own, where nothing judges it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 from typing import Any
 
+from indoor_explorers.env import InputError
+from indoor_explorers.env.conformance import failed_check
+from indoor_explorers.env.errors import PolicyError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.engines.loading import AT_ONCE, PolicyLoader
 from indoor_explorers.evaluation.engines.policy_handle import ProcessEnded
-from indoor_explorers.evaluation.experiment.experiment import Experiment, PolicyChoice
+from indoor_explorers.evaluation.engines.remote_policy import RemotePolicy
+from indoor_explorers.evaluation.experiment.experiment import Experiment, Job
 from indoor_explorers.evaluation.experiment.limits import Limits, limits_for
 from indoor_explorers.evaluation.results.policy_version import version_difference
 
-#: Seconds after which a policy stays unchecked.
+#: Seconds of deciding after which a policy stays unchecked.
 TIME_LIMIT = 10.0
 
 Facts = dict[str, Any]
@@ -37,7 +43,10 @@ def with_failed_checks(
         for choice in experiment.policies
         if choice.name not in found and not about[choice.name]["privileged"] and not is_own_policy(choice.use)
     ]
-    answers = loader.of_each(unknown, partial(_failed_check, loader))
+    answers = loader.of_each(
+        unknown,
+        lambda choice: _failed_check(loader, Job(choice, experiment.scenarios[0], ()), about[choice.name]),
+    )
     found |= {
         choice.name: {"failed_check": answer}
         for choice, answer in zip(unknown, answers, strict=True)
@@ -46,11 +55,12 @@ def with_failed_checks(
     return {name: facts | found.get(name, {}) for name, facts in about.items()}
 
 
-def _failed_check(loader: PolicyLoader, choice: PolicyChoice) -> str | None:
+def _failed_check(loader: PolicyLoader, job: Job, facts: Facts) -> str | None:
     """Return which check a policy fails, empty for none; None if it takes too long or ends its process."""
     limits = Limits(TIME_LIMIT, limits_for(AT_ONCE, None, None).memory)
     try:
-        answer = loader.process(choice, limits).ask("failed_check", choice)
-    except ProcessEnded:
+        policy = RemotePolicy.of(loader.process(job.policy, limits), job, facts, TIME_LIMIT)
+    except (ProcessEnded, InputError, PolicyError):
         return None
-    return answer if isinstance(answer, str) else None
+    found = failed_check(policy)
+    return None if policy.ended or policy.unjudged else found

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Self, TypeVar
 
 from indoor_explorers.env import InputError
+from indoor_explorers.env.errors import LONGEST, one_line
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.engines.policy_handle import PolicyHandle, ProcessEnded
 from indoor_explorers.evaluation.engines.policy_process import LOADING
@@ -14,7 +15,7 @@ from indoor_explorers.evaluation.engines.process_handle import ProcessExit
 from indoor_explorers.evaluation.episodes.shared_clock import overdue_reason
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits
-from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
+from indoor_explorers.evaluation.experiment.policy_facts import checked_facts, policy_facts
 
 #: Policies that are asked at the same time.
 AT_ONCE = 2
@@ -81,10 +82,13 @@ class PolicyLoader:
             answer = self.process(choice, self._limits).ask("facts", choice)
         except ProcessEnded as ended:
             raise InputError(_died(choice, ended.how, self._limits)) from ended
-        if "refused" in answer:
-            raise InputError(answer["refused"])
-        facts: dict[str, Any] = answer["facts"]
-        return facts
+        told = answer if isinstance(answer, dict) else {}
+        if isinstance(refused := told.get("refused"), str):
+            raise InputError(one_line(refused, 3 * LONGEST))
+        try:
+            return checked_facts(told.get("facts"), choice.use)
+        except InputError as error:
+            raise InputError(f"policy {choice.name!r}: {error}; correct it or leave it out") from error
 
 
 def key_of(choice: PolicyChoice) -> Key:

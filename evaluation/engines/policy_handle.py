@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import pickle
+import time
 from typing import Any
 
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.engines.policy_process import serve_policy
-from indoor_explorers.evaluation.engines.process_handle import STARTS, ProcessExit, ProcessHandle
+from indoor_explorers.evaluation.engines.process_handle import STARTS, UNREADABLE, ProcessExit, ProcessHandle
 from indoor_explorers.evaluation.episodes.shared_views import SharedViews
 from indoor_explorers.evaluation.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.experiment.limits import Limits
-
-#: The most bytes of an answer.
-LONGEST = 100_000_000
-#: Why an episode fails whose policy made its process answer in another way than it has to.
-UNREADABLE = "the process of the policy sent an answer that cannot be read"
 
 
 class ProcessEnded(Exception):
@@ -34,6 +29,8 @@ class PolicyHandle(ProcessHandle):
 
     def __init__(self, limits: Limits) -> None:
         self.views = SharedViews()
+        self.seconds = 0.0
+        """Seconds from the latest question to its answer."""
         super().__init__(limits, self.views, serve_policy)
 
     @classmethod
@@ -68,19 +65,23 @@ class PolicyHandle(ProcessHandle):
             ProcessEnded: the process ended, or was killed as it exceeded a limit.
 
         """
-        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
-            self._connection.send_bytes(pickle.dumps((question, *arguments), pickle.HIGHEST_PROTOCOL))
-        return self.answer()
+        first = arguments[0] if arguments else None
+        # a decision for each UAV or episode, and one for what is deleted before
+        self._stopwatch.ask(1 + (len(first) if isinstance(first, (list, dict)) else 1))
+        asked = time.monotonic()
+        self._channel.send(pickle.dumps((question, *arguments), pickle.HIGHEST_PROTOCOL))
+        answer = self.answer()
+        self.seconds = time.monotonic() - asked
+        return answer
 
     def answer(self) -> Any:
         """Wait for the next answer; see :meth:`ask`."""
-        if (ended := self._await_message()) is not None:
-            raise ProcessEnded(ended)
+        message = self._await_message()
+        if isinstance(message, ProcessExit):
+            raise ProcessEnded(message)
         try:
-            return json.loads(self._connection.recv_bytes(LONGEST))
-        except (EOFError, ConnectionResetError) as error:
-            raise ProcessEnded(self._exit()) from error
-        except (OSError, ValueError, RecursionError) as error:
+            return json.loads(message)
+        except (ValueError, RecursionError) as error:
             raise self.unreadable() from error
 
     def unreadable(self) -> ProcessEnded:

@@ -14,12 +14,12 @@ from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import Any
 
-from indoor_explorers.env import Briefing, InputError, Policy, View, make_policy
+from indoor_explorers.env import Briefing, InputError, Policy, View
 from indoor_explorers.env.errors import PolicyError
 from indoor_explorers.env.grid.arrays import Cell, read_only
 from indoor_explorers.env.policies.view import Mate
 from indoor_explorers.env.simulation.rollout import Uav
-from indoor_explorers.evaluation.engines.serving import begin_serving, die_with_parent_thread
+from indoor_explorers.evaluation.engines.serving import begin_serving
 from indoor_explorers.evaluation.episodes.failures import BREAKING, describe_error
 from indoor_explorers.evaluation.episodes.pilots import BatchFailed, Decision, LocalPilots, Tallies, any_briefing
 from indoor_explorers.evaluation.episodes.shared_clock import DecisionTimeout
@@ -40,8 +40,7 @@ def serve_policy(connection: Connection, views: SharedViews, parent: int) -> Non
     A question is the name of a method of :class:`PolicyServer` and its arguments. When the parent is gone, no code of
     a policy is run any more.
     """
-    die_with_parent_thread()
-    begin_serving(views.clock, parent)
+    begin_serving(views.clock, connection, parent)
     server = PolicyServer(views)
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
         connection.send_bytes(b"null")
@@ -68,19 +67,6 @@ class PolicyServer:
         except BaseException as error:
             return {"refused": _not_loaded(choice, error)}
         return {"facts": facts}
-
-    def failed_check(self, choice: PolicyChoice) -> str | None:
-        """Return which check for hidden knowledge a policy fails, empty for none, None if it cannot be checked.
-
-        This counts as one decision, before which the world has been compiled.
-        """
-        from indoor_explorers.env.conformance import failed_check
-
-        failed_check(make_policy("random"))
-        with contextlib.suppress(BaseException), self._clock:
-            self._policy = self._policy or choice.make()
-            return failed_check(self._policy)
-        return None
 
     def load(self, choice: PolicyChoice) -> dict[str, str]:
         """Make a policy; return why it is refused, or why it failed; empty if it is there."""

@@ -17,6 +17,9 @@ from indoor_explorers.evaluation.episodes.pilots import BatchFailed, Decision, T
 from indoor_explorers.evaluation.episodes.tallies import PREFIX, mean_tallies
 from indoor_explorers.evaluation.experiment.experiment import Job
 
+#: Seconds by which what a process tells of its decisions may exceed the time from the question to the answer.
+TOLERANCE = 0.01
+
 
 class RemotePilots:
     """The pilots of an isolated policy: see :class:`~indoor_explorers.evaluation.episodes.pilots.Pilots`.
@@ -67,7 +70,11 @@ class RemotePilots:
             if answers is None and len({episode for episode, _ in views}) > 1:
                 raise BatchFailed
             pairs = zip(views, answers, strict=True)
-            return {uav: _decision(self._actions, *answer) for uav, answer in pairs if answer is not None}
+            decided = {uav: _decision(self._actions, *answer) for uav, answer in pairs if answer is not None}
+            told, measured = sum(each.seconds for each in decided.values()), self._process.seconds
+            if told > measured + TOLERANCE:
+                raise ValueError(f"expected decisions of at most {measured:.3g} s, got {told:.3g} s")
+            return decided
 
     def tally(self, episodes: Collection[int]) -> dict[int, Tallies | str]:
         """Return the statistics of episodes that have ended, or the reason of a failure."""

@@ -14,6 +14,7 @@ from multiprocessing.connection import Connection
 
 from indoor_explorers.env import Briefing, InputError, Pilot, Policy
 from indoor_explorers.env.errors import RunError
+from indoor_explorers.evaluation.engines.keeper import MOST_PROCESSES
 from indoor_explorers.evaluation.engines.policy_handle import PolicyHost, ProcessEnded
 from indoor_explorers.evaluation.engines.remote_pilots import RemotePilots
 from indoor_explorers.evaluation.engines.serving import begin_serving
@@ -32,7 +33,7 @@ def serve(connection: Connection, buffer: SharedStepBuffer, driver: int, limits:
     A policy that is to be isolated flies in a process of its own, to which ``limits`` apply; where that process ends,
     its :class:`~.process_handle.ProcessExit` is sent.
     """
-    begin_serving(buffer.clock, driver)
+    begin_serving(buffer.clock, connection, driver, most=2 * MOST_PROCESSES)
     host = PolicyHost(limits)
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver is gone
         connection.send(None)

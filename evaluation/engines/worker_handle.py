@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
+import pickle
+import sys
 from typing import Any
 
-from indoor_explorers.evaluation.engines.process_handle import ProcessHandle
+from indoor_explorers.env.policies.registry import is_own_policy
+from indoor_explorers.evaluation.engines.process_handle import ProcessExit, ProcessHandle
 from indoor_explorers.evaluation.engines.worker import serve
 from indoor_explorers.evaluation.episodes.shared_steps import SharedStepBuffer
 from indoor_explorers.evaluation.episodes.steps import Steps
@@ -18,23 +20,26 @@ class WorkerHandle(ProcessHandle):
 
     def __init__(self, limits: Limits) -> None:
         self._buffer = SharedStepBuffer()
-        super().__init__(limits, self._buffer, serve, limits)
+        self._loaded = False
+        """Whether it holds a policy from outside this package."""
+        super().__init__(limits, self._buffer, serve, limits, longest=sys.maxsize)
 
     def send(self, job: Job) -> None:
         """Send a job, and clear the steps of the one before; a dead worker is ignored here."""
         self._jobs += 1
         self._buffer.begin()
-        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
-            self._connection.send(job)
+        self._loaded |= not job.isolated and not is_own_policy(job.policy.use)
+        self._channel.send(pickle.dumps(job, pickle.HIGHEST_PROTOCOL))
 
     def receive(self) -> Any:
         """Wait for its next message and return it, or its :class:`ProcessExit`; enforce the limits meanwhile."""
-        if (ended := self._await_message()) is not None:
-            return ended
-        try:
-            return self._connection.recv()
-        except (EOFError, ConnectionResetError):
-            return self._exit()
+        message = self._await_message()
+        return message if isinstance(message, ProcessExit) else pickle.loads(message)
+
+    @property
+    def _counted(self) -> set[int]:
+        """It, with what a policy started there; the process of an isolated policy has a limit of its own."""
+        return super()._counted if self._loaded else {self._server or self._process.pid}
 
     def steps(self, team: int, base: bool = False) -> Steps:
         """Return the steps of the single episode that it flies or flew last, with a home base or not."""

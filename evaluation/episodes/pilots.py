@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 
 from indoor_explorers.env import Briefing, InputError, Pilot, Policy, View
 from indoor_explorers.env.grid.cells import Action
-from indoor_explorers.env.policies.policy import is_action
+from indoor_explorers.env.policies.policy import is_action, no_action
 from indoor_explorers.env.policies.view import Message, message_numbers
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.episodes.failures import BREAKING, describe_error
@@ -159,4 +159,4 @@ def checked_action(answer: object, count: int = 5) -> int:
         action = operator.index(answer)
         if 0 <= action < count:
             return action
-    raise InputError(f"expected an action from 0 to {count - 1}, got {answer!r}")
+    raise InputError(no_action(answer, count))

@@ -20,10 +20,13 @@ AXES = {"steps": "steps", "distance": "cells", "seconds": "s", "bytes": "bytes"}
 
 #: Signals that may come from outside, such as from the system when it is short of memory.
 FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
-#: How the reasons of failures begin whose process was killed, or used too much memory.
-KILLED, TOO_MUCH_MEMORY = "the process of the policy was killed by signal", "worker used more than"
+#: How the reasons of failures begin whose process was killed or stopped, or used too much memory.
+KILLED, STOPPED, TOO_MUCH_MEMORY = (
+    *("the process of the policy was killed by signal", "the process of the policy was stopped"),
+    "worker used more than",
+)
 #: How the reasons of failures begin that may be the machine's.
-OF_THE_MACHINE = (*(f"{KILLED} {int(number)} " for number in FROM_OUTSIDE), TOO_MUCH_MEMORY)
+OF_THE_MACHINE = (*(f"{KILLED} {int(number)} " for number in FROM_OUTSIDE), STOPPED, TOO_MUCH_MEMORY)
 
 
 class Outcome(StrEnum):

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
-from indoor_explorers.env import Scenario, World
+from indoor_explorers.env import InputError, Scenario, World
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.stored_names import MODELS, refusal
 
 
-def recorded_scenario(settings: Mapping[str, Any]) -> Scenario:
-    """Return a stored scenario; its map source is left out, since records bring their own maps."""
+def recorded_scenario(settings: Mapping[str, Any], plugins: Collection[str] = ()) -> Scenario:
+    """Return a stored scenario; its map source is left out, since records bring their own maps.
+
+    Raises:
+        InputError: it is no scenario, or has a lidar or radio from outside this package that is not in ``plugins``.
+
+    """
+    if why := refusal(settings, plugins, MODELS):
+        raise InputError(f"stored scenario {settings.get('name')!r}: {why}")
     kept = {key: value for key, value in settings.items() if key not in ("fingerprint", "map")}
     return validated(Scenario, kept, f"stored scenario {kept.get('name')!r}")
 

@@ -9,9 +9,10 @@ import time
 from multiprocessing.reduction import DupFd
 from typing import Any, Self
 
-#: Places in the first page: when the current decision began, when the one that takes too long began (0 for none), and
-#: the limit in seconds that it exceeds.
-ASKED, OVERDUE, LIMIT = 0, 1, 2
+#: Places in the first page: when the current decision began, when the one that takes too long began (0 for none), the
+#: limit in seconds that it exceeds, the number of decisions that have ended, seconds spent with compiling, and since
+#: when it is compiled (0 for not now).
+ASKED, OVERDUE, LIMIT, ENDED, COMPILED, COMPILING = range(6)
 
 
 class DecisionTimeout(BaseException):
@@ -21,22 +22,48 @@ class DecisionTimeout(BaseException):
 class Clock:
     """Notes when a call of a policy began; use as a context manager around every such call.
 
-    Times are seconds of :func:`time.monotonic`, which is the same in every process of a machine.
+    Times are seconds of :func:`time.monotonic`, which is the same in every process of a machine. What a policy's
+    process notes there is believed only as far as :class:`~indoor_explorers.evaluation.engines.stopwatch.Stopwatch`
+    finds it possible.
     """
 
     def __init__(self, memory: bytearray | mmap.mmap | None = None) -> None:
-        self._times = memoryview(bytearray(24) if memory is None else memory)[:24].cast("d")
+        self._times = memoryview(bytearray(48) if memory is None else memory)[:48].cast("d")
+        self.process: int | None = None
+        """The process whose copies, made by a policy that forked it, end with the policy's call; None for no such."""
 
     def __enter__(self) -> None:
         self._times[ASKED] = time.monotonic()
 
     def __exit__(self, *error: object) -> None:
+        if self.process is not None and os.getpid() != self.process:
+            os._exit(1)
         self._times[ASKED] = 0.0
+        self._times[ENDED] += 1.0
 
     @property
     def asked(self) -> float:
         """When the current decision began, 0 while there is none."""
         return self._times[ASKED]
+
+    @property
+    def ended(self) -> float:
+        """How many decisions have ended."""
+        return self._times[ENDED]
+
+    @property
+    def compiled(self) -> float:
+        """Seconds spent with compiling so far."""
+        since = self._times[COMPILING]
+        return self._times[COMPILED] + (time.monotonic() - since if since else 0.0)
+
+    def begin_compiling(self) -> None:
+        """Note that something is compiled from now on."""
+        self._times[COMPILING] = time.monotonic()
+
+    def end_compiling(self) -> None:
+        """Note that this has ended."""
+        self._times[COMPILED], self._times[COMPILING] = self.compiled, 0.0
 
     def mark_overdue(self, asked: float, limit: float) -> None:
         """Note that the decision that began at ``asked`` takes longer than ``limit`` seconds."""

@@ -14,6 +14,9 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from indoor_explorers.env import InputError, Policy, Scenario, make_policy
 from indoor_explorers.env.scenarios.validation import validated
 
+#: By which share a mean time may exceed another for the two to count as equally good, where nothing else is declared.
+MARGIN = 0.05
+
 
 class Task(NamedTuple):
     """One episode to be flown by every policy."""
@@ -88,6 +91,8 @@ class Experiment(BaseModel):
     """Seeds flown on each map."""
     seed: int = Field(0, ge=0, lt=2**62)
     """First seed; episode k has seed + k."""
+    margin: float = Field(MARGIN, ge=0, lt=1)
+    """By which share a mean time may exceed another for the two to count as equally good; 0 for no such statement."""
 
     @field_validator("policies", "scenarios")
     @classmethod
@@ -123,6 +128,12 @@ class Experiment(BaseModel):
         return tomli_w.dumps(data)
 
 
+def declared_margin(text: str) -> float:
+    """Return the margin of an experiment in TOML, the default where it has none."""
+    margin = tomllib.loads(text).get("margin", MARGIN)
+    return float(margin) if isinstance(margin, (int, float)) and 0 <= margin < 1 else MARGIN
+
+
 def merged_experiments(texts: Sequence[str]) -> str:
     """Return one experiment in TOML for all runs of a store, given that of each run in TOML, oldest first.
 
@@ -143,11 +154,12 @@ def build_experiment(
     *,
     episodes: int | None = None,
     seed: int | None = None,
+    margin: float | None = None,
     settings: Mapping[str, Any],
 ) -> Experiment:
     """Build an experiment from scenarios, with ``settings`` applied to each of them, see :func:`with_sweeps`."""
     flown = tuple(variant for scenario in scenarios for variant in with_sweeps(scenario, settings))
-    numbers = {"episodes": episodes, "seed": seed}
+    numbers = {"episodes": episodes, "seed": seed, "margin": margin}
     given = {name: value for name, value in numbers.items() if value is not None}
     return validated(Experiment, {"policies": tuple(policies), "scenarios": flown, **given}, "experiment")
 

@@ -14,7 +14,10 @@ from indoor_explorers.evaluation.experiment.selection import chosen_policies, ch
 from indoor_explorers.evaluation.experiment.suite_tasks import refuse_without_suite, suite_experiment
 
 #: Keys of an experiment file, and the fields of a request that they fill.
-KEYS = {"policies": "policies", "scenarios": "scenario", "episodes": "episodes", "seed": "seed", "set": "settings"}
+KEYS = {
+    **{name: name for name in ("policies", "episodes", "seed", "margin")},
+    **{"scenarios": "scenario", "set": "settings"},
+}
 #: The folder of the experiments that ship.
 SHIPPED = Path(__file__).parents[1] / "experiments"
 
@@ -32,8 +35,9 @@ def plan(request: ComparisonRequest) -> Experiment:
     path = None if request.experiment is None else experiment_file(request.experiment)
     file = ComparisonRequest() if path is None else read_experiment(path)
     policies = chosen_policies(request.policies, file.policies)
+    margin = file.margin if request.margin is None else request.margin
     if request.suite is not None:
-        return suite_experiment(request, policies)
+        return suite_experiment(request, policies, margin)
     refuse_without_suite(request)
     team = {} if request.team is None else {"team": request.team}
     return build_experiment(
@@ -41,6 +45,7 @@ def plan(request: ComparisonRequest) -> Experiment:
         _scenarios(request, file, Path() if path is None else path.parent),
         episodes=file.episodes if request.episodes is None else request.episodes,
         seed=file.seed if request.seed is None else request.seed,
+        margin=margin,
         settings={**file.settings, **request.settings, **team},
     )
 

@@ -5,21 +5,77 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any, cast
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from indoor_explorers.env import InputError, Policy
+from indoor_explorers.env.errors import one_line
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.suites.catalogue import digests_of
+from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.experiment.sources import outside_files
 
 #: Facts that no provenance may name, besides those that identify a policy.
 DERIVED = (
     *("defaults", "hash", "uses_generator", "batched", "failed_check", "isolated", "seen_seeds", "seen_maps"),
-    "plans_for",
+    *("plans_for", "flown_again", "map_shape"),
 )
 #: Characters of what a policy says it plans for.
 LONGEST_AIM = 80
+#: Characters of any other text among the facts, and of all facts together.
+LONGEST_FACT, LONGEST_FACTS = 100_000, 10_000_000
+#: Characters that no fact has: they move the cursor, colour or reverse text, or are not valid UTF-8.
+_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+
+
+def _plain(text: str) -> str:
+    if _CONTROL.search(text):
+        raise ValueError("expected no control characters")
+    return text
+
+
+Text = Annotated[str, Field(max_length=LONGEST_FACT), AfterValidator(_plain)]
+Seeds = Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=2, max_length=2)]
+
+
+class _Facts(BaseModel):
+    """What facts have to be, wherever they come from; all others are texts that a policy says of itself."""
+
+    model_config = ConfigDict(strict=True, extra="allow")
+    __pydantic_extra__: dict[Text, Text]
+    use: Text
+    kind: Text = Field(alias="class")
+    privileged: bool
+    parameters: dict[Text, Text]
+    sources: dict[Text, Text]
+    defaults: dict[Text, Text]
+    hash: Annotated[str, Field(pattern="^[0-9a-f]{16}$")]
+    uses_generator: bool
+    batched: bool
+    plans_for: Annotated[Text, Field(max_length=LONGEST_AIM)] = ""
+    seen_seeds: dict[Text, list[Seeds]] = {}
+    seen_maps: dict[Text, list[Text]] = {}
+    map_shape: Annotated[list[Annotated[int, Field(gt=0)]], Field(min_length=2, max_length=2)] | None = None
+
+
+def checked_facts(told: object, use: str) -> dict[str, Any]:
+    """Return the facts of a policy as they were told, if they are what they have to be.
+
+    Raises:
+        InputError: they are not, or are those of another one than ``use``.
+
+    """
+    try:
+        facts = validated(_Facts, cast(dict[str, Any], told), "the facts of a policy")
+    except InputError as error:
+        raise InputError(one_line(str(error))) from error
+    assert isinstance(told, dict)
+    if facts.use != use or len(json.dumps(told)) > LONGEST_FACTS:
+        raise InputError(f"expected facts of {use!r} of at most {LONGEST_FACTS} characters, got others or more")
+    return told
 
 
 def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
@@ -41,8 +97,20 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:16]
     facts |= {"sources": outside_files(policy, use), "defaults": _defaults(policy)}
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
-    more = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy), "seen_maps": _seen_maps(policy)}
-    return facts | {name: told for name, told in more.items() if told}
+    more: dict[str, Any] = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy)}
+    more |= {"seen_maps": _seen_maps(policy), "map_shape": _map_shape(policy)}
+    return checked_facts(facts | {name: told for name, told in more.items() if told}, use)
+
+
+def _map_shape(policy: Policy) -> list[int] | None:
+    """Return the (H, W) of the only maps that a policy flies, None for any."""
+    shape = policy.map_shape
+    if shape is None:
+        return None
+    if not isinstance(shape, (tuple, list)) or len(shape) != 2 or not all(type(size) is int for size in shape):
+        got = one_line(repr(shape), LONGEST_AIM)
+        raise InputError(f"{type(policy).__name__}: expected map_shape to be two ints or None, got {got}")
+    return list(shape)
 
 
 def _plans_for(policy: Policy) -> str:

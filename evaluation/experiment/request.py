@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import BaseModel, BeforeValidator, ConfigDict, field_validator
 
+from indoor_explorers.env.files import expanded
 from indoor_explorers.evaluation.experiment.limits import DECISION_TIMEOUT
 from indoor_explorers.evaluation.options import (
     Option,
@@ -18,6 +19,7 @@ from indoor_explorers.evaluation.options import (
     read_natural,
     read_seconds,
     read_setting,
+    read_share,
 )
 
 #: Where episodes can be flown, the default first.
@@ -35,11 +37,11 @@ def _several(value: Any) -> Any:
 
 
 def _paths(value: Any) -> Any:
-    return tuple(str(path) for path in _several(value) or ())
+    return tuple(str(expanded(path)) for path in _several(value) or ())
 
 
 def _folders(value: Any) -> Any:
-    return tuple(Path(path).expanduser() for path in _several(value) or ())
+    return tuple(expanded(path) for path in _several(value) or ())
 
 
 def _settings(value: Any) -> Any:
@@ -53,6 +55,7 @@ TEAM = Option(metavar="N", read=read_count)
 SEED = Option(metavar="S", read=read_natural)
 SETTINGS = Option(metavar="key=value", read=read_setting, several=True, flag="--set")
 POLICY_NAMES = Option(metavar="a,b,...", read=read_names)
+MARGIN_SHARE = Option(metavar="SHARE", read=read_share)
 PLUGIN_NAMES = Option(metavar="a,b,...", read=read_names)
 RADIO_NAMES = Option(metavar="a,b,...", read=read_names)
 #: Folders of a suite's map files.
@@ -68,6 +71,14 @@ class Request(BaseModel):
     """A frozen set of options; their docstrings are the help of the command line."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, arbitrary_types_allowed=True)
+
+    @field_validator("*")
+    @classmethod
+    def _at_home(cls, value: Any) -> Any:
+        """Put the home folder in place of ``~`` at the beginning of a path, or of several."""
+        if isinstance(value, tuple):
+            return tuple(expanded(each) if isinstance(each, Path) else each for each in value)
+        return expanded(value) if isinstance(value, Path) else value
 
 
 class ComparisonRequest(Request):
@@ -85,7 +96,7 @@ class ComparisonRequest(Request):
     maps: Annotated[tuple[str, ...], BeforeValidator(_paths), Option(metavar="PATH", several=True)] = ()
     """Explore these map files instead; with --suite, these of its maps."""
     resolution: Annotated[float | None, RESOLUTION] = None
-    """Metres per cell to resample map files to."""
+    """Metres per cell to resample map files to. Pictures have no scale: a pixel of theirs counts as 1 m."""
     suite: Annotated[str | None, Option(metavar="NAME")] = None
     """Fly the tasks of a suite, which indoor-explorers suites lists. Choose some of them with --team, --radio, --maps,
     which then names maps or buildings ('GHC*'), and fewer --episodes; results say that they are a subset."""
@@ -110,7 +121,7 @@ class ComparisonRequest(Request):
     decision_timeout: Annotated[float | None, Option(metavar="SECONDS", read=read_seconds)] = DECISION_TIMEOUT
     """Fail an episode when a decision takes longer; compiling does not count."""
     memory_limit: Annotated[float | None, Option(metavar="GB", read=read_gigabytes)] = None
-    """Fail an episode when its process uses more memory (default: four fifths of the machine's memory / workers)."""
+    """Fail an episode when its processes use more memory (default: four fifths of the machine's memory / workers)."""
     isolate: Annotated[Isolated, Option(choices=get_args(Isolated))] = "plug-ins"
     """Which policies decide in a process of their own, which is shown what their UAVs know and never has the true map:
     by default those from outside this package. Results say which did."""
@@ -129,6 +140,9 @@ class ComparisonRequest(Request):
     ratio_to: Annotated[tuple[str, ...] | None, BeforeValidator(_several), POLICY_NAMES] = None
     """Print steps divided by those of these policies on the same tasks, and minus them. Tables and page always have
     ratios; by default to frontier-nearest, or else the first policy, and to policies that know the map."""
+    margin: Annotated[float | None, MARGIN_SHARE] = None
+    """Call two policies as good where tests show that neither mean time is this share above the other (default 0.05);
+    0 for no such statement."""
     metrics: Annotated[tuple[str, ...], BeforeValidator(_several), PLUGIN_NAMES] = ()
     """Metrics of plug-ins to add to tables and page: installed names, or module:NAME."""
     panels: Annotated[tuple[str, ...], BeforeValidator(_several), PLUGIN_NAMES] = ()

@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from indoor_explorers.env import Policy
+from indoor_explorers.env.files import expanded
 
 #: The package itself, whose commit is a fact of the run, and what its classes inherit from.
 _OURS = (__name__.partition(".")[0], "builtins", "abc", "typing")
@@ -101,7 +102,7 @@ def _given(parameter: str, value: object) -> Iterator[tuple[str, Path]]:
     looks_like_path = isinstance(value, str) and len(value) < 1000 and ("/" in value or bool(Path(value).suffix))
     if not isinstance(value, Path) and not looks_like_path:
         return
-    path = Path(str(value)).expanduser()
+    path = expanded(str(value))
     try:
         if path.is_file():
             yield f"{parameter}: {path.name}", path

@@ -26,7 +26,7 @@ def refuse_without_suite(request: ComparisonRequest) -> None:
             raise InputError(f"expected --suite with {flag}, got none; name a suite, see indoor-explorers suites")
 
 
-def suite_experiment(request: ComparisonRequest, policies: Sequence[Any]) -> Experiment:
+def suite_experiment(request: ComparisonRequest, policies: Sequence[Any], margin: float | None = None) -> Experiment:
     """Return the experiment of a suite's part, or of the tasks in it that the request asks for.
 
     Raises:
@@ -49,7 +49,7 @@ def suite_experiment(request: ComparisonRequest, policies: Sequence[Any]) -> Exp
     maps = maps_of(suite, part, request.data, request.maps)
     teams = None if request.team is None else [request.team]
     scenarios = suite.scenarios(maps, teams, request.radio)
-    return build_experiment(policies, scenarios, episodes=episodes, seed=seeds[0], settings={})
+    return build_experiment(policies, scenarios, episodes=episodes, seed=seeds[0], margin=margin, settings={})
 
 
 def _refuse_unknown(suite: Suite, request: ComparisonRequest) -> None:

@@ -63,7 +63,7 @@ def latex_tables(results: Results) -> str:
 
 
 def _table(comparison: Comparison, number: str, missing: Sequence[str]) -> str:
-    name, shown = escaped(comparison.scenario), table_headings(comparison)
+    name, shown = escaped(comparison.title), table_headings(comparison)
     lines = [
         "",
         r"\begin{table}[htbp]",

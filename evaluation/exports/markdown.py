@@ -13,8 +13,8 @@ from indoor_explorers.evaluation.report.tables.ratio_table import RatioTable, bo
 from indoor_explorers.evaluation.results.ratios import Ratios
 from indoor_explorers.evaluation.results.results import Results
 
-#: Characters with a meaning in Markdown, GitHub's tables and mathematics, or HTML.
-SPECIAL = re.compile(r"([\\`*_\[\]<>&|~$#])")
+#: Characters with a meaning in Markdown, and in GitHub's tables and mathematics.
+SPECIAL = re.compile(r"([\\`*_\[\]>|~$#])")
 
 
 def markdown_tables(results: Results) -> str:
@@ -27,7 +27,7 @@ def markdown_tables(results: Results) -> str:
 def _section(comparison: Comparison, missing: Sequence[str]) -> str:
     shown = table_headings(comparison)
     lines = [
-        f"## {escaped(comparison.scenario)}",
+        f"## {escaped(comparison.title)}",
         "",
         _line(["policy", *shown]),
         _line(["---", *["---:"] * len(shown)]),
@@ -50,8 +50,11 @@ def _figure(cell: ExportCell) -> str:
 
 
 def escaped(text: str) -> str:
-    """Return text that Markdown shows as it is, on one line."""
-    return SPECIAL.sub(r"\\\1", " ".join(text.split()))
+    """Return text that Markdown shows as it is, on one line.
+
+    What begins a tag or an entity becomes an entity, since not every reader of Markdown takes a backslash before it.
+    """
+    return SPECIAL.sub(r"\\\1", " ".join(text.split())).replace("&", "&amp;").replace("<", "&lt;")
 
 
 def markdown_ratios(ratios: Ratios) -> str:
@@ -63,7 +66,7 @@ def markdown_ratios(ratios: Ratios) -> str:
 
 
 def _ratios(table: RatioTable, results: Results) -> str:
-    names = [escaped(name) for name, _ in table.scenarios]
+    names = [escaped(results.title(name)) for name, _ in table.scenarios]
     rows = [
         [escaped(marked(results, policy)), *(f"{c.text} {c.interval}".strip() if c else "" for c in cells)]
         for policy, cells in table.rows

@@ -5,14 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations, product
 
 from indoor_explorers.env import InputError
+from indoor_explorers.evaluation.episodes.stored_names import refusal
 from indoor_explorers.evaluation.experiment.selection import DEFAULT_BASELINE
+from indoor_explorers.evaluation.leaderboard.verifying import unmade_policies
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.ranks import Rank, ranks
-from indoor_explorers.evaluation.results.combine import combined
+from indoor_explorers.evaluation.results.combine import combined, scenario_difference
 from indoor_explorers.evaluation.results.ratios import RatioRow, Ratios
 from indoor_explorers.evaluation.results.results import Results
+
+#: Results with the name of their folder.
+Part = tuple[str, Results]
 
 
 @dataclass(frozen=True)
@@ -72,7 +78,9 @@ class Board:
     origins: Mapping[tuple[str, str], Origin]
     """By scenario and policy."""
     left_out: tuple[str, ...]
-    """A line for each policy and scenario of which episodes are missing."""
+    """A line for each scenario that is not verified, policy that is not flown again, and flight that is incomplete."""
+    fly: int
+    """How many episodes of each scenario the policies fly again."""
 
     @property
     def flown(self) -> list[str]:
@@ -101,44 +109,73 @@ class Board:
         return {(row.scenario, row.policy, row.metric): row for row in rows}
 
 
-def boards(parts: Sequence[tuple[str, Results]]) -> list[Board]:
+def boards(parts: Sequence[Part], fly: int = 0) -> list[Board]:
     """Return a leaderboard for each part of a suite that the results are of, and for each other set of scenarios.
 
     Args:
         parts: the results with the names of their folders.
+        fly: how many episodes of each scenario the policies fly again.
 
     Raises:
         InputError: the same policy or scenario differs in two of them, or nothing is complete.
 
     """
-    found: dict[tuple[str, ...], list[tuple[str, Results]]] = {}
+    found: dict[tuple[str, ...], list[Part]] = {}
     for folder, results in parts:
         run = results.suite_run
         key = tuple(sorted(results.scenarios)) if run is None else (run.suite.name, run.part)
         found.setdefault(key, []).append((folder, results))
-    return [_board(group) for group in found.values()]
+    of_no_suite = [group for group in found.values() if group[0][1].suite_run is None]
+    for group, another in combinations(of_no_suite, 2):
+        for one, other in product(group, another):
+            _refuse_one_title(one, other)
+    return [_board(group, fly) for group in found.values()]
 
 
-def _board(group: Sequence[tuple[str, Results]]) -> Board:
+def _refuse_one_title(one: Part, other: Part) -> None:
+    """Refuse different tasks that would stand under one title."""
+    (folder, ours), (another, theirs) = one, other
+    for name in (name for name in ours.scenarios if name in theirs.scenarios):
+        difference = scenario_difference(ours, theirs, name)
+        if difference and ours.title(name) == theirs.title(name):
+            raise InputError(
+                f"scenario {name!r} is not the same task in {folder} and {another}; what differs: {difference}; "
+                "rename it in one of them, or rank them apart"
+            )
+
+
+def _board(group: Sequence[Part], fly: int) -> Board:
     needed = _task_counts(group)
     kept: list[Results] = []
     origins: dict[tuple[str, str], Origin] = {}
-    left_out: list[str] = []
+    unknown, incomplete = [], []
     for folder, results in group:
-        whole = [key for key, records in results.groups.items() if len(records) == needed[key[0]]]
+        refused = {
+            name: why for name in results.scenarios if (why := refusal(results.scenarios[name], results.plugins))
+        }
+        flown = {key: len(records) for key, records in results.groups.items() if key[0] not in refused}
+        whole = [key for key, count in flown.items() if count == needed[key[0]]]
         origins |= {key: Origin.of(results) for key in whole if key not in origins}
-        left_out += [
-            f"{folder}: {policy} is not listed for {scenario}, as it flew {len(records)} of {needed[scenario]} tasks"
-            for (scenario, policy), records in results.groups.items()
-            if len(records) != needed[scenario]
+        unknown += [f"{folder}: {name} is not listed, as it cannot be verified: {why}" for name, why in refused.items()]
+        incomplete += [
+            f"{folder}: {policy} is not listed for {scenario}, as it flew {count} of {needed[scenario]} tasks"
+            for (scenario, policy), count in flown.items()
+            if count != needed[scenario]
         ]
         kept += [_only(results, whole)] if whole else []
     if not kept:
-        raise InputError(f"{left_out[0]}; fly the rest with the same command, without --maps")
-    return Board(*_told(group[0][1]), combined(kept), origins, tuple(left_out))
+        raise InputError(
+            unknown[0] if unknown else f"{incomplete[0]}; fly the rest with the same command, without --maps"
+        )
+    unflown = [
+        f"{folder}: {name} was not flown again, and is what its folder says: {why}"
+        for folder, results in (group if fly else ())
+        for name, why in unmade_policies(results).items()
+    ]
+    return Board(*_told(group[0][1]), combined(kept), origins, (*unknown, *incomplete, *unflown), fly)
 
 
-def _task_counts(group: Sequence[tuple[str, Results]]) -> dict[str, int]:
+def _task_counts(group: Sequence[Part]) -> dict[str, int]:
     """Return how many tasks each scenario has: those of its suite, or all that anybody flew."""
     run, names = group[0][1].suite_run, {name for _, results in group for name in results.scenarios}
     if run is not None:
@@ -153,7 +190,7 @@ def _told(results: Results) -> tuple[str, str]:
     if run is not None:
         return f"{run.suite.title}, {run.part} part", run.suite.about
     seeds = sorted({record.task.seed for record in results.records})
-    return f"{', '.join(results.scenarios)}: seeds {seeds[0]:,} to {seeds[-1]:,}", ""
+    return f"{', '.join(map(results.title, results.scenarios))}: seeds {seeds[0]:,} to {seeds[-1]:,}", ""
 
 
 def _only(results: Results, kept: Sequence[tuple[str, str]]) -> Results:

@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.exports.markdown import escaped
 from indoor_explorers.evaluation.leaderboard.board import Board, BoardRow
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
@@ -21,15 +22,19 @@ from indoor_explorers.evaluation.report.tables.policy_names import footnotes, ma
 from indoor_explorers.evaluation.report.tables.ratio_table import bounded
 from indoor_explorers.evaluation.statistics import CONFIDENCE, Estimate
 
-#: What the columns mean, below the tables.
+#: What the columns mean, and what nobody has tested, below the tables.
 LEGEND = (
     "Rank: 1 + the number of policies that are significantly better at the last threshold (sign-flip test of all pairs "
-    f"at once, p at most {1 - CONFIDENCE:.2f}, maps of one building as one), with = where it is shared. Policies that "
+    f"at once where both finish, p at most {1 - CONFIDENCE:.2f}, the maps of a building flipped together; who finishes "
+    "fewer tasks is not better, who finishes significantly more is), with = where it is shared. Policies that "
     "know the map are not ranked. Times are mean steps [95 % interval]; an episode that never gets there counts as its "
     "budget. Every episode was simulated again from its map, seed and actions."
 )
+NOT_FLOWN = "Not flown again (--fly): what policies are and what they know is as their folders say."
 #: Steps from which on times have no decimals.
 MANY = 100.0
+#: Characters of a command.
+LONGEST_COMMAND = 10_000
 #: The heading of commits and days, which the terminal leaves out.
 FLOWN = "flown at"
 
@@ -41,6 +46,15 @@ class BoardTable:
     title: str
     headings: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+
+
+def legend(fly: int) -> str:
+    """Return what the columns mean, and whether policies flew ``fly`` of their episodes again."""
+    again = (
+        f"Policies were made again, and flew {counted(fly, 'episode')} of each scenario again with the same actions; "
+        "those that were not are named with the tables."
+    )
+    return f"{LEGEND} {again if fly else NOT_FLOWN}"
 
 
 def board_tables(board: Board) -> list[BoardTable]:
@@ -60,7 +74,7 @@ def _table(board: Board, comparison: Comparison) -> BoardTable:
     maps = counted(comparison.map_count, "map")
     if comparison.building_count < comparison.map_count:
         maps += f" of {counted(comparison.building_count, 'building')}"
-    return BoardTable(f"{comparison.scenario}: {counted(tasks, 'task')} on {maps}", headings, rows)
+    return BoardTable(f"{comparison.title}: {counted(tasks, 'task')} on {maps}", headings, rows)
 
 
 def _row(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> tuple[str, ...]:
@@ -93,7 +107,14 @@ def markdown_page(boards: Sequence[Board]) -> str:
 
 def _page(boards: Sequence[Board]) -> Iterator[str]:
     title = "Leaderboards" if len(boards) > 1 else f"Leaderboard: {escaped(boards[0].title)}"
-    yield from (f"# {title}", "", LEGEND, "", "This page is what `indoor-explorers leaderboard` writes.", "")
+    yield from (
+        f"# {title}",
+        "",
+        legend(boards[0].fly),
+        "",
+        "This page is what `indoor-explorers leaderboard` writes.",
+        "",
+    )
     for board in boards:
         if len(boards) > 1:
             yield from (f"## {escaped(board.title)}", "")
@@ -119,10 +140,13 @@ def _page(boards: Sequence[Board]) -> Iterator[str]:
 
 
 def _portable(command: str) -> str:
-    """Return a command without the folders of the machine on which it was typed."""
-    words = shlex.split(command)
+    """Return a command on one line without the folders of the machine on which it was typed."""
+    try:
+        words = shlex.split(command)
+    except ValueError:  # its runs may say anything
+        return one_line(command, LONGEST_COMMAND)
     places = [k for k, word in enumerate(words[:-1], 1) if word in ("--data", "--out")]
-    return shlex.join("DIR" if k in places else word for k, word in enumerate(words))
+    return one_line(shlex.join("DIR" if k in places else word for k, word in enumerate(words)), LONGEST_COMMAND)
 
 
 def _unbroken(text: str) -> str:

@@ -51,7 +51,9 @@ class Playground {
   get settings() {
     const number = (id) => {
       const input = element(id), value = Number(input.value);
-      return Number.isFinite(value) ? Math.min(Number(input.max), Math.max(Number(input.min), Math.round(value))) : 1;
+      const whole = Number.isFinite(value) ? Math.round(value) : 1;
+      input.value = Math.min(Number(input.max), Math.max(Number(input.min), whole));
+      return Number(input.value);
     };
     return {
       team: Number(element("team").value),
@@ -125,7 +127,7 @@ class Playground {
     drawCurve(element("curve"), this.episode);
     const { episode } = this, told = (share) => episode.firstStep(share) ?? "\u2013";
     const end = episode.over ? (episode.covered >= episode.total ? ", all explored" : ", the budget is spent") : "";
-    element("status").textContent = `Step ${episode.step} of ${episode.budget}: ${(100 * episode.coverage).toFixed(1)} % known, `
+    element("status").textContent = `Step ${episode.step} of ${episode.budget}: ${(100 * episode.coverage).toFixed(1)} % of what can be reached is known, `
       + `T90 ${told(0.9)}, T99 ${told(0.99)}${end}`;
   }
 }

@@ -8,6 +8,7 @@ from typing import Any
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.episodes.record import AXES, Record
+from indoor_explorers.evaluation.episodes.stored_names import MODELS, refusal
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import failed_or_ended
 from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, times_data, whose
@@ -17,7 +18,7 @@ from indoor_explorers.evaluation.report.replay.selection import replay_data
 from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.report.summary import facts
 from indoor_explorers.evaluation.report.summary.headline import headline
-from indoor_explorers.evaluation.report.summary.notes import detectable_notes, narrow_notes
+from indoor_explorers.evaluation.report.summary.notes import detectable_notes, narrow_notes, unseen_notes
 from indoor_explorers.evaluation.report.tables.constant_columns import constant_columns
 from indoor_explorers.evaluation.report.tables.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.report.tables.measures_table import MeasureRow, measures_table
@@ -111,6 +112,8 @@ class Section:
     failures: list[Record]
     """The episodes that failed or ended early."""
     replay: dict[str, Any] | None
+    not_simulated: str
+    """Why no episode can be simulated again; empty where they can."""
 
 
 def section_of(comparison: Comparison, section_id: str, styles: Styles, replays: int | None = None) -> Section:
@@ -118,7 +121,7 @@ def section_of(comparison: Comparison, section_id: str, styles: Styles, replays:
     limit = REPLAY_BYTES // len(comparison.results.scenarios)
     return Section(
         id=section_id,
-        name=comparison.scenario,
+        name=comparison.title,
         level=comparison.level,
         headline=headline(comparison),
         task=_task_summary(comparison),
@@ -128,6 +131,7 @@ def section_of(comparison: Comparison, section_id: str, styles: Styles, replays:
         panels=scenario_panels(comparison, styles),
         failures=failed_or_ended(comparison.records),
         replay=replay_data(comparison, styles, limit, replays) if comparison.records else None,
+        not_simulated=refusal(comparison.results.scenarios[comparison.scenario], comparison.results.plugins, MODELS),
     )
 
 
@@ -181,7 +185,7 @@ def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
         measures=measures_table(comparison),
         baseline=comparison.ranked_policies[0] if flown else "",
         contrasts=contrast_table(comparison, styles),
-        notes=[*detectable_notes(comparison), *narrow_notes(comparison)] if flown else [],
+        notes=[*detectable_notes(comparison), *unseen_notes(comparison), *narrow_notes(comparison)] if flown else [],
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.results.fingerprints import comparable
 from indoor_explorers.evaluation.results.policy_version import differing_fields, version_difference
 from indoor_explorers.evaluation.results.results import Results
 
@@ -42,6 +43,8 @@ def _joined(one: Results, other: Results) -> Results:
         tuple(dict.fromkeys(one.experiments + other.experiments)),
         tuple(dict.fromkeys(one.notes + other.notes)),
         {**other.retries, **one.retries},
+        margin=one.margin,
+        plugins=one.plugins | other.plugins,
     )
 
 
@@ -66,13 +69,14 @@ def scenario_difference(one: Results, other: Results, name: str) -> str:
     Beside the settings, the cells of the maps and the starts of the UAVs on common tasks are compared.
     """
     ours, theirs = one.scenarios[name], other.scenarios[name]
-    fields = differing_fields(ours, theirs, aside=ASIDE) if ours["fingerprint"] != theirs["fingerprint"] else ""
+    same = ours["fingerprint"] == theirs["fingerprint"]
+    fields = differing_fields(*(map(comparable, (ours, theirs)) if same else (ours, theirs)), aside=ASIDE)
     firsts, seconds = _by_task(one, name), _by_task(other, name)
     for task in sorted(firsts.keys() & seconds.keys()):
         what = _drawn_difference(firsts[task], seconds[task])
         if what:
             return "; ".join(filter(None, (fields, f"{what} of map {task.map_index}, seed {task.seed}")))
-    return fields or ("the cells of its maps" if ours["fingerprint"] != theirs["fingerprint"] else "")
+    return fields or ("" if same else "the cells of its maps")
 
 
 def _by_task(results: Results, scenario: str) -> dict[Task, Record]:

@@ -10,13 +10,15 @@ from typing import Any
 import pandas as pd
 
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.episodes.metrics import LEVELS
 from indoor_explorers.evaluation.results.coverage_threshold import drawn
 from indoor_explorers.evaluation.results.results import Results
-from indoor_explorers.evaluation.statistics import Contrast, contrasts
+from indoor_explorers.evaluation.statistics import Contrast, Finding, contrasts
 
 COLUMNS = (
     *("scenario", "policy", "minus", "metric", "tasks", "difference", "low", "high"),
     *("better", "equal", "worse", "p", "adjusted_p", "significant"),
+    *("both_finished", "success_p", "margin", "equivalence_p", "finding", "needed"),
 )
 
 
@@ -35,7 +37,9 @@ class DifferenceRow:
         found = self.contrast
         names = (self.scenario, self.policy, self.minus, self.metric, found.pairs)
         tests = (found.p_value, found.adjusted_p, found.shown)
-        return dict(zip(COLUMNS, (*names, *found.difference, *found.tally, *tests), strict=True))
+        needed = found.needed if found.finding is Finding.OPEN else None
+        more = (found.both, found.success_p, found.margin, found.equivalence_p, found.finding, needed)
+        return dict(zip(COLUMNS, (*names, *found.difference, *found.tally, *tests, *more), strict=True))
 
 
 def difference_metrics(results: Results) -> tuple[str, ...]:
@@ -46,8 +50,9 @@ def difference_metrics(results: Results) -> tuple[str, ...]:
 def differences(results: Results, baselines: Sequence[str]) -> list[DifferenceRow]:
     """Compare all policies with each baseline, by baseline, metric and scenario.
 
-    The p-values of a metric on a scenario are adjusted by Holm's method over the policies compared with one baseline;
-    policies that are not ranked, as they know the map or failed a check, are a family of their own.
+    Times are compared over the tasks that both finished. The p-values of a metric on a scenario are adjusted by Holm's
+    method over the policies compared with one baseline; policies that are not ranked, as they know the map or failed a
+    check, are a family of their own. The margin of equivalence is that of the results, for times alone.
     """
     common = results.on_common_tasks
     return [
@@ -68,7 +73,9 @@ def _rows(results: Results, scenario: str, minus: str, metric: str) -> Iterator[
     unranked = {*results.privileged_policies, *results.failed_checks}
     for family in ([name for name in others if name not in unranked], [name for name in others if name in unranked]):
         values = {name: results.values(scenario, name, metric) for name in (minus, *family)}
-        found = contrasts(values, minus, maps=maps, lower_is_better=metric != "auc")
+        reached = {name: results.reached(scenario, name, metric) for name in values} if metric in LEVELS else None
+        margin, less = (results.margin, True) if metric in LEVELS else (0.0, False)
+        found = contrasts(values, minus, maps=maps, lower_is_better=less, reached=reached, margin=margin)
         for policy, contrast in found.items():
             yield DifferenceRow(scenario, policy, minus, metric, contrast)
 

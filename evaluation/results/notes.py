@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.stored_names import MODELS, refusal
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.results.policy_lists import PolicyLists
 from indoor_explorers.evaluation.results.seen_maps import seen_maps_line
@@ -26,6 +27,14 @@ class ResultNotes(PolicyLists):
     records: list[Record]
     retries: Mapping[tuple[str, Task], int]
     """How often episodes were flown again after a failure, of those that were."""
+    plugins: frozenset[str]
+    """What the user named of that which the results name from outside this package."""
+
+    @property
+    def plugin_notes(self) -> list[str]:
+        """Which scenarios cannot be simulated again, as the user did not name their models: a line for each."""
+        found = {name: refusal(settings, self.plugins, MODELS) for name, settings in self.scenarios.items()}
+        return [f"no replays of scenario {name!r}: {why}" for name, why in found.items() if why]
 
     @property
     def retry_notes(self) -> list[str]:

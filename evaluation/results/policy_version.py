@@ -12,7 +12,7 @@ NAMED, SHOWN = 8, 60
 #: Facts about a policy that follow from the others; older stores do not have all of them.
 DERIVED_FACTS = (
     *("uses_generator", "batched", "defaults", "hash", "weights_for", "failed_check", "seen_seeds", "plans_for"),
-    *("isolated", "seen_maps"),
+    *("isolated", "seen_maps", "flown_again", "map_shape"),
 )
 
 

@@ -19,6 +19,7 @@ from indoor_explorers.env.errors import one_line
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
+from indoor_explorers.evaluation.episodes.stored_names import with_own_models
 from indoor_explorers.evaluation.experiment.experiment import Task, merged_experiments
 from indoor_explorers.evaluation.results.contradictions import contradictions
 from indoor_explorers.evaluation.results.damage import (
@@ -29,7 +30,7 @@ from indoor_explorers.evaluation.results.damage import (
     damaged,
     damaged_episodes,
 )
-from indoor_explorers.evaluation.results.rows import Row, checksum, floorplan_of, steps_of
+from indoor_explorers.evaluation.results.rows import TABLES, Row, checksum, floorplan_of, steps_of
 from indoor_explorers.evaluation.results.stored_record import StoredRecord, StoredSteps
 
 FORMAT = 3
@@ -110,7 +111,8 @@ class StoreReader:
         for name, fingerprint, facts in self._rows("SELECT name, fingerprint, facts FROM scenario ORDER BY position"):
             found[name] = {"fingerprint": fingerprint, **self._facts(facts, f"scenario {name!r}")}
             with self._understood(f"scenario {name!r}"):
-                recorded_scenario(found[name])
+                recorded_scenario(with_own_models(found[name]))
+                str(found[name]["map"]["source"])  # its maps are looked at later
         return found
 
     def runs(self) -> list[dict[str, Any]]:
@@ -192,6 +194,11 @@ class StoreReader:
 
     def _check(self) -> None:
         """Refuse a file that is damaged as a whole, no store, or one whose experiment is damaged."""
+        self._refuse_strange()
+        if not self._has("meta") and not self._rows("SELECT 1 FROM sqlite_master"):
+            raise InputError(
+                f"{self.path} is being made by another process; wait, or fly the same compare command again if none is"
+            )
         found = self._rows("SELECT value FROM meta WHERE key = 'format'")
         if found != [(str(FORMAT),)]:
             got = found[0][0] if found else None
@@ -206,6 +213,16 @@ class StoreReader:
             for row in self._rows(f"SELECT * FROM {table}"):
                 if checksum(table, row) not in known:
                     raise damaged(self.path, f"{table} {row[0]!r}: {NO_CHECKSUM}")
+
+    def _refuse_strange(self) -> None:
+        """Refuse a file with triggers, views or tables that are none of a store: they would change what it holds."""
+        for kind, name, made in self._rows("SELECT type, name, sql FROM sqlite_master"):
+            plain = kind == "table" and str(made).upper().startswith("CREATE TABLE")
+            if kind != "index" and not (plain and (name in TABLES or name.startswith("sqlite_"))):
+                raise InputError(
+                    f"{self.path}: expected a results store, got a database with the {kind} "
+                    f"{one_line(repr(name), 80)}; remove that, or use another folder"
+                )
 
     def _checksums(self) -> set[bytes] | None:
         """Return the checksums of all rows; None for a store that is older than they are."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,15 +13,18 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from indoor_explorers.env import InputError
+from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.suites.catalogue import buildings
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, TIMES_OF_BASE, Measure, extended
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
+from indoor_explorers.evaluation.experiment.experiment import MARGIN, Task, declared_margin
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
+from indoor_explorers.evaluation.results.fingerprints import refuse_other_fingerprints
 from indoor_explorers.evaluation.results.notes import ResultNotes
 from indoor_explorers.evaluation.results.reading import StoreReader
+from indoor_explorers.evaluation.results.scenario_titles import scenario_title
 from indoor_explorers.evaluation.statistics import (
     Estimate,
     bootstrap_mean,
@@ -58,6 +61,11 @@ class Results(ResultNotes):
     """How often episodes were flown again after a failure, of those that were."""
     custom_measures: Mapping[str, Measure] = field(default_factory=dict)
     """Metrics of plug-ins by key, see :func:`~indoor_explorers.evaluation.results.custom_metrics.with_metrics`."""
+    margin: float = MARGIN
+    """By which share a mean time may exceed another for the two to count as equally good; 0 for no such statement."""
+
+    plugins: frozenset[str] = frozenset()
+    """What may be imported of the models and policies from outside this package that the results name."""
 
     @property
     def measures(self) -> Mapping[str, Measure]:
@@ -65,16 +73,29 @@ class Results(ResultNotes):
         return {**MEASURES, **self.custom_measures}
 
     @classmethod
-    def load(cls, folder: Path) -> Results:
-        """Read ``folder/results.db``."""
+    def load(cls, folder: Path, plugins: Iterable[str] = ()) -> Results:
+        """Read ``folder/results.db``, which imports nothing; see ``plugins``."""
         path = folder / "results.db"
         if not path.is_file():
             raise InputError(f"{folder}: expected a folder with a results.db in it, got none; fly compare --out first")
         with StoreReader(path) as store:
             text = store.experiment()
             experiments = (text,) if text else ()
-            facts = store.policies(), store.scenarios(), store.runs()
-            return cls(*facts, store.records(), experiments, store.notes(), store.retries())
+            records, scenarios = store.records(), store.scenarios()
+            refuse_other_fingerprints(path, scenarios, records)
+            return cls(
+                *(store.policies(), scenarios, store.runs(), records, experiments, store.notes(), store.retries()),
+                margin=declared_margin(text),
+                plugins=frozenset(plugins),
+            )
+
+    def scenario(self, name: str) -> Scenario:
+        """Return a stored scenario without its maps; one that needs what is not in ``plugins`` is refused."""
+        return recorded_scenario(self.scenarios[name], self.plugins)
+
+    def title(self, name: str) -> str:
+        """Return what a scenario is called in titles: its name, and what differs from the preset of that name."""
+        return scenario_title(name, self.scenarios[name]) if name in self.scenarios else name
 
     @cached_property
     def groups(self) -> dict[tuple[str, str], list[Record]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import zlib
+from collections.abc import Mapping
 from hashlib import sha256
 from typing import Any
 
@@ -11,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.evaluation.episodes.record import FlownEpisode
+from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, Record
 from indoor_explorers.evaluation.episodes.steps import Steps
+from indoor_explorers.evaluation.experiment.experiment import Task
 
 Row = tuple[Any, ...]
 
@@ -38,6 +40,8 @@ CREATE TABLE episode (
     PRIMARY KEY (policy, scenario, map_index, seed)
 ) STRICT;
 """
+#: All tables that a store may have, each after those that refer to it.
+TABLES = ("damaged", "episode", "attempt", "floorplan", "scenario", "policy", "run", "checksum", "meta")
 #: Added to older stores when they are written to.
 CHECKSUMS = "CREATE TABLE checksum (digest BLOB PRIMARY KEY) STRICT, WITHOUT ROWID"
 #: Attempts at an episode that do not count, each with how it ended; added to older stores too.
@@ -108,4 +112,21 @@ def steps_of(row: Row) -> Steps:
         actions=unpacked(actions, np.uint8, steps, team),
         seconds=unpacked(seconds, np.float32, steps + 1),
         sent=unpacked(sent, np.int64, steps + 1),
+    )
+
+
+def record_of(row: Row, plans: Mapping[str, Floorplan]) -> Record:
+    """Return the record of an episode's row with its steps; raises one of several errors where the row is damaged."""
+    policy, scenario, index, seed, _, plan, team, budget, reachable, outcome, reason, _, metrics, *_ = row
+    return Record(
+        policy=policy,
+        task=Task(scenario, index, seed),
+        floorplan=plans[plan],
+        team=team,
+        budget=budget,
+        reachable=reachable,
+        outcome=Outcome(outcome),
+        reason=reason,
+        metrics=json.loads(metrics),
+        **vars(steps_of(row)),
     )

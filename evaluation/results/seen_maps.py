@@ -21,7 +21,8 @@ def seen_maps_line(policies: Mapping[str, Mapping[str, Any]], flown: Mapping[str
     for name, facts in policies.items():
         for what in _seen(facts, flown):
             found.setdefault(what, []).append(name)
-    return "; ".join(f"not new to {', '.join(names)}: {what}" for what, names in found.items())
+    listed = "; ".join(f"{', '.join(names)}: {what}" for what, names in found.items())
+    return f"maps seen before ({listed}): such figures may be optimistic" if listed else ""
 
 
 def _seen(facts: Mapping[str, Any], flown: Mapping[str, str]) -> Iterator[str]:
@@ -32,4 +33,4 @@ def _seen(facts: Mapping[str, Any], flown: Mapping[str, str]) -> Iterator[str]:
         left -= set(digests)
         if names:
             listed = ", ".join(names[:MOST_NAMED]) + (", ..." if len(names) > MOST_NAMED else "")
-            yield f"{len(names)} of {len(flown)} maps ({listed}), {SAID[SeedUse(use)]}"
+            yield f"{SAID[SeedUse(use)]} on {len(names)} of {len(flown)}, {listed}"

@@ -7,13 +7,13 @@ from typing import Any
 
 from indoor_explorers.env.scenarios.seed_sets import SeedUse, fresh_test_set
 
-#: What seeds of a use were for, after "seeds 1 to 9, ".
+#: What a policy was when it saw seeds of a use, before "on seeds 1 to 9".
 SAID = {
-    SeedUse.TRAINING: "which its training flew",
-    SeedUse.VALIDATION: "on which its weights were validated",
-    SeedUse.TRIAL: "which were flown before",
-    SeedUse.TEST: "on which it was published before",
-    SeedUse.TUNING: "on which former weights or settings were compared",
+    SeedUse.TRAINING: "trained",
+    SeedUse.VALIDATION: "validated",
+    SeedUse.TRIAL: "tried out",
+    SeedUse.TEST: "published before",
+    SeedUse.TUNING: "developed",
 }
 
 
@@ -26,8 +26,9 @@ def seen_seeds_line(policies: Mapping[str, Mapping[str, Any]], flown: set[int]) 
     for name, facts in policies.items():
         for what in _seen(facts, flown):
             found.setdefault(what, []).append(name)
-    listed = [f"not new to {', '.join(names)}: {what}" for what, names in found.items()]
-    return "; ".join([*listed, f"--seed {fresh_test_set().first} begins a fresh set"]) if listed else ""
+    listed = "; ".join(f"{', '.join(names)}: {what}" for what, names in found.items())
+    fresh = f"such figures may be optimistic; for unseen seeds: --seed {fresh_test_set().first}"
+    return f"seeds seen before ({listed}): {fresh}" if listed else ""
 
 
 def _seen(facts: Mapping[str, Any], flown: set[int]) -> Iterator[str]:
@@ -36,4 +37,4 @@ def _seen(facts: Mapping[str, Any], flown: set[int]) -> Iterator[str]:
         seen = {seed for first, last in ranges for seed in flown if first <= seed <= last}
         if seen:
             span = f"seeds {min(seen)} to {max(seen)}" if len(seen) > 1 else f"seed {min(seen)}"
-            yield f"{span}, {SAID[SeedUse(use)]}"
+            yield f"{SAID[SeedUse(use)]} on {span}"

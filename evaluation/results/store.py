@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,31 +18,30 @@ from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome, Record, is_of_machine
 from indoor_explorers.evaluation.experiment.experiment import Experiment, Task
 from indoor_explorers.evaluation.results.policy_version import version_difference
-from indoor_explorers.evaluation.results.reading import FORMAT, SETTINGS, SQL_ERRORS, StoreReader, connect
+from indoor_explorers.evaluation.results.reading import FORMAT, SETTINGS, SQL_ERRORS, connect
 from indoor_explorers.evaluation.results.rows import (
     ATTEMPTS,
     CHECKSUMS,
     SCHEMA,
+    TABLES,
     Row,
-    checksum,
     episode_row,
     floorplan_row,
 )
 from indoor_explorers.evaluation.results.writing import is_corrupt, not_written, remove, transaction, write_ahead
+from indoor_explorers.evaluation.results.written_rows import WrittenRows
 
-#: All tables that a store may have, each after those that refer to it.
-TABLES = ("damaged", "episode", "attempt", "floorplan", "scenario", "policy", "run", "checksum", "meta")
 #: Differences that a refusal names.
 MOST_NAMED = 4
 
 
-def _some(differences: list[str]) -> str:
+def some_of(differences: list[str]) -> str:
     """Return the first of some differences, and how many more there are."""
     more = [f"and {len(differences) - MOST_NAMED} more"] if len(differences) > MOST_NAMED else []
     return "; ".join(differences[:MOST_NAMED] + more)
 
 
-class Store(StoreReader):
+class Store(WrittenRows):
     """The results of one experiment in a file, opened for writing, and made if it is not there.
 
     With ``fresh``, what the file holds counts for nothing, damaged or not: the first run deletes it. A file that SQLite
@@ -49,19 +49,23 @@ class Store(StoreReader):
     """
 
     def __init__(self, path: Path, *, fresh: bool = False) -> None:
-        self.path, self._fresh = path, fresh
+        super().__init__(path)
+        self._fresh = fresh
         self._digests: dict[Task, str] = {}
         """The digests of the maps that were added."""
         existed = path.exists()
+        if existed and not path.is_file():
+            raise InputError(f"{path}: expected a results store, got no regular file; choose another folder")
         try:
             if fresh and existed and is_corrupt(path):
-                remove(path)
+                remove(path.resolve())
             self._db = connect(path.resolve().as_uri())
             write_ahead(self._db)
             self._db.execute("PRAGMA synchronous = NORMAL")
             self._db.execute("PRAGMA foreign_keys = ON")
             with self._db:
                 self._db.execute("BEGIN IMMEDIATE")  # another process may be opening it too
+                self._refuse_strange()
                 self._create()
                 if not fresh:
                     self._check()
@@ -101,19 +105,15 @@ class Store(StoreReader):
 
     def _sign(self, table: str, which: str = "true", *values: Any) -> None:
         """Store the checksums of some rows of a table, of all by default."""
-        rows = self._db.execute(f"SELECT * FROM {table} WHERE {which}", values).fetchall()
-        digests = [(checksum(table, row),) for row in rows]
+        digests = [(digest,) for digest in self._note(table, which, *values)]
         self._db.executemany("INSERT OR IGNORE INTO checksum VALUES (?)", digests)
 
     def _set_aside_damaged(self) -> None:
         """Move damaged episodes to a table of their own, and drop damaged maps, so that both are made again."""
         with transaction(self._db, self.path):
-            rowids, sound = [(each.rowid,) for each in self._damages()], self._maps()
+            rowids, sound = [each.rowid for each in self._damages()], self._maps()
             plans = [row for row in self._rows("SELECT digest FROM floorplan") if row[0] not in sound]
-            if rowids:
-                self._db.execute("CREATE TABLE IF NOT EXISTS damaged AS SELECT * FROM episode WHERE false")
-                self._db.executemany("INSERT INTO damaged SELECT * FROM episode WHERE rowid = ?", rowids)
-                self._db.executemany("DELETE FROM episode WHERE rowid = ?", rowids)
+            self._move_aside(rowids)
             self._db.executemany("DELETE FROM floorplan WHERE digest = ?", plans)
 
     # -- the experiment -------------------------------------------------------------------------------
@@ -146,6 +146,7 @@ class Store(StoreReader):
             self._refuse_another(experiment)
             others = self._other_versions(policies)
             self._refuse_versions({} if refly else others)
+        self._noted.clear()
         with transaction(self._db, self.path):
             if self._fresh:
                 for table in TABLES:
@@ -172,8 +173,24 @@ class Store(StoreReader):
             for table in SETTINGS:
                 self._sign(table)
         self._set_aside_damaged()
+        for table in ("floorplan", "episode"):
+            self._note(table)
         assert run is not None
         return run
+
+    def add_facts(self, more: Mapping[str, Mapping[str, Any]]) -> None:
+        """Add facts to those of policies by name.
+
+        Raises:
+            RunError: the disk is full.
+
+        """
+        about = self.policies()
+        with transaction(self._db, self.path):
+            for name, facts in more.items():
+                text = json.dumps(about[name] | dict(facts), sort_keys=True)
+                self._db.execute("UPDATE policy SET facts = ? WHERE name = ?", (text, name))
+                self._sign("policy", "name = ?", name)
 
     def _other_versions(self, policies: dict[str, dict[str, Any]]) -> dict[str, str]:
         """Return how policies differ from those of the same name that the store has episodes of, by name."""
@@ -198,13 +215,13 @@ class Store(StoreReader):
             f"the settings of scenario {name!r}" for name in asked if name in held and held[name] != asked[name]
         ]
         if differing:
-            named = _some(differing)
+            named = some_of(differing)
             raise InputError(f"{self.path} holds another experiment; what differs: {named}; {way_out}")
 
     def _refuse_versions(self, others: dict[str, str]) -> None:
         """Refuse policies that are other versions of the stored ones, given how each differs."""
         if others:
-            differing = _some([f"policy {name!r}: {difference}" for name, difference in others.items()])
+            differing = some_of([f"policy {name!r}: {difference}" for name, difference in others.items()])
             raise InputError(
                 f"{self.path} holds episodes flown by another version of a policy; what differs: {differing}; "
                 "fly them again with --refly, or choose another --out"
@@ -240,11 +257,13 @@ class Store(StoreReader):
         """Add another attempt at a failed episode: the first one counts unless the machine failed."""
         which = "FROM episode WHERE policy = ? AND scenario = ? AND map_index = ? AND seed = ? AND outcome = ?"
         key = (record.policy, *record.task)
-        first = self._db.execute(f"SELECT outcome, reason, steps {which}", (*key, Outcome.FAILED)).fetchone()
-        if first is None:
+        found = self._db.execute(f"SELECT rowid, outcome, reason, steps {which}", (*key, Outcome.FAILED)).fetchone()
+        if found is None:
             return
+        rowid, *first = found
         if is_of_machine(first[1]):
             self._db.execute(f"DELETE {which}", (*key, Outcome.FAILED))
+            self._noted.pop(("episode", rowid), None)
             self._insert("attempt", (*key, *first))
         else:
             self._insert("attempt", (*key, str(record.outcome), record.reason, record.steps))

@@ -14,6 +14,7 @@ from indoor_explorers.env.scenarios.suites.catalogue import all_suites
 from indoor_explorers.env.scenarios.suites.suite import Part, Suite
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
+from indoor_explorers.evaluation.episodes.stored_names import MODELS, outside_names
 
 
 class SuiteTask(NamedTuple):
@@ -80,7 +81,7 @@ def suite_run_of(
 
 def _name_in(suite: Suite, stored: Mapping[str, Any]) -> str:
     """Return the name that a suite gives to a scenario, empty where it is none of it."""
-    if suite.map is not None and not _is_generator(suite.map, stored["map"]):
+    if outside_names(stored, MODELS) or (suite.map is not None and not _is_generator(suite.map, stored["map"])):
         return ""
     settings = _settings(recorded_scenario(stored))
     return next((each.name for each in suite.scenarios() if _settings(each) == settings), "")

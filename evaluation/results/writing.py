@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 import sqlite3
 import time
 from collections.abc import Iterator
@@ -33,9 +34,11 @@ def transaction(db: sqlite3.Connection, path: Path) -> Iterator[None]:
 
 def not_written(path: Path, error: Exception) -> RunError:
     """Return the error to raise where SQLite could not write."""
+    limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
+    cause = "" if limit == resource.RLIM_INFINITY else f"raise the limit of {limit} bytes a file (ulimit -f), or "
     return RunError(
-        f"{path} cannot be written: {one_line(str(error))}; the finished episodes are kept: make room on the disk, and "
-        "the same command goes on from there"
+        f"{path} cannot be written: {one_line(str(error))}; the finished episodes are kept: {cause}make room on the "
+        "disk, and the same command goes on from there"
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -157,21 +157,28 @@ def gallery_page() -> str:
     lines += ["[The playground](playground.html): draw a map and watch a team explore it.", ""]
     lines += [f"[A report](example-report.html), as every comparison writes one: {', '.join(EXAMPLE)}.", ""]
     lines += [f"## Scenarios, flown by `{PILOT}`", ""]
-    lines += _shown("scenario", scenarios())
+    lines += _grid((f"scenario-{name}", f"`{name}`") for name in scenarios())
     lines += ["## [Harder tasks](harder-tasks.md)", ""]
-    for name, task in HARDER.items():
-        lines += [f"### {name}: `{task.policy}` on `{task.scenario}`", "", task.told, ""]
-        lines += [f"![{name}](gallery/harder-{name}.png)", ""]
-    lines += [f"## Policies, in `{OFFICES}`", "", '<div class="pictures" markdown>', ""]
-    lines += [f"![{name}](gallery/policy-{name}.png)" for name in policy_names()]
-    lines += ["", "</div>", "", "## Observations", ""]
+    lines += _grid(
+        (f"harder-{name}", f"`{one.policy}` on `{one.scenario}`. {one.told}") for name, one in HARDER.items()
+    )
+    lines += [f"## Policies, in `{OFFICES}`", ""]
+    lines += _grid((f"policy-{name}", f"`{name}`") for name in policy_names())
+    lines += ["## Observations", ""]
     lines += [f"Of UAV 0 in the same moment; dark is more. The planes of `channels` are {', '.join(PLANES)}.", ""]
-    seen = [name.removeprefix("observation-").removesuffix(".png") for name in pictures() if name.startswith("obs")]
-    return "\n".join([*lines, *_shown("observation", seen)])
+    seen = [name.removesuffix(".png") for name in pictures() if name.startswith("observation-")]
+    for name in seen:
+        lines += [f"### {name.partition('-')[2]}", "", f"![{name}](gallery/{name}.png)", ""]
+    return "\n".join(lines)
 
 
-def _shown(kind: str, names: list[str]) -> list[str]:
-    return [line for name in names for line in (f"### {name}", "", f"![{name}](gallery/{kind}-{name}.png)", "")]
+def _grid(shown: Iterable[tuple[str, str]]) -> list[str]:
+    """Return the lines of pictures side by side, given by name and caption; a click opens the picture alone."""
+    lines = ['<div class="pictures" markdown>', ""]
+    for name, caption in shown:
+        lines += ["<figure markdown>", f"[![{name}](gallery/{name}.png)](gallery/{name}.png)"]
+        lines += ["<figcaption markdown>", "", caption, "", "</figcaption>", "</figure>", ""]
+    return [*lines, "</div>", ""]
 
 
 def _png(picture: NDArray[np.uint8]) -> bytes:

@@ -14,7 +14,9 @@ from typing import Any
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
+from indoor_explorers.evaluation.cli.command import make_console, print_line
 from indoor_explorers.evaluation.playground.page import playground
+from indoor_explorers.evaluation.site.commands import broken
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
 from indoor_explorers.evaluation.site.pictures.concepts import concept_pictures
 from indoor_explorers.evaluation.site.pictures.dynamics import dynamics_pictures
@@ -31,7 +33,7 @@ from indoor_explorers.evaluation.site.reference import (
     command_line_page,
     files_page,
     metrics_page,
-    python_page,
+    python_pages,
     settings_page,
 )
 
@@ -63,7 +65,6 @@ MADE = {
     "reference/settings.md": settings_page,
     "reference/metrics.md": metrics_page,
     "reference/files.md": files_page,
-    "reference/python.md": python_page,
 }
 #: What draws the pictures of the pages, by name.
 DRAWN = (
@@ -91,15 +92,19 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, page, content=(ROOT / source).read_text("utf-8")))
     for page, make in MADE.items():
         files.append(File.generated(config, page, content=make()))
+    for page, content in python_pages().items():
+        files.append(File.generated(config, page, content=content))
     data = config.extra["data"]
     comparisons = [*experiments(config.extra["episodes"]), *(suites(Path(data).expanduser()) if data else ())]
-    reports = list(published(Path(config.site_dir).parent / "published", comparisons))
+    console = make_console()  # mkdocs is quiet, and flights and pictures take minutes
+    reports = list(published(Path(config.site_dir).parent / "published", comparisons, console))
     for report in reports:
         files.append(File.generated(config, report.file, content=report.report))
     files.append(File.generated(config, "reports/index.md", content=reports_page(reports, with_suites=bool(data))))
     files.append(File.generated(config, "example-report.html", content=example_report()))
     files.append(File.generated(config, "playground.html", content=playground()))
     for draw in DRAWN:
+        print_line(console, f"drawing {draw.__name__.replace('_', ' ')}")
         for name, picture in draw().items():
             files.append(File.generated(config, f"gallery/{name}", content=picture))
     for page in list(files.documentation_pages()):
@@ -123,7 +128,7 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
         return f"[{label}]({posixpath.relpath(_uri(target), posixpath.dirname(uri) or '.')}{anchor})"
 
     parts = _CODE.split(markdown)
-    return "".join(part if k % 2 else _LINK.sub(led, part) for k, part in enumerate(parts))
+    return "".join(broken(part) if k % 2 else _LINK.sub(led, part) for k, part in enumerate(parts))
 
 
 def _linked(uri: str, text: str) -> list[str]:

@@ -9,6 +9,9 @@ from typing import Any
 
 from indoor_explorers.env.scenarios.suites.catalogue import suite_of
 from indoor_explorers.evaluation import compare
+from indoor_explorers.evaluation.cli.command import print_line
+from indoor_explorers.evaluation.cli.console import PlainConsole
+from indoor_explorers.evaluation.cli.progress import ProgressBar
 from indoor_explorers.evaluation.leaderboard.board import Origin
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.results.results import Results
@@ -93,17 +96,25 @@ def suites(data: Path) -> Iterator[Comparison]:
         yield Comparison(name, heading, about, options, replays=0)
 
 
-def published(folder: Path, comparisons: Iterable[Comparison]) -> Iterator[PublishedReport]:
+def published(
+    folder: Path, comparisons: Iterable[Comparison], console: PlainConsole | None = None
+) -> Iterator[PublishedReport]:
     """Fly comparisons into ``folder`` where they are not there yet, and yield their reports.
 
     Args:
         folder: holds a folder for each comparison between two builds.
         comparisons: what to fly.
+        console: shows the progress; None for none.
 
     """
     for each in comparisons:
         out = folder / each.name
-        compare(out, command=each.command, **each.options)
+        if console is None:
+            compare(out, command=each.command, **each.options)
+        else:
+            print_line(console, each.command)
+            with ProgressBar(console, {}) as bar:
+                compare(out, watcher=bar, command=each.command, **each.options)
         results, page = Results.load(out), out / "report.html"
         if each.replays is not None or page.with_name("report_files").is_dir():
             write_report(results, page, replays=each.replays, ratio_to=each.options.get("ratio_to"), whole=True)

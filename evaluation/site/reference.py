@@ -7,8 +7,10 @@ import importlib
 import inspect
 import re
 from collections.abc import Iterator
+from enum import EnumType
 from pathlib import Path
 
+import numpy as np
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
@@ -167,22 +169,32 @@ def public_modules() -> list[str]:
     return re.findall(r"`(indoor_explorers\.[\w.]+)`", NAMES.read_text("utf-8").partition("- The entry-point")[0])
 
 
-def python_page() -> str:
-    """Return the public modules with their names; an undocumented name is refused."""
-    lines = ["# Python", ""]
+def python_pages() -> dict[str, str]:
+    """Return a page for each public module, and one that lists them; an undocumented name is refused."""
+    pages, told = {}, ["# Python", ""]
+    described: dict[str, str] = {}
     for name in public_modules():
         module = importlib.import_module(name)
-        lines += [f"## {name}", "", (inspect.getdoc(module) or "").partition("\n\n")[0], ""]
+        page, about = f"python/{name.rpartition('.')[2]}.md", (inspect.getdoc(module) or "").partition("\n\n")[0]
+        lines = [f"# {name}", "", about, ""]
         for public in sorted(module.__all__):
-            lines += _described(f"{name}.{public}", getattr(module, public))
-    return "\n".join(lines)
+            lines += _described(f"{name}.{public}", getattr(module, public), described)
+        pages[f"reference/{page}"] = "\n".join(lines)
+        told += [f"## [{name}]({page})", "", about, "", ", ".join(f"`{each}`" for each in sorted(module.__all__)), ""]
+    return {"reference/python.md": "\n".join(told)} | pages
 
 
-def _described(path: str, value: object) -> list[str]:
-    """Return the lines of one public name."""
-    title = path.rpartition(".")[2]
+def _described(name: str, value: object, described: dict[str, str]) -> list[str]:
+    """Return the lines of one public name; what another module's page has ``described`` is referred to."""
+    module, _, title = name.rpartition(".")
     if not (inspect.isclass(value) or inspect.isroutine(value)):
-        return [f"### {title}", "", f"`{type(value).__name__}`", ""]
+        number = f", {value}" if isinstance(value, (int, np.integer)) else ""
+        return [f"## {title}", "", f"`{type(value).__name__}`{number}", ""]
     if not inspect.getdoc(value):
-        raise ValueError(f"{path}: a public name has no docstring")
-    return [f"### {title}", "", f"::: {value.__module__}.{value.__qualname__}", ""]
+        raise ValueError(f"{name}: a public name has no docstring")
+    path = f"{value.__module__}.{value.__qualname__}"
+    if path in described:
+        return [f"## {title}", "", f"See [{title}][{path}] of `{described[path]}`.", ""]
+    described[path] = module
+    members = ["    options:", "      show_if_no_docstring: true"]  # an enumeration's say enough by their names
+    return [f"::: {path}", *(members if isinstance(value, EnumType) else ()), ""]

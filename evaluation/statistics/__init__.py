@@ -7,8 +7,9 @@ policies. ``evaluation/STATISTICS.md`` has the formulas and says what each numbe
 
 from indoor_explorers.evaluation.statistics.bands import curve_band
 from indoor_explorers.evaluation.statistics.censoring import ecdf_of_times
-from indoor_explorers.evaluation.statistics.contrasts import Contrast, contrasts
+from indoor_explorers.evaluation.statistics.contrasts import Contrast, Finding, contrasts
 from indoor_explorers.evaluation.statistics.effects import effect_size, smallest_detectable_difference
+from indoor_explorers.evaluation.statistics.equivalence import equivalence_test, units_to_resolve
 from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST, RESAMPLES, Estimate
 from indoor_explorers.evaluation.statistics.means import (
     bootstrap_mean,
@@ -16,22 +17,25 @@ from indoor_explorers.evaluation.statistics.means import (
     interquartile_mean,
     paired_difference,
 )
+from indoor_explorers.evaluation.statistics.pairs import AllPairs, all_pairs_test
 from indoor_explorers.evaluation.statistics.profiles import performance_profile, performance_ratios
 from indoor_explorers.evaluation.statistics.ranks import tied_ranks
 from indoor_explorers.evaluation.statistics.ratios import Block, PairedRatio, paired_ratios, ratio_of_means
 from indoor_explorers.evaluation.statistics.resampling import maps_are_sampled, resampled_weights
 from indoor_explorers.evaluation.statistics.seeds import difference_of_seeds, mean_of_seeds
-from indoor_explorers.evaluation.statistics.significance import all_pairs_test, holm, sign_flip_test
-from indoor_explorers.evaluation.statistics.successes import success_share, success_test
+from indoor_explorers.evaluation.statistics.significance import holm, sign_flip_test
+from indoor_explorers.evaluation.statistics.successes import success_share, success_test, undetected_share
 from indoor_explorers.evaluation.statistics.wins import WinTieLoss, probability_of_improvement, win_tie_loss
 
 __all__ = [
     "CONFIDENCE",
     "FEWEST",
     "RESAMPLES",
+    "AllPairs",
     "Block",
     "Contrast",
     "Estimate",
+    "Finding",
     "PairedRatio",
     "WinTieLoss",
     "all_pairs_test",
@@ -42,6 +46,7 @@ __all__ = [
     "difference_of_seeds",
     "ecdf_of_times",
     "effect_size",
+    "equivalence_test",
     "holm",
     "interquartile_mean",
     "maps_are_sampled",
@@ -58,5 +63,7 @@ __all__ = [
     "success_share",
     "success_test",
     "tied_ranks",
+    "undetected_share",
+    "units_to_resolve",
     "win_tie_loss",
 ]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from indoor_explorers.env import InputError
@@ -44,8 +45,8 @@ def smallest_detectable_difference(
     """Return the smallest true mean difference that a paired two-sided test detects with this power.
 
     ``(t(1 - level / 2) + t(power)) * s / sqrt(n)``, t the quantiles of Student's distribution with n - 1 degrees
-    of freedom, n and s the number and the standard deviation of the independent units: means of maps where
-    maps are a sample, else episodes (Bloom 1995, doi:10.1177/0193841X9501900504). Where a difference is not
+    of freedom, n and s the number and the standard deviation of the independent units: maps where these are a sample,
+    else episodes (:func:`unit_spread`; Bloom 1995, doi:10.1177/0193841X9501900504). Where a difference is not
     significant, true ones up to about this size may well exist. The observed spread is taken as the true one.
 
     Infinite where no difference of any size can be detected: one unit, or so few that the sign-flip test's
@@ -63,9 +64,19 @@ def smallest_detectable_difference(
     """
     if not (0 < power < 1 and 0 < level < 1):
         raise InputError(f"expected power and level between 0 and 1, got {power:g} and {level:g}; pass 0.8 and 0.05")
-    units = independent_units(episode_values(differences), maps)
-    count = len(units)
+    sample = episode_values(differences)
+    count = len(independent_units(sample, maps))
     if count < 2 or 2.0 ** (1 - count) > level:
         return math.inf
     found, missed = (float(special.stdtrit(count - 1, share)) for share in (1 - level / 2, power))
-    return (found + missed) * float(units.std(ddof=1)) / math.sqrt(count)
+    return (found + missed) * unit_spread(sample, maps) / math.sqrt(count)
+
+
+def unit_spread(sample: NDArray[np.float64], maps: ArrayLike | None = None) -> float:
+    """Return the standard deviation of the independent units of (E,) values about their mean; NaN for fewer than two.
+
+    Over the root of their number it is the standard error of the mean over episodes; of maps with one episode each, and
+    with equally many, it is that of the maps' means.
+    """
+    units = independent_units(sample - sample.mean(), maps) if len(sample) else sample
+    return math.sqrt(float((units**2).sum()) / (len(units) - 1)) if len(units) > 1 else math.nan

@@ -100,9 +100,16 @@ def resampled_weights(count: int, resamples: int, maps: ArrayLike | None = None)
 
 
 def independent_units(differences: NDArray[np.float64], maps: ArrayLike | None) -> NDArray[np.float64]:
-    """Return the independent units: the mean of each map where maps are a sample, else the episodes."""
+    """Return the independent units of (E,) or (E, K) differences, whose mean is that over all episodes.
+
+    They are the sums over each map, divided by the mean number of episodes a map, where maps are a sample; else the
+    episodes.
+    """
     layout = MapGroups.of(maps, len(differences))
-    return np.asarray(np.bincount(layout.label, differences) / layout.size) if layout.sampled else differences
+    if not layout.sampled or not len(differences):
+        return differences
+    sums = np.add.reduceat(differences[layout.order], layout.first, axis=0)
+    return np.asarray(sums / (len(differences) / len(layout.size)))
 
 
 class _Sampled:

@@ -1,4 +1,4 @@
-"""Sign-flip tests of paired differences: of one pair, of all pairs at once, and Holm's adjustment."""
+"""Sign-flip tests of paired differences: of one mean, of several at once, and Holm's adjustment."""
 
 from __future__ import annotations
 
@@ -25,11 +25,13 @@ def sign_flip_test(differences: ArrayLike, maps: ArrayLike | None = None) -> flo
     """Return the two-sided p-value of the sign-flip test of paired differences (Fisher 1935).
 
     If neither policy were better, each difference would be as likely with the other sign. The p-value is the
-    share of sign flips whose mean is at least as far from 0 as the observed one. The units that are flipped are the
-    means of the maps where ``maps`` are a sample (``maps_are_sampled``), and single episodes otherwise. Up to 14
-    units the test is exact, over all flips. Beyond, 10,000 seeded random flips are tried and the observed one is
-    counted with them, so that p is never 0 (Phipson & Smyth 2010, doi:10.2202/1544-6115.1585). With n units p is at
-    least 2 / 2^n, so 5 units never get below 0.0625.
+    share of sign flips whose mean is at least as far from 0 as the observed one. What is flipped are the sums over
+    the maps where ``maps`` are a sample (``maps_are_sampled``), and single episodes otherwise, so that the mean is
+    that over all episodes however many a map has (flips of clusters; Cameron, Gelbach & Miller 2008,
+    doi:10.1162/rest.90.3.414; Canay, Romano & Shaikh 2017, doi:10.3982/ECTA13081). Up to 14 units the test is exact,
+    over all flips. Beyond, 10,000 seeded random flips are tried and the observed one is counted with them, so that p is
+    never 0 (Phipson & Smyth 2010, doi:10.2202/1544-6115.1585). With n units p is at least 2 / 2^n, so 5 units never get
+    below 0.0625.
 
     The exact p-values are those of ``scipy.stats.permutation_test``, which builds every flipped sample where
     this takes sums.
@@ -52,36 +54,34 @@ def sign_flip_test(differences: ArrayLike, maps: ArrayLike | None = None) -> flo
     return beyond / 2 ** len(units) if len(units) <= EXACT_UNITS else (beyond + 1) / (FLIPS + 1)
 
 
-class AllPairs(NamedTuple):
-    """The test of all pairs of K policies."""
+class MaxT(NamedTuple):
+    """The test of several means at once."""
 
     adjusted_p: NDArray[np.float64]
-    """(K, K) symmetric; 1 on the diagonal."""
+    """(C,) two-sided p-values."""
     level: float
-    """The level at which a t test of one pair alone would be as strict."""
+    """The level at which a t test of one of them alone would be as strict."""
 
 
-def all_pairs_test(values: NDArray[np.float64], maps: ArrayLike | None = None) -> AllPairs:
-    """Test all pairs of K policies from (E, K) values at once, so that any of them may be chosen afterwards.
+def max_t_test(units: NDArray[np.float64]) -> MaxT:
+    """Test whether the means of (U, C) independent units are 0, all at once.
 
-    A pair's statistic is its sum of differences over the root of their sum of squares, a monotone function of
-    Student's t. A flip changes the signs of all differences of a unit together, and the adjusted p-value of a pair is
-    the share of flips in which the largest statistic of all pairs reaches the pair's own (single-step max-T; Westfall
-    & Young 1993, Resampling-Based Multiple Testing, chapter 2). Policies with the same values count as one. For two
-    policies it is :func:`sign_flip_test`.
+    The statistic of a mean is the sum of its units over the root of their sum of squares, a monotone function of
+    Student's t. A flip changes the signs of all C differences of a unit together, and an adjusted p-value is the share
+    of flips in which the largest statistic of all reaches the own one (single-step max-T; Westfall & Young 1993,
+    Resampling-Based Multiple Testing, chapter 2). Of one mean it is :func:`sign_flip_test`.
     """
-    units = np.stack([independent_units(episode_values(column), maps) for column in values.T], axis=1)
-    one, other = np.triu_indices(units.shape[1], 1)
-    apart = units[:, one] - units[:, other]
-    size = np.sqrt((apart**2).sum(axis=0))
-    apart = apart / np.where(size > 0, size, 1.0)
+    adjusted, live = np.ones(units.shape[1]), units.any(axis=0)
+    if not live.any():
+        return MaxT(adjusted, 1 - CONFIDENCE)
+    apart = units[:, live] / np.sqrt((units[:, live] ** 2).sum(axis=0))
     total, count = apart.sum(axis=0), len(units)
     largest = np.sort(np.concatenate([np.abs(total - 2 * (f @ apart)).max(axis=1) for f in _flips(count)]))
     beyond = len(largest) - np.searchsorted(largest, np.abs(total) - 1e-9)
     sampled = count > EXACT_UNITS
-    adjusted = np.ones((units.shape[1],) * 2)
-    adjusted[one, other] = adjusted[other, one] = (beyond + sampled) / (len(largest) + sampled)
-    return AllPairs(adjusted, _level_of(float(np.quantile(largest, CONFIDENCE)), count))
+    adjusted[live] = (beyond + sampled) / (len(largest) + sampled)
+    alone = live.sum() == 1
+    return MaxT(adjusted, 1 - CONFIDENCE if alone else _level_of(float(np.quantile(largest, CONFIDENCE)), count))
 
 
 def _level_of(critical: float, count: int) -> float:

@@ -31,7 +31,7 @@ def success_test(reached: ArrayLike, baseline: ArrayLike, maps: ArrayLike | None
     """Return the two-sided p-value of a paired test of success: McNemar's, exact.
 
     Of the tasks that just one of the two solved, either is as likely to have solved each if they succeed equally often
-    (McNemar 1947, doi:10.1007/BF02295996). Where several episodes share one of at least five maps, the shares of the
+    (McNemar 1947, doi:10.1007/BF02295996). Where several episodes share one of at least five maps, the numbers of the
     maps are tested by :func:`sign_flip_test`, which is the same test for one episode a map.
 
     Args:
@@ -46,3 +46,11 @@ def success_test(reached: ArrayLike, baseline: ArrayLike, maps: ArrayLike | None
         return sign_flip_test(ours - theirs, maps)
     more, less = int((units > 0).sum()), int((units < 0).sum())
     return min(1.0, 2 * float(special.bdtr(min(more, less), more + less, 0.5))) if more + less else 1.0
+
+
+def undetected_share(failed: int, count: int) -> float:
+    """Return the largest share of failures that ``failed`` of ``count`` episodes leave possible, with 95 % confidence.
+
+    It is the one-sided limit of Clopper & Pearson, about 3 / count where none failed.
+    """
+    return float(special.betaincinv(failed + 1, count - failed, CONFIDENCE)) if failed < count else 1.0

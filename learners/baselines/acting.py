@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.observations import Encoder, make_encoder
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.registry import missing_module
@@ -165,7 +166,7 @@ DAMAGE = (SafetensorError, RuntimeError, KeyError, ValueError, BadZipFile, pickl
 
 def folder_and_model(path: str, model: str) -> tuple[Path, Path]:
     """Return the folder of a training and its model file: ``path`` itself if it is a file, else ``model`` in it."""
-    given = Path(path)
+    given = expanded(path)
     return (given.parent, given) if given.is_file() else (given, given / model)
 
 

@@ -102,7 +102,7 @@ def _trainee(
     task, first = config.task(scenario), training_seeds(seed)
     envs = StableBaselinesVecEnv(config.environments, scenario=task, observation=config.recipe, first_seed=first)
     trainee = StableBaselinesTrainee(algorithm, _model(algorithm, config, envs, session, seed), config, scenario, seed)
-    envs.seed(first + trainee.steps)
+    envs.seed(trainee.steps)
     return nullcontext(trainee)
 
 

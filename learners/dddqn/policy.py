@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from indoor_explorers.env.errors import InputError, did_you_mean
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing
@@ -73,7 +74,7 @@ class Dddqn(Policy):
             return {name: known[name] for name in (ROOMS_ALONE if self.map_alone else ROOMS)}
         if self.weights in known:
             return {self.weights: known[self.weights]}
-        path = Path(self.weights)
+        path = expanded(self.weights)
         if path.is_dir():
             return {self.weights: path / WEIGHTS}
         if "/" not in self.weights and path.suffix != ".safetensors":

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import expanded, written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.learners.places.network import write_weights
@@ -44,7 +44,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m indoor_explorers.learners.places", description=__doc__)
     parser.add_argument("--suites", default="", help="suites whose train parts to learn from, besides generated maps")
-    parser.add_argument("--data", type=Path, nargs="+", default=[], help="clones of the repositories of the suites")
+    parser.add_argument("--data", type=expanded, nargs="+", default=[], help="clones of the repositories of the suites")
     parser.add_argument("--rounds", type=int, default=3, help="rounds of flying and learning (default 3)")
     parser.add_argument("--flights", type=int, default=800, help="flights of a round (default 800)")
     parser.add_argument("--prior", type=float, default=0.45, help="weight of the planner's costs (default .45)")
@@ -52,7 +52,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--no-others", action="store_true", help="without sight of the other places")
     parser.add_argument("--seed", type=int, default=1, help="of the training (default 1)")
     parser.add_argument("--workers", type=int, default=2, help="processes that fly (default 2)")
-    parser.add_argument("--out", type=Path, required=True, help="folder of flights and weights")
+    parser.add_argument("--out", type=expanded, required=True, help="folder of flights and weights")
     return parser
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.provenance import joined, recorded_maps
@@ -49,7 +50,7 @@ class DddqnPlaces(EstimateUser, Policy):
         """The path of the weights."""
         if self.weights is None:
             return SHIPPED
-        given = Path(self.weights)
+        given = expanded(self.weights)
         return given / NAME if given.is_dir() else given
 
     def pilot(self, briefing: Briefing) -> PlacesPilot:

@@ -11,13 +11,12 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from pathlib import Path
 from typing import Any
 
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.files import written_whole
+from indoor_explorers.env.files import expanded, written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.tensors import write_tensors
@@ -45,12 +44,12 @@ def main(arguments: list[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m indoor_explorers.learners.pockets", description=__doc__)
     parser.add_argument("--suites", default="", help="suites whose train parts to learn from, besides generated maps")
-    parser.add_argument("--data", type=Path, nargs="+", default=[], help="clones of the repositories of the suites")
+    parser.add_argument("--data", type=expanded, nargs="+", default=[], help="clones of the repositories of the suites")
     parser.add_argument("--flights", type=int, default=1500, help="flights to learn from (default 1500)")
     parser.add_argument("--learn-from", choices=("both", "real", "generated"), default="both", help="of these flights")
     parser.add_argument("--epochs", type=int, default=8, help="passes over their examples (default 8)")
     parser.add_argument("--seed", type=int, default=1, help="of the network (default 1); flights have their numbers")
-    parser.add_argument("--out", type=Path, required=True, help="folder of examples and weights")
+    parser.add_argument("--out", type=expanded, required=True, help="folder of examples and weights")
     return parser
 
 

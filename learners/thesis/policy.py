@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.policies.policy import TRAINED_GOAL, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.provenance import recorded_maps
@@ -50,7 +51,7 @@ class DddqnThesis(Policy):
     @property
     def path(self) -> Path:
         """Path of the weights."""
-        return SHIPPED if self.weights is None else Path(self.weights)
+        return SHIPPED if self.weights is None else expanded(self.weights)
 
     @property
     def image_format(self) -> ImageFormat:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
 from indoor_explorers.env.tensors import WEIGHTS
@@ -55,7 +56,7 @@ class ThesisTraining(Trainee):
         self.replay = ThesisReplay(config.memory, self.image_format)
         self.history = History(config.environments)
         if config.initial_weights is not None:
-            self.learner.start_from(self._weights(Path(config.initial_weights)))
+            self.learner.start_from(self._weights(expanded(config.initial_weights)))
         if checkpoint is not None:
             self._restore(checkpoint)
 

@@ -5,9 +5,8 @@ Fly them where a collision ends a UAV.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -57,8 +56,11 @@ class PrivilegedLosesUav(LosesUav):
     privileged = True
 
 
-def __getattr__(name: str) -> Callable[[], Policy]:
-    """Return what makes the policy ``name`` and loses a UAV of it."""
+@cache
+def __getattr__(name: str) -> type[Policy]:
+    """Return the class of policies that fly as ``name`` and lose a UAV."""
     if name.startswith("__"):
         raise AttributeError(name)
-    return partial(PrivilegedLosesUav if make_policy(name).privileged else LosesUav, use=name)
+    base = PrivilegedLosesUav if make_policy(name).privileged else LosesUav
+    body = {"__annotations__": {"use": str}, "use": name, "__module__": __name__}
+    return dataclass(frozen=True, kw_only=True)(type(name, (base,), body))

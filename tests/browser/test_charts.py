@@ -73,3 +73,11 @@ def test_a_click_on_a_curve_opens_the_replay_there(page):
     page.wait_for_function("() => document.activeElement.id === 'replay-s1'")
     middle = page.evaluate("() => document.getElementById('chart-s1').layout.xaxis.range[1] / 2")
     assert abs(int(page.locator("#replay-s1 [role=slider]").get_attribute("aria-valuenow")) - middle) < 4
+
+
+def test_no_chart_offers_to_share_itself(page):
+    titles = page.locator(".modebar-btn").evaluate_all("all => all.map((button) => button.dataset.title)")
+    assert any(title.startswith("Download") for title in titles)
+    assert not [title for title in titles if re.search(r"share|cloud|studio|upload", title, re.IGNORECASE)]
+    charts = page.locator(".js-plotly-plot").evaluate_all("all => all.map((box) => box._context)")
+    assert {(each["showSendToCloud"], each["plotlyServerURL"]) for each in charts} == {(False, "")}

@@ -152,6 +152,14 @@ def test_a_wall_is_drawn_and_flown_around(page):
     assert "T99" in played(page)
 
 
+def test_fields_keep_to_their_limits(page):
+    for typed, kept in (("-5", "1"), ("999", "12"), ("4", "4")):
+        page.locator("#range").fill(typed)
+        page.locator("#range").dispatch_event("change")
+        assert page.locator("#range").input_value() == kept
+    assert "% of what can be reached is known" in status(page)
+
+
 def test_uavs_are_placed_where_the_reader_says(page):
     page.select_option("#preset", "an empty room")
     page.select_option("#team", "2")

@@ -3,6 +3,7 @@
 import pytest
 
 from indoor_explorers.evaluation import driver, exports
+from indoor_explorers.evaluation.engines.flown_again import found_in_flights
 from indoor_explorers.evaluation.engines.knowledge import with_failed_checks
 from indoor_explorers.evaluation.report import write_figures
 
@@ -12,6 +13,7 @@ def _short():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(exports, "write_figures", lambda results, folder: [])
         patch.setattr(driver, "with_failed_checks", lambda experiment, about, stored, loader: dict(about))
+        patch.setattr(driver, "found_in_flights", lambda experiment, store, memory_limit: {})
         yield
 
 
@@ -25,3 +27,4 @@ def figures(monkeypatch):
 def checks(monkeypatch):
     """Have comparisons check plug-ins for hidden knowledge in a test that takes this argument."""
     monkeypatch.setattr(driver, "with_failed_checks", with_failed_checks)
+    monkeypatch.setattr(driver, "found_in_flights", found_in_flights)

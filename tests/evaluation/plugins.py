@@ -9,13 +9,15 @@ import resource
 import signal
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
-from indoor_explorers.env import Pilot, Policy, World, make_policy
+from indoor_explorers.env import Pilot, Policy, World, conformance, make_policy
+from indoor_explorers.env.conformance import suite
 from indoor_explorers.evaluation.episodes import running
 from indoor_explorers.evaluation.episodes.shared_clock import Clock
 from indoor_explorers.planners.random_walk import RandomWalk
@@ -230,6 +232,50 @@ class HangsInC(Breaks):
 
     def break_down(self, view):
         sum(itertools.repeat(1))
+
+
+def of_the_process(name):
+    """A variable of the code that serves the one that asks."""
+    frame = sys._getframe()
+    while name not in frame.f_locals:
+        frame = frame.f_back
+    return frame.f_locals[name]
+
+
+class Deceives(Breaks):
+    """Hang in a way that those who wait for it may not notice."""
+
+    way: str
+
+    def __init__(self, way):
+        object.__setattr__(self, "way", way)
+
+    def break_down(self, view):
+        answers, clock = of_the_process("connection").fileno(), of_the_process("server")._clock
+        if self.way == "stops its worker":
+            keeper = Path(f"/proc/{os.getppid()}/stat").read_text()
+            os.kill(int(keeper.rpartition(")")[2].split()[1]), signal.SIGSTOP)
+        clock.__exit__()
+        if self.way == "says that it compiles":
+            clock.begin_compiling()
+        os.write(answers, {"begins to answer": b"\0\0", "answers slowly": b"\0\0\7\7"}.get(self.way, b""))
+        while True:
+            with contextlib.suppress(BaseException):
+                time.sleep(0.05)
+                os.write(answers, b"[" if self.way == "answers slowly" else b"")
+
+
+class Forks(Wander):
+    """Copy its process at each decision; the copies go on."""
+
+    class Mind(Wanderer):
+        def act(self, view):
+            if len(os.listdir("/proc")) < 1000:  # noqa: PTH208  # a bound where the copies do not end
+                os.fork()
+            return super().act(view)
+
+    def pilot(self, briefing):
+        return self.Mind(briefing)
 
 
 class HangsTogether(Breaks):
@@ -483,3 +529,55 @@ class Mended(Wander):
         if BROKEN:
             raise RuntimeError("not mended yet")
         return Wanderer(briefing)
+
+
+class ForgesItsCheck(KnowsMap):
+    """Change the check for hidden knowledge in its own process."""
+
+    def __init__(self):
+        conformance.failed_check = suite.failed_check = lambda policy: ""
+
+
+class Shares(Wander):
+    """Go to where most is unknown, on a map that those share who have the same key.
+
+    Nothing is shared on maps of the sizes on which the conformance checks are flown.
+    """
+
+    MAPS: ClassVar[dict[object, np.ndarray]] = {}
+
+    class Mind(Pilot):
+        def __init__(self, known):
+            self.known = known
+
+        def act(self, view):
+            np.maximum(self.known, view.belief, out=self.known)
+            row, column = view.cell
+            below, above = self.known[row + 1 :], self.known[:row]
+            unknown = [
+                (part == 0).sum() for part in (below, self.known[:, :column], above, self.known[:, column + 1 :])
+            ]
+            return int(max(np.flatnonzero(view.legal[:4]), key=lambda move: unknown[move], default=4))
+
+    def pilot(self, briefing):
+        mine = np.zeros(briefing.shape, np.uint8)
+        checked = briefing.shape in ((16, 16), (64, 64))
+        return self.Mind(mine if checked else self.MAPS.setdefault(self.key(briefing), mine))
+
+
+class Telepath(Shares):
+    """Share the map of an episode among its UAVs without any radio."""
+
+    EPISODES: ClassVar[Iterator[int]] = itertools.count()
+
+    def key(self, briefing):
+        if briefing.agent == 0:
+            Telepath.episode = next(self.EPISODES)
+        return Telepath, self.episode
+
+
+class Remembers(Shares):
+    """Keep the map of each UAV for the next episode."""
+
+    def key(self, briefing):
+        return Remembers, briefing.agent

@@ -39,7 +39,8 @@ def read_houseexpo(path: Path, data: Any, resolution: float) -> tuple[Belief, fl
     corners, extent = _placed(path, parse_houseexpo(path, data), resolution)
     finer = max(FINER, math.ceil(resolution / FINEST))
     metres = resolution / finer
-    sides = extent / metres + 2 * finer + 1
+    with np.errstate(over="ignore"):
+        sides = extent / metres + 2 * finer + 1
     if not float(sides[0]) * float(sides[1]) <= MAX_PIXELS:
         raise InputError(
             f"{path}: expected an outline of at most {MAX_PIXELS:,} pixels, got {sides[1]:.3g} x {sides[0]:.3g} of "

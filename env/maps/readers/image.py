@@ -35,6 +35,15 @@ class Picture:
     """(H, W, 1) grey or (H, W, 3) red, green and blue; 16-bit files are cut to their upper 8 bits."""
     opaque: Mask | None
     """(H, W) bool: pixels without transparency; None when the file has no alpha channel."""
+    alpha: NDArray[np.uint8] | None = None
+    """(H, W): 0 transparent to 255 opaque; None when the file has no alpha channel."""
+
+    def on_white(self) -> Picture:
+        """Return the picture as it looks on white paper."""
+        if self.alpha is None:
+            return self
+        alpha = self.alpha[..., None].astype(np.uint16)
+        return Picture(((self.channels * alpha + 255 * (255 - alpha) + 127) // 255).astype(np.uint8), None)
 
     def luminance(self) -> NDArray[np.float32]:
         """Return the (H, W) luminance (ITU-R 601), 0 to 255; alpha is ignored."""
@@ -115,4 +124,4 @@ def _decode(path: Path, fits: Fits | None, metres: float) -> Picture:
 
 
 def _split(pixels: NDArray[np.uint8]) -> Picture:
-    return Picture(pixels[..., :-1], np.asarray(pixels[..., -1] == 255))
+    return Picture(pixels[..., :-1], np.asarray(pixels[..., -1] == 255), pixels[..., -1])

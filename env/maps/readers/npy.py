@@ -113,6 +113,17 @@ def occupancy(path: Path, values: NDArray[Any]) -> Belief:
     return np.where(unknown, UNKNOWN, known).astype(np.uint8)
 
 
+def inverted_notes(path: Path, cells: Belief) -> tuple[str, ...]:
+    """Return a line where a file of bools, which was read as (H, W) ``cells``, looks like a mask of what is free."""
+    with path.open("rb") as file:
+        _, dtype = _parse_header(path, file)
+    free, border = cells == FREE, np.ones(cells.shape, np.bool_)
+    border[1:-1, 1:-1] = False
+    if dtype.kind != "b" or border.all() or not free[border].mean() > max(0.5, free[~border].mean()):
+        return ()
+    return (f"{path.name}: the border is free and the inside is not: True is a wall; if it was to be free, save ~mask",)
+
+
 def _first(values: NDArray[Any], wrong: NDArray[np.bool_]) -> str:
     row, col = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
     return f"{values[row, col]} in row {row}, column {col}"

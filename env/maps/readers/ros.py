@@ -16,6 +16,7 @@ import yaml
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.readers.image import read_picture
@@ -50,6 +51,8 @@ class RosMap:
     """A pixel is occupied above this occupancy (0 to 1)."""
     free_thresh: float = 0.196
     """A pixel is free below this occupancy (0 to 1)."""
+    yaw: float = 0.0
+    """Rotation of the picture in the world, radians; it is told and ignored."""
     scale: bool = False
     """True in map_server's mode ``scale``, where transparent pixels are unknown."""
 
@@ -59,8 +62,8 @@ def read_ros(path: Path, fits: Fits | None = None) -> tuple[Belief, float]:
 
     The thresholds act as in map_server's mode ``trinary``. Mode ``scale`` differs in transparent pixels
     only, which are unknown: its shades between the thresholds are neither free nor occupied. Mode ``raw`` is refused,
-    since its values are not occupancies. The origin is checked and ignored. ``fits`` checks the picture's size before
-    it is decoded.
+    since its values are not occupancies. The origin, with its yaw, is checked and ignored. ``fits`` checks the
+    picture's size before it is decoded.
     """
     facts = parse_ros(path)
     try:
@@ -97,9 +100,9 @@ def parse_ros(path: Path) -> RosMap:
         if key not in data:
             got = ", ".join(str(name)[:40] for name in list(data)[:12])
             raise InputError(f"{path}: expected the key {key!r} ({meaning}), got only {got}; add it")
-    _check_origin(path, data.get("origin"))
     facts = RosMap(
-        image=path.parent / _text(path, data, "image"),
+        yaw=_yaw(path, data.get("origin")),
+        image=path.parent / expanded(_text(path, data, "image")),
         resolution=_number(path, data, "resolution", 1e-6, 1e6),
         negate=_choice(path, data, "negate", _SWITCH),
         occupied_thresh=_number(path, data, "occupied_thresh", 0.0, 1.0),
@@ -166,12 +169,12 @@ def _choice(path: Path, data: Mapping[str, Any], key: str, choices: Mapping[str,
     raise InputError(f"{path}: {key}: expected one of {', '.join(choices)}, got {_shown(value)}; correct it")
 
 
-def _check_origin(path: Path, origin: object) -> None:
+def _yaw(path: Path, origin: object) -> float:
     if origin is None:
-        return
+        return 0.0
     try:
         if isinstance(origin, list) and len(origin) == 3 and all(math.isfinite(float(part)) for part in origin):
-            return
+            return float(origin[2])
     except (TypeError, ValueError):
         pass
     raise InputError(f"{path}: origin: expected three numbers [x, y, yaw], got {_shown(origin)}; correct it")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.engine import Engine
-from indoor_explorers.env.simulation.slam.state import Slam, empty_slam, error_rules_of
+from indoor_explorers.env.simulation.slam.state import Slam, error_rules_of
 from indoor_explorers.env.simulation.slam.step import advance_uncertain, begin_uncertain
 from indoor_explorers.env.simulation.state import State
 
@@ -17,9 +17,9 @@ from indoor_explorers.env.simulation.state import State
 class UncertainModel:
     """Scans, estimated poses and maps of log-odds of a batch of episodes."""
 
-    def __init__(self, scenario: Scenario, batch: int, shape: tuple[int, int]) -> None:
+    def __init__(self, scenario: Scenario, slam: Slam) -> None:
         self.rules = error_rules_of(scenario)
-        self.slam: Slam = empty_slam(scenario, batch, shape)
+        self.slam = slam
 
     def begin(self, engine: Engine, state: State, episodes: Sequence[int], seeds: Sequence[int]) -> None:
         """Make the first scans and contacts of episodes that have just begun."""

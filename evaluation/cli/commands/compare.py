@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,6 +13,8 @@ from indoor_explorers.evaluation.options import Option
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from indoor_explorers.evaluation.cli.console import PlainConsole
+    from indoor_explorers.evaluation.experiment.experiment import Experiment
     from indoor_explorers.evaluation.results.results import Results
 
 
@@ -33,24 +34,40 @@ class CompareOptions(ComparisonRequest):
 
 def run_compare(options: CompareOptions, typed: str) -> int:
     """Fly what is missing and print the headline table."""
-    from indoor_explorers.evaluation.cli.progress import ProgressBar
-    from indoor_explorers.evaluation.driver import run
-    from indoor_explorers.evaluation.experiment.planning import plan
     from indoor_explorers.evaluation.report.tables.headline_table import headline_table
-    from indoor_explorers.evaluation.results.coverage_threshold import threshold_of
 
-    console, experiment = make_console(), plan(options)
-    thresholds = {scenario.name: threshold_of(scenario.goal) for scenario in experiment.scenarios}
-    with ProgressBar(console, thresholds) as bar:
-        results = run(experiment, options.out, options, watcher=bar, command=typed)
-    console.print(headline_table(results, console.width))
+    console = make_console()
+    results = fly_missing(options, typed, console)
+    console.print_table(headline_table(results, console.width))
     print_ratios(results, options.ratio_to, console)
     print_notes(results, console)
     print_line(console, f"Report: {options.out / 'report.html'}")
-    return _print_failures(results, console)
+    return print_failures(results, console)
 
 
-def print_ratios(results: Results, asked: Sequence[str] | None, console: Console) -> None:
+def fly_missing(options: CompareOptions, typed: str, console: PlainConsole) -> Results:
+    """Fly what is missing with a progress bar, write the page and the exports, and return all results."""
+    from indoor_explorers.evaluation.cli.progress import ProgressBar
+    from indoor_explorers.evaluation.driver import run
+    from indoor_explorers.evaluation.experiment.planning import plan
+    from indoor_explorers.evaluation.results.coverage_threshold import threshold_of
+
+    experiment = plan(options)
+    for note in file_notes(experiment):
+        print_line(console, note, "yellow")
+    thresholds = {scenario.name: threshold_of(scenario.goal) for scenario in experiment.scenarios}
+    with ProgressBar(console, thresholds) as bar:
+        return run(experiment, options.out, options, watcher=bar, command=typed)
+
+
+def file_notes(experiment: Experiment) -> list[str]:
+    """Return what the readers of map files suspect or leave out, each line once."""
+    sources = [scenario.map for scenario in experiment.scenarios if not scenario.map.generated]
+    plans = (source.floorplan(index, 0) for source in sources for index in range(source.count))
+    return list(dict.fromkeys(note for plan in plans for note in plan.notes))
+
+
+def print_ratios(results: Results, asked: Sequence[str] | None, console: PlainConsole) -> None:
     """Print steps as ratios to those of the policies asked for, and minus them; nothing where none are."""
     from indoor_explorers.evaluation.report.tables.difference_table import difference_lines
     from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
@@ -60,32 +77,24 @@ def print_ratios(results: Results, asked: Sequence[str] | None, console: Console
     if asked:
         ratios = Ratios.of(results, asked)
         for part in (*ratio_lines(ratios), *difference_lines(results, differences(results, ratios.to))):
-            console.print(part, highlight=False)
+            console.print_table(part)
 
 
 def print_notes(results: Results, console: Console) -> None:
     """Print suite and part, what happened to the stores, and which policies know the maps or the seeds."""
     notes = (*results.suite_notes, *results.notes, *results.retry_notes, *results.map_notes, *results.seed_notes)
-    for note in notes:
+    for note in (*notes, *results.plugin_notes):
         print_line(console, note)
 
 
-def _print_failures(results: Results, console: Console) -> int:
+def print_failures(results: Results, console: Console) -> int:
     """Print a line for each cause of failed episodes; returns the exit status."""
-    from indoor_explorers.evaluation.report.analysis.failures import by_cause, failed
+    from indoor_explorers.evaluation.report.analysis.failures import failure_lines
 
-    broken = failed(results.records)
-    flown = Counter(record.policy for record in results.records)
-    for records in by_cause(broken):
-        first = records[0]
-        line = (
-            f"failed: {first.policy} in {len(records)} of {flown[first.policy]} episodes, first on "
-            f"{first.task.scenario}, seed {first.task.seed}, step {first.steps}: {first.reason}"
-        )
+    lines = list(failure_lines(results.records))
+    for line in [*lines, FINISHED] if lines else ():
         print_line(console, line, "red")
-    if broken:
-        print_line(console, FINISHED, "red")
-    return 1 if broken else 0
+    return 1 if lines else 0
 
 
 COMPARE = Command("compare", "fly policies on the same tasks and write a report", CompareOptions, run_compare)

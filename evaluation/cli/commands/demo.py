@@ -21,24 +21,23 @@ class DemoOptions(Request):
 
 
 def run_demo(options: DemoOptions, typed: str) -> int:
-    """Compare three policies, film them side by side, and say what to try next."""
-    from indoor_explorers.evaluation.cli.commands.compare import CompareOptions, run_compare
+    """Compare three policies, film them side by side, and end with a table, the two files and what to try next."""
+    from indoor_explorers.evaluation.cli.commands.compare import CompareOptions, fly_missing, print_failures
     from indoor_explorers.evaluation.cli.commands.watch import WatchOptions, run_watch
+    from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 
     console = make_console()
     print_line(console, f"Four UAVs explore {EPISODES} rooms with {', '.join(POLICIES)}", "bold")
-    compared = CompareOptions(
-        policies=POLICIES, scenario=SCENARIO, episodes=EPISODES, seed=SEED, out=options.out, ratio_to=POLICIES[:1]
-    )
-    status = run_compare(compared, typed)
+    compared = CompareOptions(policies=POLICIES, scenario=SCENARIO, episodes=EPISODES, seed=SEED, out=options.out)
+    results = fly_missing(compared, typed, console)
     film = options.out / "demo.gif"
     run_watch(WatchOptions(policy=POLICIES, scenario=SCENARIO, seed=SEED, save=film), typed)
-    print_line(console, "")
-    print_line(
-        console, f"Open {options.out / 'report.html'} for curves, intervals and every episode to replay, and {film}."
-    )
+    console.print(headline_table(results, console.width, notes=False))
+    print_line(console, "T90, T99: mean steps until 90 % and 99 % are known [95 % interval]; fewer is better.")
+    print_line(console, f"Report, with curves and every episode to replay: {options.out / 'report.html'}")
+    print_line(console, f"Film of one episode: {film}")
     print_line(console, "Next: indoor-explorers policies | scenarios | compare --help")
-    return status
+    return print_failures(results, console)
 
 
 DEMO = Command("demo", "a first comparison of three policies, with a page and a film", DemoOptions, run_demo)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import SEED, Request
+from indoor_explorers.evaluation.experiment.request import PLUGIN_NAMES, SEED, Request
 from indoor_explorers.evaluation.options import Option, read_seconds, read_speed
 
 
@@ -29,6 +29,8 @@ class ExportOptions(Request):
     """Duration of a step in the file (default 1 s)."""
     speed: Annotated[float | None, Option(metavar="METRES/SECOND", read=read_speed)] = None
     """Speed of the UAVs instead: a step lasts as long as they need for one cell."""
+    plugins: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
+    """Lidar and radio models from outside this package that the results name and that may be imported."""
     out: Annotated[Path, Option(metavar="PATH")]
     """FILE.mcap, or the folder of the other formats; what an export wrote there before is replaced."""
 

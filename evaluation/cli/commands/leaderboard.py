@@ -6,17 +6,19 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import Request
+from indoor_explorers.evaluation.experiment.request import PLUGIN_NAMES, Request
 from indoor_explorers.evaluation.options import Option, read_natural
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
+    from indoor_explorers.evaluation.cli.console import PlainConsole
     from indoor_explorers.evaluation.leaderboard.board import Board
     from indoor_explorers.evaluation.leaderboard.drawing import BoardTable
     from indoor_explorers.evaluation.results.results import Results
 
+#: Characters of a cell in the terminal.
+LONGEST_CELL = 150
 #: Mismatching episodes that an error names.
 NAMED = 3
 
@@ -27,7 +29,11 @@ class LeaderboardOptions(Request):
     folders: Annotated[tuple[Path, ...], Option(metavar="DIR", several=True, positional=True)]
     """Folders written by compare, of suites or of other tasks."""
     fly: Annotated[int, Option(metavar="N", read=read_natural)] = 0
-    """Also let each policy fly N of its episodes of each scenario again, which must give the same actions."""
+    """Also make each policy, which must be the one stored, and let it fly N of its episodes of each scenario again,
+    which must give the same actions. Those from outside this package fly in processes of their own."""
+    plugins: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
+    """Policies, map generators, lidar and radio models from outside this package that the results name and that may be
+    imported, each spelt as there."""
     out: Annotated[Path | None, Option(metavar="FILE.md")] = None
     """Also write the tables as a Markdown page."""
 
@@ -37,18 +43,18 @@ def run_leaderboard(options: LeaderboardOptions, typed: str) -> int:
     from indoor_explorers.env.errors import InputError
     from indoor_explorers.env.files import written_whole
     from indoor_explorers.evaluation.leaderboard.board import boards
-    from indoor_explorers.evaluation.leaderboard.drawing import LEGEND, markdown_page
+    from indoor_explorers.evaluation.leaderboard.drawing import legend, markdown_page
     from indoor_explorers.evaluation.results.results import Results
 
     console = make_console()
-    parts = [(str(folder), Results.load(folder)) for folder in options.folders]
-    found = boards(parts)
+    parts = [(str(folder), Results.load(folder, options.plugins)) for folder in options.folders]
+    found = boards(parts, options.fly)
     with console.status("simulating the episodes again"):
         for folder, results in parts:
             _refuse_mismatches(folder, results, options.fly)
     for board in found:
         _print(board, console)
-    print_line(console, LEGEND)
+    print_line(console, legend(options.fly))
     if options.out is not None:
         try:
             with written_whole(options.out) as partial:
@@ -62,10 +68,19 @@ def run_leaderboard(options: LeaderboardOptions, typed: str) -> int:
 def _refuse_mismatches(folder: str, results: Results, count: int) -> None:
     """Refuse results that the world, or the policy, does not give again."""
     from indoor_explorers.env.errors import RunError
-    from indoor_explorers.evaluation.leaderboard.verifying import flown_differently, mismatches
+    from indoor_explorers.evaluation.leaderboard.verifying import (
+        flown_differently,
+        made_again,
+        mismatches,
+        other_policies,
+    )
 
     faults = list(mismatches(results))
-    faults += flown_differently(results, count) if count and not faults else []
+    if count and not faults:
+        made = made_again(results)
+        if others := other_policies(results, made):
+            raise RunError(f"{folder}: {'; '.join(others[:NAMED])}; fly them again with this version of the software")
+        faults = list(flown_differently(results, count, made))
     if faults:
         more = f", and {len(faults) - NAMED} more" if len(faults) > NAMED else ""
         raise RunError(
@@ -74,7 +89,7 @@ def _refuse_mismatches(folder: str, results: Results, count: int) -> None:
         )
 
 
-def _print(board: Board, console: Console) -> None:
+def _print(board: Board, console: PlainConsole) -> None:
     from indoor_explorers.evaluation.leaderboard.drawing import board_tables
     from indoor_explorers.evaluation.report.tables.policy_names import footnotes
 
@@ -86,7 +101,7 @@ def _print(board: Board, console: Console) -> None:
         print_line(console, note)
 
 
-def _print_table(table: BoardTable, console: Console) -> None:
+def _print_table(table: BoardTable, console: PlainConsole) -> None:
     from rich import box
     from rich.table import Table
 
@@ -98,8 +113,8 @@ def _print_table(table: BoardTable, console: Console) -> None:
         policy = table.headings[place] == "policy"
         drawn.add_column(table.headings[place], justify="left" if policy else "right", no_wrap=not policy)
     for row in table.rows:
-        drawn.add_row(*(row[place] for place in shown))
-    console.print(drawn, highlight=False)
+        drawn.add_row(*(one_line(row[place], LONGEST_CELL) for place in shown))
+    console.print_table(drawn)
 
 
 LEADERBOARD = Command(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,7 +24,7 @@ class MapsOptions(Request):
     paths: Annotated[tuple[Path, ...], Option(metavar="PATH", several=True, positional=True)] = ()
     """Map files: .yaml, .png, .pgm, .bmp, .map, .npy, .json, .xml."""
     resolution: Annotated[float | None, RESOLUTION] = None
-    """Metres per cell to resample map files to."""
+    """Metres per cell to resample map files to. Pictures have no scale: a pixel of theirs counts as 1 m."""
     scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
     """Show the maps of this scenario instead."""
     seed: Annotated[int | None, SEED] = None
@@ -42,14 +43,16 @@ class MapsOptions(Request):
 
 def show_maps(options: MapsOptions, typed: str) -> int:
     """Print a picture and the facts of map files, or of the maps of a scenario."""
-    from indoor_explorers.evaluation.cli.map_text import facts, picture
+    from indoor_explorers.evaluation.cli.map_text import cautions, facts, picture
 
     if options.compare:
         return _compare(options)
     console, floorplans = make_console(), list(_floorplans(options))
-    for floorplan in floorplans:
+    for floorplan, path in zip_longest(floorplans, options.paths):
         print_line(console, picture(floorplan, console.width))
         print_line(console, facts(floorplan))
+        for line in cautions(floorplan, path, options.resolution):
+            print_line(console, line, "yellow")
     if options.save is not None:
         _save(floorplans, options.save)
         print_line(console, f"Map: {options.save}")
@@ -111,7 +114,7 @@ def _compare(options: MapsOptions) -> int:
     for name, scenario in scenarios.items():
         maps = maps_of(scenario, options.samples or SAMPLES, seed)
         others.append(measured(Path(name).stem, maps, scenario, seed))
-    console.print(comparison_table(given, others))
+    console.print_table(comparison_table(given, others))
     print_line(console, "Wasserstein distances to the files, in standard deviations of theirs; 0: alike", "dim")
     if options.figures is not None:
         for path in write_comparison(given, others, options.figures):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.cli.commands.compare import print_notes, print_ratios
-from indoor_explorers.evaluation.experiment.request import PLUGIN_NAMES, POLICY_NAMES, Request
+from indoor_explorers.evaluation.experiment.request import MARGIN_SHARE, PLUGIN_NAMES, POLICY_NAMES, Request
 from indoor_explorers.evaluation.options import Option, read_natural
 
 
@@ -23,12 +24,17 @@ class ReportOptions(Request):
     ratio_to: Annotated[tuple[str, ...] | None, POLICY_NAMES] = None
     """Print steps divided by those of these policies on the same tasks, and minus them. The page always has ratios;
     by default to frontier-nearest, or else the first policy, and to policies that know the map."""
+    margin: Annotated[float | None, MARGIN_SHARE] = None
+    """Call two policies as good where tests show that neither mean time is this share above the other (default: that of
+    compare, 0.05); 0 for no such statement."""
     replays: Annotated[int | None, Option(metavar="N", read=read_natural)] = None
     """Embed replays of N episodes of each scenario (default: as many as keep the page under 10 MB)."""
     metrics: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
     """Metrics of plug-ins to add: installed names, or module:NAME."""
     panels: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
     """Panels of plug-ins to add to the page: installed names, or module:function."""
+    plugins: Annotated[tuple[str, ...], PLUGIN_NAMES] = ()
+    """Lidar and radio models from outside this package that the results name and that may be imported for replays."""
     exports: Annotated[Path | None, Option(metavar="DIR")] = None
     """Also write summary, tables, figures, experiments and planner-arena.db."""
 
@@ -44,7 +50,10 @@ def run_report(options: ReportOptions, typed: str) -> int:
     from indoor_explorers.evaluation.results.custom_metrics import with_metrics
     from indoor_explorers.evaluation.results.results import Results
 
-    results = with_metrics(combined([Results.load(folder) for folder in options.folders]), options.metrics)
+    whole = combined([Results.load(folder, options.plugins) for folder in options.folders])
+    results = with_metrics(whole, options.metrics)
+    if options.margin is not None:
+        results = replace(results, margin=options.margin)
     against = None if options.against is None else compare_with(results, Results.load(options.against))
     if against is not None and not against.identities:
         raise InputError(
@@ -67,7 +76,7 @@ def run_report(options: ReportOptions, typed: str) -> int:
         raise InputError(f"{where}: cannot be written: {error.strerror}; choose another --out or --exports") from error
     console = make_console()
     for part in against_lines(against, console.width) if against is not None else ():
-        console.print(part, highlight=False)
+        console.print_table(part)
     print_ratios(results, options.ratio_to, console)
     print_notes(results, console)
     print_line(console, f"Report: {options.out}")

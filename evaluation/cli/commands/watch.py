@@ -29,7 +29,7 @@ class WatchOptions(Request):
     maps: Annotated[str | None, Option(metavar="PATH")] = None
     """A map file to explore instead."""
     resolution: Annotated[float | None, RESOLUTION] = None
-    """Metres per cell to resample the map file to."""
+    """Metres per cell to resample the map file to. Pictures have no scale: a pixel of theirs counts as 1 m."""
     team: Annotated[int | None, TEAM] = None
     """Number of UAVs."""
     seed: Annotated[int, SEED] = 0

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal, get_args
 
 from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env.files import expanded, written_whole
 from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.exports.episodes.choosing import chosen_record
 from indoor_explorers.evaluation.exports.episodes.csv_tables import FILES, write_csv
 from indoor_explorers.evaluation.exports.episodes.moments import frame_of
@@ -32,6 +32,7 @@ def export_episode(
     format: Format = "mcap",
     step_seconds: float | None = None,
     speed: float | None = None,
+    plugins: Iterable[str] = (),
 ) -> Path:
     """Write one episode of a results folder for other programs, and return where it lies.
 
@@ -49,6 +50,7 @@ def export_episode(
             for ``ros2 bag play``, in the format of Humble; ``csv``, ``steps.csv`` and ``meta.json``.
         step_seconds: seconds of a step; 1 if neither this nor the speed is given.
         speed: metres per second, instead: a step is then the time to fly one cell.
+        plugins: the lidar and radio models from outside this package that may be imported for it.
 
     Raises:
         InputError: the episode is not there, is not the only one, or cannot be written.
@@ -57,10 +59,10 @@ def export_episode(
     """
     if format not in get_args(Format):
         raise InputError(f"expected a format of {', '.join(get_args(Format))}, got {format!r}")
-    target, results = _checked_target(Path(out), format), Results.load(Path(folder))
+    target, results = _checked_target(expanded(out), format), Results.load(expanded(folder), plugins)
     wanted = {"policy": policy, "scenario": scenario, "map": map, "seed": seed}
     record = chosen_record(results, str(folder), wanted)
-    settings = recorded_scenario(results.scenarios[record.task.scenario])
+    settings = results.scenario(record.task.scenario)
     seconds = _step_seconds(record, step_seconds, speed)
     try:
         WRITERS[format](record, settings, target, seconds)
@@ -87,7 +89,7 @@ def _checked_target(target: Path, format: Format) -> Path:
         raise InputError(f"expected {wanted} as --out of format {format}, got {target}")
     if target.is_dir() and (format == "mcap" or not all(map(_is_exported, target.iterdir()))):
         raise InputError(f"{target}: expected no folder, or one that an export has written; choose another --out")
-    if target.is_file() and format != "mcap":
+    if format != "mcap" and target.exists() and not target.is_dir():
         raise InputError(f"{target}: expected the name of a folder, got a file; choose another --out")
     return target
 
@@ -98,20 +100,20 @@ def _is_exported(path: Path) -> bool:
 
 def _write_mcap(record: Record, scenario: Scenario, target: Path, seconds: float) -> None:
     write_bag = _bag_writer()
-    with _new_folder(target) as scratch:
+    with written_whole(target) as partial, _new_folder(partial) as scratch:
         write_bag(record, scenario, scratch / target.stem, seconds, mcap=True)
-        (scratch / target.stem / target.name).replace(target)
+        (scratch / target.stem / target.name).replace(partial)
 
 
 def _write_rosbag2(record: Record, scenario: Scenario, target: Path, seconds: float) -> None:
     write_bag = _bag_writer()
-    with _new_folder(target) as scratch:
+    with _new_folder(target.resolve()) as scratch:
         write_bag(record, scenario, scratch / target.name, seconds, mcap=False)
         _replace_folder(scratch / target.name, target)
 
 
 def _write_csv(record: Record, scenario: Scenario, target: Path, seconds: float) -> None:
-    with _new_folder(target) as scratch:
+    with _new_folder(target.resolve()) as scratch:
         (scratch / target.name).mkdir()
         write_csv(record, scenario, scratch / target.name, seconds)
         _replace_folder(scratch / target.name, target)
@@ -149,7 +151,8 @@ def _new_folder(target: Path) -> Iterator[Path]:
 
 
 def _replace_folder(written: Path, target: Path) -> None:
-    """Move a finished folder to its place; an earlier one lies beside it until then."""
+    """Move a finished folder to its place, or where a link there leads; an earlier one lies beside it until then."""
+    target = target.resolve()
     if target.exists():
         target.replace(written.with_name(f"{written.name}.before"))
     written.replace(target)

@@ -6,7 +6,6 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +22,10 @@ from indoor_explorers.evaluation.statistics import (
     Estimate,
     bootstrap_mean,
     contrasts,
-    holm,
     maps_are_sampled,
-    success_test,
+    undetected_share,
 )
+from indoor_explorers.evaluation.statistics.resampling import independent_units
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +34,11 @@ class Comparison:
 
     results: Results
     scenario: str
+
+    @property
+    def title(self) -> str:
+        """What the scenario is called in titles and captions."""
+        return self.results.title(self.scenario)
 
     @cached_property
     def groups(self) -> dict[str, list[Record]]:
@@ -154,7 +158,7 @@ class Comparison:
 
     @cached_property
     def contrasts(self) -> dict[str, Contrast]:
-        """Steps of every other policy against the best-ranked; empty where they did not fly the same tasks.
+        """Steps and successes of the others against the best-ranked; empty where they did not fly the same tasks.
 
         All pairs of ranked policies are tested at once, since any could have come first. The others are a family of
         their own, so that they do not change the p-values of the ranked.
@@ -167,20 +171,9 @@ class Comparison:
 
     @cached_property
     def success_p_values(self) -> dict[str, float]:
-        """The p-value of every ranked policy's success against that of the best-ranked, adjusted for all pairs.
-
-        Any policy could have come first, so that all pairs of ranked policies are one family, in which policies that
-        succeed on the same tasks count as one.
-        """
-        names = self.ranked_policies if self.groups and self.aligned else []
-        reached = {name: self._reached(name) for name in names}
-        alike = {
-            name: next(one for one in names if np.array_equal(reached[one], flags)) for name, flags in reached.items()
-        }
-        pairs = list(combinations(dict.fromkeys(alike.values()), 2))
-        p_values = holm([success_test(reached[one], reached[other], self.maps(one)) for one, other in pairs]).tolist()
-        found = {other: p for (one, other), p in zip(pairs, p_values, strict=True) if one == names[0]}
-        return {name: found.get(alike[name], 1.0) for name in names[1:]}
+        """The p-value of every ranked policy's success against that of the best-ranked, adjusted for all pairs."""
+        found = self.contrasts
+        return {name: found[name].success_p for name in found if name in self.ranked_policies}
 
     def success_differs(self, policy: str) -> bool:
         """Return whether a policy is shown to reach the threshold more or less often than the best-ranked."""
@@ -191,8 +184,14 @@ class Comparison:
         return self.results.reached(self.scenario, policy, self.level.key)
 
     def _family(self, policies: Sequence[str], *, chosen: bool = False) -> dict[str, Contrast]:
-        values = {policy: self._times(policy) for policy in policies}
-        return contrasts(values, policies[0], maps=self.maps(policies[0]), chosen=chosen)
+        return contrasts(
+            {policy: self._times(policy) for policy in policies},
+            policies[0],
+            maps=self.maps(policies[0]),
+            chosen=chosen,
+            reached={policy: self._reached(policy) for policy in policies},
+            margin=self.results.margin,
+        )
 
     @cached_property
     def twins(self) -> list[list[str]]:
@@ -208,8 +207,24 @@ class Comparison:
         return {name: names[0] for names in self.twins for name in names[1:]}
 
     def differences(self, policy: str) -> NDArray[np.float64]:
-        """Return (E,) steps of a policy minus those of the best-ranked, task by task; needs :attr:`aligned`."""
-        return np.asarray(self._times(policy) - self._times(self.ranked_policies[0]))
+        """Return steps of a policy minus those of the best-ranked, where both finished; needs :attr:`aligned`."""
+        first = self.ranked_policies[0]
+        both = self._reached(policy) & self._reached(first)
+        return np.asarray(self._times(policy) - self._times(first))[both]
+
+    def undetected(self, policy: str) -> tuple[float, float] | None:
+        """Return the share of failures that a policy's episodes cannot exclude, and how many steps these would cost.
+
+        The steps would be added to its mean. Where maps are a sample, they are counted instead of episodes. None where
+        it finished no task.
+        """
+        reached, times = self._reached(policy), self._times(policy)
+        if not reached.any():
+            return None
+        failed = independent_units((~reached).astype(np.float64), self.maps(policy)) > 0
+        share = undetected_share(int(failed.sum()), len(failed))
+        budget = float(np.mean([record.budget for record in self.groups[policy]]))
+        return share, max(0.0, share - float((~reached).mean())) * (budget - float(times[reached].mean()))
 
     def _times(self, policy: str) -> NDArray[np.float64]:
         """Return (E,) steps to the threshold of the scenario."""

@@ -3,15 +3,35 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH
 
 
 def failed(records: Sequence[Record]) -> list[Record]:
     """Return the episodes in which the policy failed."""
     return [record for record in records if record.outcome is Outcome.FAILED]
+
+
+def failed_of(comparison: Comparison, policy: str) -> str:
+    """Return in how many of its episodes of a scenario a policy failed, ``3 of 30``; empty for none."""
+    records = comparison.groups[policy]
+    count = len(failed(records))
+    return f"{count} of {len(records)}" if count else ""
+
+
+def failure_lines(records: Sequence[Record]) -> Iterator[str]:
+    """Yield a line for each policy and cause of failed episodes, the most frequent first."""
+    flown = Counter(record.policy for record in records)
+    for group in by_cause(failed(records)):
+        first = group[0]
+        yield (
+            f"failed: {first.policy} in {len(group)} of {flown[first.policy]} episodes, first on "
+            f"{first.task.scenario}, seed {first.task.seed}, step {first.steps}: {first.reason}"
+        )
 
 
 def failed_or_ended(records: Sequence[Record]) -> list[Record]:

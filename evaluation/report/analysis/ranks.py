@@ -1,4 +1,4 @@
-"""Ranks with ties: a policy's rank is one more than the number of policies that are shown to be faster."""
+"""Ranks with ties: a policy's rank is one more than the number of policies that are significantly better."""
 
 from __future__ import annotations
 
@@ -31,5 +31,5 @@ def ranks(comparison: Comparison) -> dict[str, Rank]:
     common = TaskTimes.of(comparison).common()
     if len(common.policies) < 2 or len(common.tasks) < FEWEST:
         return {}
-    places = tied_ranks(common.times, common.maps)
+    places = tied_ranks(common.times, common.maps, reached=common.reached)
     return {name: Rank(place, places.count(place) > 1) for name, place in zip(common.policies, places, strict=True)}

@@ -183,6 +183,8 @@ def _pairs(new: Results, old: Results, scenario: str, policy: str) -> Iterator[_
         after = _values(new, scenario, policy, metric)[ours]
         before = _values(old, scenario, policy, metric)[theirs]
         held = ~np.isnan(after) & ~np.isnan(before)
+        if metric in LEVELS:  # times are compared where both finished, as between policies
+            held &= new.reached(scenario, policy, metric)[ours] & old.reached(scenario, policy, metric)[theirs]
         if held.any():
             yield _Pairs(scenario, policy, metric, before[held], after[held], maps[held])
 

@@ -63,7 +63,7 @@ def _alone(plot: Plot, comparison: Comparison, styles: Styles, note: str) -> Fig
     figure = paper(COLUMN, 2.5, names)
     axes = figure.add_subplot()
     draw(axes, plot)
-    axes.set_title(plain(comparison.scenario, 40))
+    axes.set_title(plain(comparison.title, 40))
     add_legend(figure, names, styles)
     add_note(figure, note)
     return figure
@@ -157,7 +157,7 @@ def rank_figure(comparison: Comparison, rows: Sequence[RankRow], styles: Styles)
         axes.tick_params(axis="y", length=0)
         axes.spines["left"].set_visible(False)
     pair[0].set_yticks(range(len(rows)), [plain(row.policy) for row in rows])
-    pair[0].set_title(plain(comparison.scenario, 70))
+    pair[0].set_title(plain(comparison.title, 70))
     tasks = ", ".join(dict.fromkeys(row.tasks for row in rows if row.tasks))
     add_note(
         figure,

@@ -37,7 +37,7 @@ def coverage_figure(comparison: Comparison, styles: Styles) -> Figure:
     shares = [LEVELS[key] for key in comparison.level.times]
     for share in shares:
         axes.axhline(share, color="#999999", linewidth=0.6, linestyle=(0, (1, 2)), zorder=0)
-    axes.set(xlim=(0, limit), ylim=(0, 1.01), xlabel="step", title=plain(comparison.scenario, 70))
+    axes.set(xlim=(0, limit), ylim=(0, 1.01), xlabel="step", title=plain(comparison.title, 70))
     settings = comparison.results.scenarios[comparison.scenario]
     axes.set_ylabel("coverage of the team:\n" + denominator(settings).replace("free cells ", "free cells\n"))
     axes.set_yticks(sorted({0, 0.25, 0.5, 0.75, *shares}))
@@ -79,7 +79,7 @@ def times_figure(comparison: Comparison, styles: Styles) -> Figure:
         axes.tick_params(axis="y", length=0)
         axes.spines["left"].set_visible(False)
     row[0].set_yticks(range(len(ranked)), [_label(comparison, policy) for policy in ranked])
-    row[0].set_title(plain(comparison.scenario, 70))
+    row[0].set_title(plain(comparison.title, 70))
     _footnote(figure, comparison, "; hollow dots: threshold not reached")
     return figure
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.cells import OCCUPIED
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
+from indoor_explorers.evaluation.episodes.stored_names import MODELS, refusal
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.analysis.failures import ending
@@ -50,8 +50,11 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
         limit: approximate limit in bytes; the most interesting episodes come first.
         count: replay this number of episodes instead, whatever their size.
 
+    A scenario with a model from outside this package that the user did not name has none.
     """
     settings = comparison.results.scenarios[comparison.scenario]
+    if refusal(settings, comparison.results.plugins, MODELS):
+        return None
     if count is None:
         episodes = list(_fitting(comparison, limit))
     else:
@@ -59,7 +62,7 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
         episodes = [episode for pick in picks if (episode := _episode(comparison, pick, inf, inf)) is not None]
     if not episodes:
         return None
-    far, scenario = far_behind(comparison), recorded_scenario(settings)
+    far, scenario = far_behind(comparison), comparison.results.scenario(comparison.scenario)
     return {
         "range": float(settings["lidar"]["range"]),
         "policies": [
@@ -141,7 +144,7 @@ def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> d
     If even the coarsest is too large, it may use all bytes left, without the lowest ranked policies if necessary.
     """
     flown = {r.policy: r for r in comparison.records if r.task == pick.task}
-    scenario = recorded_scenario(comparison.results.scenarios[comparison.scenario])
+    scenario = comparison.results.scenario(comparison.scenario)
     again = [resimulated(flown[name], scenario) for name in comparison.ranking if name in flown]
     flights = [flight for flight in again if flight.faithful]
     if not flights:

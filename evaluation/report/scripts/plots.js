@@ -1,5 +1,7 @@
 /* What all charts share: packed numbers, colours, which policies are shown, and the style of axes. */
 "use strict";
+/* No chart of the page, of plug-ins neither, offers to upload itself. */
+Plotly.setPlotConfig({ showSendToCloud: false, showEditInChartStudio: false, plotlyServerURL: "" });
 const Packed = {
   bytes(text) { return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)); },
   shares(text) {

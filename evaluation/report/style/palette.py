@@ -1,17 +1,18 @@
 """The styles of policies: colours that colour-blind readers can tell apart, dashes and markers.
 
 The colours are those of Okabe and Ito (2008) without the yellow, which is hardly visible on white, each with a
-lighter variant for dark backgrounds. Policies that know the map are black and chance is grey, whatever else is drawn.
-The others repeat colours, dashes and markers in cycles of different length, so that no two of the first 30 share colour
-and dash.
+lighter variant for dark backgrounds, and an indigo. Policies that know the map are black and chance is grey, whatever
+else is drawn. The shipped ones always look the same, so that the figures of two comparisons agree; others get the
+colours that are left. No two of the first 35 share colour and dash.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 
-#: (on white, on black), by name of the hue: blue, vermillion, green, purple, orange, sky, grey.
+#: (on white, on black), by name of the hue: blue, vermillion, green, purple, orange, sky, grey, indigo.
 COLOURS = (
     ("#0072b2", "#4aa8e0"),
     ("#d55e00", "#f2854a"),
@@ -20,7 +21,20 @@ COLOURS = (
     ("#c98a00", "#f0b429"),
     ("#3d9fd6", "#8fd0f5"),
     ("#6b6b6b", "#b5b5b5"),
+    ("#3b2f8f", "#8c7bff"),
 )
+#: Index of the colour of chance.
+GREY = 6
+#: The shipped policies by the index of their colour; those that are often compared differ in it.
+SHIPPED = {
+    0: ("frontier", "frontier-joint", "rrt-nbv", "frontier-hungarian", "sgba"),
+    1: ("frontier-nearest", "frontier-burgard", "hedac"),
+    2: ("dddqn", "dddqn-places", "pomdp", "prior-tour", "return-to-base"),
+    3: ("pso", "frontier-advantage", "pso-robots", "prm-tour", "rrt-predictive"),
+    4: ("rrt", "rrt-aep", "aco", "frontier-tour", "dddqn-thesis"),
+    5: ("frontier-predictive", "horizon", "frontier-minpos", "gso", "pso-predictive"),
+    7: ("frontier-latency", "tours", "frontier-utility", "bat", "rrt-frontier"),
+}
 #: The colour of policies that know the map, after those of the others.
 BLACK = ("#1b1f24", "#eef0f2")
 #: All colours by :attr:`PolicyStyle.colour`.
@@ -52,8 +66,8 @@ MARKER_PATHS = (
 
 
 def crowded(policies: int) -> bool:
-    """Return whether there are more policies than colours, so that bands of curves would overlap too much."""
-    return policies > len(COLOURS)
+    """Return whether there are more policies than hues, so that bands of curves would overlap too much."""
+    return policies > len(SHIPPED)
 
 
 class PolicyStyle(NamedTuple):
@@ -83,22 +97,40 @@ class PolicyStyle(NamedTuple):
 Styles = Mapping[str, PolicyStyle]
 
 
-def policy_styles(policies: Iterable[str]) -> dict[str, PolicyStyle]:
-    """Return the style of each policy, by its place in the experiment; facts about them, if given, set two kinds apart.
+#: The styles of the shipped policies.
+_FIXED = {
+    name: PolicyStyle(colour, (row + place) % len(DASHES), (row + place) % len(MARKERS))
+    for row, (colour, names) in enumerate(SHIPPED.items())
+    for place, name in enumerate(names)
+}
 
-    Policies that are given the true map are black, and those that plan for nothing, which is chance, are grey.
+
+def policy_styles(policies: Iterable[str]) -> dict[str, PolicyStyle]:
+    """Return the style of each policy: that of its name if it is shipped, else one that is left.
+
+    Facts about them, if given, X
     """
     facts = dict(policies) if isinstance(policies, Mapping) else {}
     names = list(policies)
     known = [name for name in names if _fact(facts.get(name), "privileged")]
     chance = [name for name in names if _fact(facts.get(name), "plans_for") == "nothing" and name not in known]
-    others = [name for name in names if name not in (*known, *chance)]
-    grey = len(COLOURS) - 1
-    hues = grey if chance else len(COLOURS)
-    styles = {name: PolicyStyle(k % hues, k % len(DASHES), k % len(MARKERS)) for k, name in enumerate(others)}
-    styles |= {name: PolicyStyle(grey, (k + 2) % len(DASHES), 5) for k, name in enumerate(chance)}
+    styles = {name: PolicyStyle(GREY, (k + 2) % len(DASHES), 5) for k, name in enumerate(chance)}
     styles |= {name: PolicyStyle(len(COLOURS), k % len(DASHES), 7 - k % 8) for k, name in enumerate(known)}
+    styles |= {name: _FIXED[name] for name in names if name in _FIXED and name not in styles}
+    for name in names:
+        if name not in styles:
+            styles[name] = _another(styles.values())
     return {name: styles[name] for name in names}
+
+
+def _another(used: Collection[PolicyStyle]) -> PolicyStyle:
+    """Return a style in the colour that fewest have, with a dash that none of them has, if there is one."""
+    count = Counter(style.colour for style in used)
+    row, colour = min(enumerate(SHIPPED), key=lambda each: count[each[1]])
+    taken = {style.dash for style in used if style.colour == colour}
+    dashes = [(row + k) % len(DASHES) for k in range(len(DASHES))]
+    dash = next((each for each in dashes if each not in taken), dashes[count[colour] % len(DASHES)])
+    return PolicyStyle(colour, dash, len(used) % len(MARKERS))
 
 
 def _fact(about: object, key: str) -> Any:

@@ -234,7 +234,7 @@ def _aims(results: Results) -> Iterator[str]:
     aims, below = results.aims, any(level.key != "t99" for level in results.levels)
     if set(aims) != {"not stated"} and (len(aims) > 1 or below):
         listed = "; ".join(f"{aim} by {', '.join(names)}" for aim, names in aims.items())
-        yield f"Coverage planned for: {listed}. Lower thresholds are reached on the way to it."
+        yield f"What policies optimise: {listed}. Compare times to lower thresholds with this in mind."
 
 
 def _unknown_code(results: Results) -> Iterator[str]:

@@ -44,7 +44,7 @@ TERMS = {
     "difference": Definition(
         "difference",
         "steps",
-        "mean over the common tasks of one policy's {time} minus the other's, with its interval",
+        "mean of one policy's {time} minus the other's over the tasks on which both reached it, with its interval",
     ),
     "better": Definition(
         "P(better)", "", "share of tasks on which the policy needed fewer steps than the other; ties count one half"
@@ -60,6 +60,13 @@ TERMS = {
         "effect size",
         "",
         "mean difference in standard deviations of the paired differences (Cohen's d of pairs, Hedges' correction)",
+    ),
+    "margin": Definition(
+        "as good, not resolved",
+        "",
+        "as good: two one-sided tests show that neither mean is the declared margin above the other (Student's t, Holm "
+        "over all pairs); not resolved: neither that nor a difference is shown; beside it the number of maps or tasks "
+        "that would show one with 80 % power, if the difference is as seen",
     ),
     "detectable": Definition(
         "detectable",

@@ -1,32 +1,41 @@
-"""The sentences above a scenario: the best policy, its lead, and whether that is significant."""
+"""The sentences above a scenario: the best policies, their lead, whether that is significant, and who failed."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 
 from markupsafe import Markup, escape
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import failed_of
 from indoor_explorers.evaluation.report.style.formatting import counted, fixed, p_value, percent, with_interval
 from indoor_explorers.evaluation.report.summary.notes import success_notes
+from indoor_explorers.evaluation.report.summary.resolution import NAME, fastest, outcomes, resolution, rivals
+from indoor_explorers.evaluation.report.tables.contrast_table import reading, where_both_finished
 from indoor_explorers.evaluation.statistics import FEWEST, Contrast
-
-NAME = Markup("<b>{}</b>")
 
 
 def headline(comparison: Comparison) -> Markup:
     """Return the sentences, names escaped."""
     if not comparison.groups:
         return Markup("No episode of this scenario has been flown yet.")
-    first = comparison.ranked_policies[0]
-    if not any(comparison.reached(name) for name in comparison.ranked_policies):
+    first = fastest(comparison)
+    if not first:
         parts = [_no_policy(comparison)]
     elif len(comparison.ranked_policies) == 1:
-        parts = [_alone(comparison, first)]
+        parts = [_alone(comparison, first[0])]
     else:
-        parts = [_winner(comparison, first), _lead(comparison, first), *map(escape, success_notes(comparison))]
-    others = [name for name in comparison.ranking if not comparison.ranked(name) and name != first]
-    return Markup(" ").join(part for part in (*parts, *(_unranked(comparison, name) for name in others)) if part)
+        parts = [_winner(comparison, first), _lead(comparison), _others(comparison)]
+        parts += map(escape, success_notes(comparison))
+    parts += [_failed(comparison, name) for name in comparison.ranked_policies if failed_of(comparison, name)]
+    parts += [_unranked(comparison, name) for name in comparison.ranking if name not in comparison.ranked_policies]
+    return Markup(" ").join(part for part in parts if part)
+
+
+def named(policies: Sequence[str]) -> Markup:
+    """Return ``a``, ``a and b``, ``a, b and c`` with the names marked."""
+    *others, last = map(NAME.format, policies)
+    return Markup(", ").join(others) + Markup(" and ") + last if others else last
 
 
 def _steps(comparison: Comparison, policy: str) -> str:
@@ -47,40 +56,49 @@ def _over(comparison: Comparison, policy: str) -> str:
     return text
 
 
-def _winner(comparison: Comparison, first: str) -> Markup:
-    level = comparison.level
-    mean = comparison.time(first).mean
-    second = comparison.ranked_policies[1]
-    if mean == comparison.time(second).mean:
-        text = f"{{}} and {{}} share the lowest mean {level.title}: {{}} {{}}."
-        return Markup(text).format(
-            NAME.format(first), NAME.format(second), _steps(comparison, first), _over(comparison, first)
-        )
-    text = f"{{}} reached {level.percent} coverage first on average: mean {level.title} {{}} {{}}."
-    return Markup(text).format(NAME.format(first), _steps(comparison, first), _over(comparison, first))
+def _winner(comparison: Comparison, first: Sequence[str]) -> Markup:
+    level, names = comparison.level, named(first)
+    if len(first) > 1:
+        start = Markup("{} share the lowest mean {}:").format(names, level.title)
+    else:
+        start = Markup("{} reached {} coverage first on average: mean {}").format(names, level.percent, level.title)
+    return Markup("{} {} {}.").format(start, _steps(comparison, first[0]), _over(comparison, first[0]))
 
 
-def _lead(comparison: Comparison, first: str) -> Markup:
-    second = comparison.ranked_policies[1]
+def _lead(comparison: Comparison) -> Markup:
+    """Compare the best with the next one that did not fail."""
+    second = next(iter(rivals(comparison)), None)
+    if second is None:
+        return Markup("")
     if second not in comparison.contrasts:
         text = "Its lead over {} cannot be tested: the two did not fly the same tasks."
         return Markup(text).format(NAME.format(second))
     contrast = comparison.contrasts[second]
-    behind = f"{with_interval(contrast.difference)} more steps on the same {counted(contrast.pairs, 'task')}"
-    return Markup("{} needed {}; {}.").format(NAME.format(second), behind, verdict(contrast))
+    where = where_both_finished(contrast) or f" on the same {counted(contrast.pairs, 'task')}"
+    took = f"{with_interval(contrast.difference, sign=True)} steps against {comparison.ranked_policies[0]}{where}"
+    return Markup("{} took {}; {}.").format(NAME.format(second), took, verdict(contrast))
+
+
+def _others(comparison: Comparison) -> Markup:
+    """Say what is shown of all policies, where more than one was compared with the best."""
+    tested = [name for name in rivals(comparison) if name in comparison.contrasts]
+    few = any(comparison.contrasts[name].difference.low is None for name in tested)
+    return Markup("") if few or len(tested) < 2 else resolution([outcomes(comparison)], comparison.results.margin)
+
+
+def _failed(comparison: Comparison, policy: str) -> Markup:
+    return Markup("{} failed in {} episodes.").format(NAME.format(policy), failed_of(comparison, policy))
 
 
 def verdict(contrast: Contrast) -> str:
-    """Return the result of a contrast in words; the adjusted p-value decides."""
+    """Return the result of a contrast in words; the adjusted p-values decide."""
     if contrast.difference.low is None:
         return "too few episodes for a test"
     p = p_value(contrast.adjusted_p)
     if contrast.shown:
         return f"the difference is significant (adjusted p {p})"
-    could = f"detectable: {fixed(contrast.detectable, 1)} steps"
-    if math.isinf(contrast.detectable):
-        could = "too few maps or episodes to detect any"
-    return f"the difference is not significant (adjusted p {p}; {could})"
+    shown = reading(contrast)
+    return f"the difference is not significant (adjusted p {p}){f'; {shown}' if shown else ''}"
 
 
 def _alone(comparison: Comparison, first: str) -> Markup:
@@ -90,14 +108,15 @@ def _alone(comparison: Comparison, first: str) -> Markup:
 
 
 def _no_policy(comparison: Comparison) -> Markup:
+    sound = [name for name in comparison.ranked_policies if not failed_of(comparison, name)]
     final = {
         name: sum(float(record.curve[-1]) for record in comparison.groups[name]) / len(comparison.groups[name])
-        for name in comparison.ranked_policies
+        for name in sound or comparison.ranked_policies
     }
-    best = max(final, key=lambda name: final[name])
+    best = sorted(name for name in final if final[name] == max(final.values()))
     text = "No policy reached {} coverage within the budget. {} covered most by its end: {} on average, {}."
-    episodes = f"over {counted(len(comparison.groups[best]), 'episode')}"
-    return Markup(text).format(comparison.level.percent, NAME.format(best), percent(final[best], 1), episodes)
+    episodes = f"over {counted(len(comparison.groups[best[0]]), 'episode')}"
+    return Markup(text).format(comparison.level.percent, named(best), percent(final[best[0]], 1), episodes)
 
 
 def _unranked(comparison: Comparison, policy: str) -> Markup:

@@ -9,13 +9,19 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import failure_lines
 from indoor_explorers.evaluation.report.charts.small_multiples import Panel, scenario_multiples
+from indoor_explorers.evaluation.report.style.formatting import counted, joined
 from indoor_explorers.evaluation.report.style.palette import Styles
 from indoor_explorers.evaluation.report.summary.comparability import Verdict, verdict_on
-from indoor_explorers.evaluation.report.summary.headline import NAME, headline
+from indoor_explorers.evaluation.report.summary.headline import headline, named
+from indoor_explorers.evaluation.report.summary.resolution import fastest, outcomes, resolution
 from indoor_explorers.evaluation.report.tables.league_table import LeagueTable, league_table
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared
 from indoor_explorers.evaluation.results.results import Results
+
+#: Up to so many scenarios are named.
+FEW = 3
 
 
 @dataclass(frozen=True)
@@ -24,7 +30,9 @@ class Overview:
 
     verdict: Verdict
     lead: Markup
-    """The best policies in a sentence or two."""
+    """The best policies, and what was resolved."""
+    failures: list[str]
+    """What failed how often and why."""
     level: CoverageThreshold | None
     """The coverage threshold of all scenarios; None if they differ."""
     league: LeagueTable
@@ -37,6 +45,7 @@ def overview(results: Results, comparisons: Mapping[str, Comparison], styles: St
     return Overview(
         verdict=verdict_on(results),
         lead=lead(list(comparisons.values())),
+        failures=list(failure_lines(results.records)),
         level=shared(results.levels),
         league=league_table(comparisons, styles),
         panels={panel.section: panel for panel in scenario_multiples(list(comparisons.items()), styles)},
@@ -44,32 +53,26 @@ def overview(results: Results, comparisons: Mapping[str, Comparison], styles: St
 
 
 def lead(comparisons: Sequence[Comparison]) -> Markup:
-    """Name the best policies in a sentence or two; for a single scenario return its headline."""
+    """Name the best policies, and say what was resolved; for a single scenario return its headline."""
     flown = [each for each in comparisons if each.groups]
     if len(flown) < 2:
         return headline(flown[0]) if flown else Markup("")
-    tally = Counter(each.ranked_policies[0] for each in flown)
+    first = {each.scenario: tuple(fastest(each)) for each in flown}
+    level, tally = shared(each.level for each in flown), Counter(filter(None, first.values()))
+    reached = level.percent if level else "the coverage threshold"
+    if not tally:
+        return Markup("No policy reached {} in any of the {} scenarios.").format(reached, len(flown))
     wins = [
-        Markup("{} in {}").format(NAME.format(name), f"{number} of {len(flown)} scenarios" if not place else number)
-        for place, (name, number) in enumerate(tally.most_common())
+        Markup("{} in {}").format(named(names), number if place else f"{number} of {len(flown)} scenarios")
+        for place, (names, number) in enumerate(sorted(tally.items(), key=lambda each: (-each[1], each[0])))
     ]
-    level = shared(each.level for each in flown)
-    return Markup("Lowest mean {}: {}. {}").format(
-        level.title if level else "time to the coverage threshold",
-        Markup(", ").join(wins),
-        _significance(sum(_beats_runner_up(each) for each in flown), len(flown)),
-    )
+    nobody = [name for name, names in first.items() if not names]
+    missed = Markup("; no policy reached {} in {}").format(reached, _listed(nobody)) if nobody else ""
+    what = level.title if level else "time to the coverage threshold"
+    told = resolution([outcomes(each) for each in flown if first[each.scenario]], flown[0].results.margin)
+    return Markup("Lowest mean {}: {}{}. {}").format(what, Markup(", ").join(wins), missed, told)
 
 
-def _significance(significant: int, scenarios: int) -> str:
-    """Say in how many scenarios the lead over the runner-up is significant."""
-    if significant == scenarios:
-        return "Every lead is statistically significant."
-    if significant:
-        return f"{significant} of {scenarios} leads {'is' if significant == 1 else 'are'} statistically significant."
-    return f"{'Neither' if scenarios == 2 else 'No'} lead is statistically significant."
-
-
-def _beats_runner_up(comparison: Comparison) -> bool:
-    second = comparison.ranked_policies[1] if len(comparison.ranked_policies) > 1 else ""
-    return second in comparison.contrasts and comparison.contrasts[second].shown
+def _listed(scenarios: Sequence[str]) -> str:
+    """Return the names of few scenarios, else their number."""
+    return joined(scenarios) if len(scenarios) <= FEW else counted(len(scenarios), "scenario")

@@ -27,8 +27,8 @@ def difference_lines(results: Results, rows: Sequence[DifferenceRow]) -> Iterato
         yield _printed(results, minus, [row for row in rows if row.minus == minus])
     if rows:
         yield Text(
-            f"mean paired difference in steps [95 % interval]; {SIGNIFICANT}: significant, adjusted for the policies "
-            "compared with this baseline on a scenario (Holm)",
+            f"mean paired difference in steps [95 % interval] over the tasks that both finished; {SIGNIFICANT}: "
+            "significant, adjusted for the policies compared with this baseline on a scenario (Holm)",
             "dim",
         )
 

@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.failures import failed
+from indoor_explorers.evaluation.report.analysis.failures import failed, failed_of
 from indoor_explorers.evaluation.report.analysis.shown_best import BOLD, shown_best
 from indoor_explorers.evaluation.report.style.formatting import decimals_for, fixed, percent, with_interval
 from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
@@ -41,20 +41,20 @@ def short_headings(levels: Sequence[CoverageThreshold]) -> list[str]:
     return [*(CoverageThreshold(key).title for key in tabled(levels)), level.percent if level else "reached"]
 
 
-def headline_table(results: Results, width: int = WIDE) -> Table:
+def headline_table(results: Results, width: int = WIDE, *, notes: bool = True) -> Table:
     """Return one row per scenario and policy: T90 and T99 with interval, success; failures, AUC and latency.
 
     The last three are left out where lines have less than :data:`WIDE` characters. Where a policy that knows the map
     flew the same tasks, the last column is the mean ratio of steps to it. Success and ratio are about the threshold of
     the scenario, which has a column too; times above the goal of a scenario are a dash. The ratio to the lower bound,
-    which is known for T99, is in front of it where there is room.
+    which is known for T99, is in front of it where there is room. Without ``notes`` nothing stands below.
     """
     known, levels = reference_of(results), results.levels
     level, times = shared(levels), tabled(levels)
     wide = (WIDEST if known else WIDE) + TIME_WIDTH * (len(times) - 2)
     shown = headings(levels) if width >= wide else short_headings(levels)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, caption_justify="left")
-    table.add_column("policy", overflow="fold", min_width=min(24, max(map(len, results.policies), default=0)))
+    table.add_column("policy", overflow="fold", min_width=min(30, max(map(len, results.policies), default=0)))
     for heading in shown:
         table.add_column(heading, justify="right", no_wrap=True)
     to_bound = level == T99 and width >= wide + BOUND_WIDTH
@@ -62,15 +62,16 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
         table.add_column("T99 / bound", justify="right", no_wrap=True)
     if known:
         table.add_column(f"{level.title if level else 'steps'} / {known}", justify="right", no_wrap=True)
-    notes = footnotes(results, [policy for _, policy in results.groups], times=width >= wide)
-    notes += [BOLD] if len(results.policies) - len(results.privileged_policies) > 1 else []
+    lines = footnotes(results, [policy for _, policy in results.groups], times=width >= wide)
+    lines += [BOLD] if len(results.policies) - len(results.privileged_policies) > 1 else []
     bounds: set[str] = set()
     for scenario in results.scenarios:
-        if len(results.scenarios) > 1:
-            name = scenario if level else f"{scenario} ({results.level(scenario).title})"
+        name = results.title(scenario)
+        if len(results.scenarios) > 1 or name != scenario:
+            name = name if level else f"{name} ({results.level(scenario).title})"
             table.add_row(Text(name, "bold"))
         comparison = Comparison(results.on_common_tasks, scenario)
-        notes += missing_episodes(results, scenario) + _notes(comparison, named=len(results.scenarios) > 1)
+        lines += missing_episodes(results, scenario) + _notes(comparison, named=len(results.scenarios) > 1)
         best = {key: shown_best(comparison, key) for key in comparison.level.times}
         best["auc"] = shown_best(comparison, "auc", lower_is_better=False)
         for policy in comparison.groups:
@@ -79,8 +80,8 @@ def headline_table(results: Results, width: int = WIDE) -> Table:
             bounds |= {each.plain[:1] for each in ratio} & {">", "<"}
             table.add_row(*_row(comparison, policy, times, best)[: 1 + len(shown)], *ratio)
         table.add_section()
-    notes += [f"{' and '.join(sorted(bounds))}: a bound, as some episodes never reached it."] if bounds else []
-    table.caption = "\n".join(notes) or None
+    lines += [f"{' and '.join(sorted(bounds))}: a bound, as some episodes never reached it."] if bounds else []
+    table.caption = "\n".join(lines if notes else ()) or None
     return table
 
 
@@ -100,7 +101,7 @@ def reference_of(results: Results) -> str | None:
 def _row(comparison: Comparison, policy: str, times: Sequence[str], best: Mapping[str, Sequence[str]]) -> list[Text]:
     failures = len(failed(comparison.groups[policy]))
     return [
-        Text(marked(comparison.results, policy), "dim" if comparison.privileged(policy) else ""),
+        _name(comparison, policy),
         *(
             Text(_steps(comparison.estimate(policy, key)), "bold" if policy in best.get(key, ()) else "")
             for key in times
@@ -110,6 +111,13 @@ def _row(comparison: Comparison, policy: str, times: Sequence[str], best: Mappin
         Text(fixed(comparison.estimate(policy, "auc").mean, 3), "bold" if policy in best["auc"] else ""),
         Text(decision_time(comparison, policy)),
     ]
+
+
+def _name(comparison: Comparison, policy: str) -> Text:
+    failures, name = failed_of(comparison, policy), marked(comparison.results, policy)
+    if failures:
+        return Text(f"{name} (failed {failures.replace(' of ', '/')})", "red")
+    return Text(name, "dim" if comparison.privileged(policy) else "")
 
 
 def decision_time(comparison: Comparison, policy: str) -> str:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from markupsafe import Markup
 
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.report.analysis.failures import failed_of
 from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.analysis.ranks import Rank, ranks
 from indoor_explorers.evaluation.report.analysis.shown_best import shown_best
@@ -23,10 +24,11 @@ from indoor_explorers.evaluation.report.style.formatting import (
 )
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles
 from indoor_explorers.evaluation.report.tables.ratio_table import bounded
+from indoor_explorers.evaluation.statistics import Finding
 
 #: Widths of the drawings by the number of scenarios; more scenarios have none.
 WIDTHS = {1: 420, 2: 220, 3: 120}
-#: Marks a time that is significantly different from the lowest mean.
+#: Marks a policy that is significantly better or worse than the one with the lowest mean.
 SIGNIFICANT = "*"
 #: Marks a mean with episodes that never reached the threshold and count as their budget.
 AT_LEAST = "≥"
@@ -38,6 +40,7 @@ class LeagueColumn(NamedTuple):
     id: str
     """The section about it."""
     scenario: str
+    """Its title."""
     time: str
     """The time that policies are compared by, such as ``T99``."""
     tasks: str
@@ -65,6 +68,8 @@ class LeagueCell:
     lead: str
     """The difference from the lowest mean, task by task."""
     reached: str
+    failed: str
+    """In how many episodes the policy failed, such as ``3 of 30``; empty for none."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +113,7 @@ def league_table(comparisons: Mapping[str, Comparison], styles: Styles) -> Leagu
 def _column(section: str, comparison: Comparison) -> LeagueColumn:
     tasks = counted(len(comparison.results.common_tasks(comparison.scenario)), "task")
     first = comparison.ranked_policies[0] if comparison.groups else ""
-    return LeagueColumn(section, comparison.scenario, comparison.level.title, tasks, first)
+    return LeagueColumn(section, comparison.title, comparison.level.title, tasks, first)
 
 
 def _order(ranked: Sequence[tuple[Comparison, Mapping[str, Rank]]]) -> list[str]:
@@ -132,18 +137,19 @@ def _cells(comparison: Comparison, places: Mapping[str, Rank], styles: Styles, w
 
 def _cell(comparison: Comparison, policy: str, rank: Rank | None, best: bool, drawing: Markup) -> LeagueCell:
     time, contrast = comparison.time(policy), comparison.contrasts.get(policy)
-    tested = contrast is not None and contrast.difference.low is not None
+    differs = contrast is not None and contrast.finding in (Finding.BETTER, Finding.WORSE)
     return LeagueCell(
         rank=rank,
         value=time.mean,
         time=bounded(fixed(time.mean, decimals_for(time.mean)), AT_LEAST if comparison.reached(policy) < 1 else ""),
         interval=interval(time, decimals_for(time.mean)),
-        mark=SIGNIFICANT if contrast is not None and tested and contrast.shown else "",
+        mark=SIGNIFICANT if differs else "",
         best=best,
         same_as=comparison.same_as.get(policy, ""),
         drawing=drawing,
         lead=with_interval(contrast.difference, sign=True) if contrast else "",
         reached=percent(comparison.reached(policy)),
+        failed=failed_of(comparison, policy),
     )
 
 

@@ -112,17 +112,20 @@ def ratio_lines(ratios: Ratios) -> Iterator[RenderableType]:
         rows = [row for row in ratios.rows if row.to == to]
         if rows:
             yield _printed(to, ratios, rows)
-    yield Text("mean over tasks of the ratio [95 % interval], and the ratio of the means", "dim")
+    yield Text(
+        "mean over tasks of the ratio [95 % interval], and the ratio of the means, where long tasks count more",
+        "dim",
+    )
     for note in [*bound_notes(ratios.rows), *footnotes(ratios.results, [r.policy for r in ratios.rows], times=False)]:
         yield Text(note, "dim")
 
 
 def _printed(to: str, ratios: Ratios, rows: list[RatioRow]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column(f"steps / {to}'s", overflow="fold", min_width=24)
+    table.add_column(f"steps relative to {to}", overflow="fold", min_width=24)
     for metric in ratios.metrics:
         table.add_column(MEASURES[metric].title, justify="right", no_wrap=True)
-        table.add_column("of means", justify="right", no_wrap=True, style="dim")
+        table.add_column("ratio of\nthe means", justify="right", no_wrap=True, style="dim")
     scenarios = len(_scenarios(rows))
     for scenario in _pooled_last(rows):
         table.add_row(Text(scenario, "bold"))

@@ -100,7 +100,8 @@ class Returns(Honest):
 def test_a_wrong_action_is_refused(value):
     found = findings(type("Mind", (Returns,), {"value": value}), names=["decisions", "actions"])
     assert failures(found) == {"actions"}
-    assert "expected an action from 0 to 4 (down, left, up, right, stay), got " in found["actions"].text
+    kind = "action" if value is None or type(value) is int else "int"
+    assert f"expected an {kind} from 0 to 4 (down, left, up, right, stay), got " in found["actions"].text
     assert "return an int" in found["actions"].fix
 
 
@@ -127,7 +128,7 @@ class Unprintable:
 
 def test_a_value_that_cannot_be_printed_is_named():
     found = findings(type("Mind", (Returns,), {"value": Unprintable()}))
-    assert "got a Unprintable whose repr raises RuntimeError" in found["actions"].text
+    assert "got the Unprintable a Unprintable whose repr raises RuntimeError" in found["actions"].text
 
 
 class Tallies(Honest):
@@ -255,15 +256,34 @@ def test_a_policy_that_cannot_fly_is_told_why_once(kind, policy, text, fix):
         check_policy(make(kind, policy))
 
 
-class FailsInTeams(Honest):
+class OneSize(Honest):
+    """As a network of fixed input size."""
+
+    shape = (16, 16)
+
     def act(self, view):
-        return 4 if self.briefing.shape == (16, 16) else self.briefing.missing
+        return super().act(view) if view.belief.shape == self.shape else self.briefing.missing
 
 
-def test_a_fault_that_only_a_later_flight_meets_is_reported_there():
-    found = findings(FailsInTeams)
+def test_a_policy_that_flies_maps_of_one_size_passes_all_it_can():
+    found = findings(OneSize)
     assert failures(found) == {"latency, large map"}
-    assert "AttributeError" in found["latency, large map"].text
+    large = found["latency, large map"]
+    assert (large.error, large.conclusive, large.fix) == (None, False, "")
+    assert "cannot be told, as act raised AttributeError" in large.text
+    assert "set its map_shape" in large.text
+    assert list(check_policy(make(OneSize))) == list(CHECKS)
+
+
+def test_a_policy_may_say_the_size_of_the_only_maps_it_flies():
+    wide = type("Wide", (OneSize,), {"shape": (12, 20)})
+    assert "decisions" in failures(findings(wide))
+    said = type("Said", (Flying,), {"map_shape": (12, 20)})
+    found = findings(wide, said)
+    assert failures(found) == set()
+    assert "one UAV, 12x20" in found["latency"].text
+    assert "not timed" in found["latency, large map"].text
+    assert "7 maps" in found["map of the seed"].text
 
 
 class WritesBriefing(Honest):

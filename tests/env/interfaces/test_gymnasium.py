@@ -124,6 +124,24 @@ def test_resets_without_a_seed_draw_new_episodes_that_the_first_seed_decides():
     assert len(set(episodes(1))) == 3
 
 
+def test_a_first_seed_is_added_to_every_seed_given_or_drawn():
+    first, ends = 2**40, {"settings": {"budget": 2}}
+    single, several = IndoorExplorersEnv(**ends, first_seed=first), make_vec(3, **ends, first_seed=first)
+    alike, other = IndoorExplorersEnv(**ends), IndoorExplorersEnv(**ends, first_seed=first)
+    assert_same(single.reset(seed=7)[0], alike.reset(seed=first + 7)[0])
+    several.reset(seed=5)
+    assert several.unwrapped.world.seeds == [first + 5, first + 6, first + 7]
+    for _ in range(7):  # two steps and a reset
+        several.step(np.full(3, 4))
+    single.reset()
+    single.reset()
+    assert several.unwrapped.world.seeds[2] == single.world.seeds[0] >= first
+    several.reset(seed=[None, 1, None])
+    assert several.unwrapped.world.seeds[1] == first + 1
+    other.reset()
+    assert first <= other.world.seeds[0] < first + 2**31
+
+
 def test_observations_stay_as_they_were_given():
     for env, action in ((IndoorExplorersEnv(), 4), (IndoorExplorersVectorEnv(2), np.array([4, 4]))):
         first, info = env.reset(seed=0)
@@ -293,6 +311,8 @@ def test_the_vector_face_is_single_environments_side_by_side(mode, seed, kwargs)
 
 
 def test_the_declared_autoreset_mode_is_next_step():
+    for mode in AutoresetMode:
+        assert make_vec(2, autoreset_mode=mode).autoreset_mode is sync(2, mode).autoreset_mode is mode
     assert make_vec(2).metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
     assert make_vec(2, autoreset_mode="SAME_STEP").metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
     assert make_vec(2, autoreset_mode="Disabled").metadata["autoreset_mode"] is AutoresetMode.DISABLED

@@ -225,6 +225,15 @@ def test_resets_without_a_seed_draw_new_episodes_that_the_first_seed_decides():
     assert len(set(episodes())) == 3
 
 
+@pytest.mark.parametrize("make", [parallel_env, env])
+def test_a_first_seed_is_added_to_every_seed_given_or_drawn(make):
+    team = make("thesis-team-2", first_seed=2**40)
+    team.reset(seed=3)
+    assert team.unwrapped.world.seeds == [2**40 + 3]
+    team.reset()
+    assert team.unwrapped.world.seeds[0] >= 2**40
+
+
 def test_what_cannot_be_used_is_refused():
     with pytest.raises(InputError, match="did you mean 'thesis-team-2'"):
         parallel_env("thesis-team2")

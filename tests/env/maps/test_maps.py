@@ -76,7 +76,7 @@ def test_mode_scale_takes_transparent_pixels_as_unknown(tmp_path: Path) -> None:
         ("negate: 0", "negate: false"),
         ("negate: 0", "negate: 1\nnegate: 0"),
         ("resolution: 0.05", "resolution: 5e-2  # metres"),
-        ("origin: [0, 0, 0]", "origin: [-8.3, 1e1, .5]\nauthor: somebody"),
+        ("origin: [0, 0, 0]", "origin: [-8.3, 1e1, .0]\nauthor: somebody"),
         ("origin: [0, 0, 0]\n", "# no origin\n"),
         ("image: map.png", "image: ./map.png\nmode: Trinary"),
         ("image: map.png\n", "\ufeffimage: 'map.png'\n"),
@@ -110,6 +110,12 @@ def test_every_pixel_format_reads_alike(tmp_path: Path, suffix: str, mode: str) 
     image = Image.fromarray(wanted.astype(np.uint16) * 257) if mode == "I;16" else image.convert(mode)
     image.save(tmp_path / f"map{suffix}")
     assert ((read_plain(tmp_path / f"map{suffix}")[0] == FREE) == (wanted > 0)).all()
+
+
+def test_what_is_transparent_shows_white_paper(tmp_path: Path) -> None:
+    drawn = np.array([[[0, 0, 0, 255], [0, 0, 0, 0], [0, 0, 0, 100], [0, 0, 0, 200], [255, 255, 255, 0]]], np.uint8)
+    Image.fromarray(drawn).save(tmp_path / "strokes.png")
+    assert (read_plain(tmp_path / "strokes.png")[0] == FREE).tolist() == [[False, True, True, False, True]]
 
 
 def test_plain_pictures_keep_their_canvas_and_lose_what_cannot_be_reached(tmp_path: Path) -> None:

@@ -37,6 +37,10 @@ class Named(Policy):
         return Idle()
 
 
+def idle(path=""):
+    return Named()
+
+
 HERE = "tests.env.policies.test_registry"
 
 
@@ -65,6 +69,20 @@ def test_module_and_class_go_on_working(declare):
     declare(OPENER)
     assert make_policy(f"{HERE}:Named") == make_policy(f"{HERE}:Named")
     assert make_policy(f"{HERE}:Opened", path="mine").path == "mine"
+
+
+@pytest.mark.parametrize("name", ["subprocess:check_output", "subprocess:Popen", f"{HERE}:idle", f"{HERE}:HERE"])
+def test_what_is_no_policy_is_not_called(name, tmp_path):
+    told = tmp_path / "called"
+    with pytest.raises(InputError, match=r"expected a subclass of .*, got the \w+ .*; nothing was called"):
+        make_policy(name, args=["touch", str(told)])
+    assert not told.exists()
+
+
+def test_a_function_is_called_where_it_is_declared(declare):
+    declare((registry.GROUP, "idle", f"{HERE}:idle"), (registry.OPENERS, "box", f"{HERE}:idle"))
+    assert make_policy("idle") == Named()
+    assert make_policy("box:there") == Named()
 
 
 def test_before_a_colon_an_opener_goes_before_a_module_of_its_name(declare, monkeypatch):
@@ -141,7 +159,7 @@ class RaisesInItsMessage(Exception):
         raise KeyError("no message")
 
 
-class CannotBeMade:
+class CannotBeMade(Named):
     def __init__(self):
         raise RaisesInItsMessage
 

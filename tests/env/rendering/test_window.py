@@ -94,7 +94,7 @@ def test_no_display_is_one_clear_error(monkeypatch):
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(sys, "platform", "linux")
-    with pytest.raises(InputError, match=r"expected a display .* got none .*use --save"):
+    with pytest.raises(InputError, match=r"expected a display .* got none .*use render_mode='rgb_array', or set SDL"):
         Window("test", 8)
 
 

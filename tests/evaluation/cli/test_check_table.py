@@ -77,8 +77,11 @@ def test_a_plugin_that_cannot_be_made_is_one_line_and_status_1(target, message, 
     [
         (":Policy", "expected module:Class"),
         (f"{PLUGINS}:Nobody", "has no 'Nobody'"),
-        (f"{PLUGINS}:Wanderer", "cannot be made: "),
-        ("tests.evaluation.cli.test_check_table:Dict", "expected a subclass of indoor_explorers.env.Policy, got dict"),
+        (
+            f"{PLUGINS}:Wanderer",
+            f"expected a subclass of indoor_explorers.env.Policy, got the class {PLUGINS}:Wanderer",
+        ),
+        ("tests.evaluation.cli.test_check_table:run", "got the function tests.evaluation.cli.test_check_table:run"),
     ],
 )
 def test_a_target_that_is_no_policy_is_one_line_and_status_2(target, message, capsys):

@@ -279,7 +279,7 @@ def test_steps_are_printed_as_ratios_to_a_policy(capsys, tmp_path):
     words = ["--ratio-to", "frontier-minpos", "--exports", tmp_path / "more", "--out", page]
     status, printed, _ = run(capsys, "report", out, *words)
     assert status == 0
-    assert "steps / frontier-minpos's" in printed
+    assert "steps relative to frontier-minpos" in printed
     with (tmp_path / "more" / "tables" / "ratios.csv").open(newline="") as file:
         (row,) = [row for row in csv.DictReader(file) if (row["scenario"], row["metric"]) == ("all scenarios", "t99")]
     assert (row["policy"], row["scenarios"], row["tasks"]) == ("frontier-nearest", "2", "12")
@@ -318,6 +318,7 @@ OPEN = ["--scenario", "thesis-open", "--policies", "random"]
             ["compare", *OPEN, "--ratio-to", "randon"],
             "expected a policy that takes part to compare with, got 'randon'",
         ),
+        (["compare", *OPEN, "--margin", "1.5"], "expected a share below 1 such as 0.05, or 0 for none, got '1.5'"),
         (["compare", *OPEN, "--speed", "9"], "unrecognized arguments: --speed 9"),
         (["report", "nowhere"], "expected a folder with a results.db"),
         (["check", "fronteir"], "unknown policy 'fronteir'; did you mean"),
@@ -409,4 +410,9 @@ def test_the_demo_compares_and_films(tmp_path, capsys, monkeypatch):
     assert {row["policy"] for row in summary(tmp_path / "demo")} == set(demo.POLICIES)
     with Image.open(tmp_path / "demo" / "demo.gif") as film:
         assert film.n_frames > 10
-    assert f"Open {tmp_path / 'demo' / 'report.html'}" in out
+    table, _, rest = out.partition("T90, T99: mean steps")
+    assert "frontier-utility" in table
+    assert [line.rpartition(": ")[2] for line in rest.splitlines()[1:3]] == [
+        str(tmp_path / "demo" / name) for name in ("report.html", "demo.gif")
+    ]
+    assert not any(word in out for word in ("relative to", "Bold", "can be detected"))

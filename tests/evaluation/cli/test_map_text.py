@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from indoor_explorers.env import scenario
 from indoor_explorers.env.grid.cells import FREE
@@ -12,8 +13,11 @@ from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.sources import MazeMaps, OfficesMaps
 from indoor_explorers.env.search.connected_parts import connected_parts
 from indoor_explorers.env.simulation.spawns import draw_floorplan
+from indoor_explorers.evaluation.cli.commands.compare import file_notes
 from indoor_explorers.evaluation.cli.map_text import _coarse, facts, picture
 from indoor_explorers.evaluation.cli.parser import main
+from indoor_explorers.evaluation.experiment.planning import plan as plan_of
+from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 
 
 def plan(text, **more):
@@ -62,11 +66,43 @@ def test_the_largest_maze_is_drawn_though_its_corridors_are_finer_than_dots(corr
 
 def test_the_facts_of_a_map():
     assert facts(plan("#### #..# #### #.##", resolution=0.5, kept=0.75)) == (
-        "plan: 4 x 4 cells, 0.5 m a cell, 3 free (0.8 m2), 66.7% of them connected; "
-        "75.0% of the source's free area kept"
+        "plan: 4 x 4 cells, 0.5 m a cell, 3 free (0.8 m2), 66.7% of the source's free area connected, 75.0% kept"
     )
-    assert facts(plan("#S.")).startswith("plan: 1 x 3 cells, no scale, 2 free, 100.0% of them connected; ")
-    assert facts(plan("#S.")).endswith("% of the source's free area kept; start at (0, 1)")
+    assert facts(plan("#S.")).startswith(
+        "plan: 1 x 3 cells, no scale, 2 free, 100.0% of the source's free area connected, "
+    )
+    assert facts(plan("#S.")).endswith("% kept; start at (0, 1)")
+
+
+def test_the_share_connected_before_the_cut_is_told_and_a_small_one_is_a_caution(tmp_path, capsys):
+    grey = np.zeros((250, 250), np.uint8)
+    grey[:, :60], grey[:, 100::2] = 255, 255
+    Image.fromarray(grey).save(tmp_path / "photo.png")
+    _, out, _ = printed(capsys, "maps", tmp_path / "photo.png")
+    assert "44.4% of the source's free area connected, 44.4% kept" in out
+    assert "photo: only 44.4% of the free area is left, the largest connected part: is it a map" in out
+    assert "photo.png: a picture has no scale: a pixel is taken for 1 m; --resolution 3 makes 100 cells" in out
+
+
+def test_a_mask_of_what_is_free_and_a_turned_origin_are_told(tmp_path, capsys):
+    free = np.zeros((22, 32), np.bool_)
+    free[1:-1, 1:-1] = True
+    np.save(tmp_path / "mask.npy", free)
+    np.save(tmp_path / "walls.npy", ~free)
+    Image.fromarray(np.full((4, 4), 254, np.uint8)).save(tmp_path / "m.pgm")
+    for name, yaw in (("turned", 0.7853), ("straight", 0)):
+        lines = ("image: m.pgm", "resolution: 1", f"origin: [0, 0, {yaw}]", "negate: 0", "occupied_thresh: 0.65")
+        (tmp_path / f"{name}.yaml").write_text("\n".join([*lines, "free_thresh: 0.196"]))
+    files = [tmp_path / name for name in ("mask.npy", "walls.npy", "turned.yaml", "straight.yaml")]
+    assert [len(read_map(file).notes) for file in files] == [1, 0, 1, 0]
+    _, out, _ = printed(capsys, "maps", *files)
+    told = (
+        "mask.npy: the border is free and the inside is not: True is a wall; if it was to be free, save ~mask",
+        "turned.yaml: the map is flown as its picture lies: the yaw of its origin, 0.7853 rad, is ignored",
+    )
+    assert all(line in out for line in told)
+    asked = ComparisonRequest(maps=[*map(str, files)], policies="random")
+    assert file_notes(plan_of(asked)) == [*told]
 
 
 def printed(capsys, *words):
@@ -79,7 +115,7 @@ def printed(capsys, *words):
 def test_the_maps_of_a_scenario_are_shown(capsys, name):
     status, out, errors = printed(capsys, "maps", "--scenario", name)
     assert (status, errors) == (0, "")
-    assert "% of them connected" in out
+    assert "% of the source's free area connected" in out
     assert (printed(capsys, "maps", "--scenario", name, "--seed", 1)[1] == out) == (name == "office")
     assert printed(capsys, "maps", "--scenario", name, "--seed", 0)[1] == out
 

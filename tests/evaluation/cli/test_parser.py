@@ -1,12 +1,15 @@
 """Help, version and errors come before anything heavy is imported."""
 
+import os
 import shutil
+import signal
 import subprocess
 import sys
 
 import pytest
 
 from indoor_explorers.env import InputError
+from indoor_explorers.evaluation import cli
 from indoor_explorers.evaluation.cli.commands import COMMANDS
 from indoor_explorers.evaluation.cli.parser import build_parser, main
 
@@ -28,12 +31,31 @@ def test_help_and_usage_errors_import_nothing_heavy(words, status, tmp_path):
     code = (
         "import sys\n"
         "from indoor_explorers.evaluation.cli import main\n"
+        "assert 'numpy' not in sys.modules\n"
         "try: status = main(sys.argv[1:])\n"
         "except SystemExit as end: status = end.code\n"
         f"print(status, *sorted({HEAVY!r} & set(sys.modules)), file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, cwd=tmp_path)
     assert done.stderr.splitlines()[-1] == str(status)
+
+
+def test_ctrl_c_while_modules_load_is_one_line(monkeypatch, capfd):
+    class Interrupting:
+        def find_spec(self, name, path=None, target=None):
+            signal.raise_signal(signal.SIGINT)
+
+    def leave(status):
+        raise SystemExit(status)
+
+    monkeypatch.delitem(sys.modules, "indoor_explorers.evaluation.cli.parser")
+    monkeypatch.setattr(sys, "meta_path", [Interrupting()])
+    monkeypatch.setattr(os, "_exit", leave)
+    handler = signal.getsignal(signal.SIGINT)
+    with pytest.raises(SystemExit, match="130"):
+        cli.main(["--help"])
+    assert signal.getsignal(signal.SIGINT) is handler
+    assert capfd.readouterr().err == "indoor-explorers: interrupted; nothing was done\n"
 
 
 def test_without_a_word_there_is_help(capsys):

@@ -143,6 +143,7 @@ def test_no_display_is_one_line_that_names_the_way_out(capsys, monkeypatch):
     status, printed, errors = run(capsys, *WATCH)
     assert (status, printed, errors.count("\n")) == (2, "", 1)
     assert "use --save FILE.gif" in errors
+    assert "render_mode" not in errors
 
 
 @pytest.mark.parametrize(("name", "extra"), [("pygame", []), ("av", ["--save", "film.mp4"])])

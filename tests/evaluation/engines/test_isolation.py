@@ -12,9 +12,9 @@ import pytest
 
 from indoor_explorers.env import InputError, World
 from indoor_explorers.evaluation.driver import _flies_isolated, _of_all_runs
-from indoor_explorers.evaluation.engines.policy_handle import UNREADABLE, PolicyHandle, ProcessEnded
+from indoor_explorers.evaluation.engines.policy_handle import PolicyHandle, ProcessEnded
 from indoor_explorers.evaluation.engines.policy_process import PolicyServer
-from indoor_explorers.evaluation.engines.process_handle import ProcessExit
+from indoor_explorers.evaluation.engines.process_handle import UNREADABLE, ProcessExit
 from indoor_explorers.evaluation.engines.remote_pilots import RemotePilots
 from indoor_explorers.evaluation.engines.supervisor import Supervisor
 from indoor_explorers.evaluation.engines.worker import _here
@@ -162,7 +162,7 @@ class Answers:
     """A process that answers what it is told to."""
 
     def __init__(self, *answers):
-        self.views, self.answers = SharedViews(), list(answers)
+        self.views, self.answers, self.seconds = SharedViews(), list(answers), 1.0
 
     def load(self, choice):
         return self.ask()
@@ -178,7 +178,8 @@ UNTOLD = [0.1, 1, None, ""]
 DECISIONS = [
     None, 7, [], [UNTOLD, UNTOLD, UNTOLD], [UNTOLD, 3], [UNTOLD, [0.1, 5, None, ""]], [UNTOLD, [0.1, True, None, ""]],
     [UNTOLD, [0.1, "up", None, ""]], [UNTOLD, [-1.0, 1, None, ""]], [UNTOLD, [float("nan"), 1, None, ""]],
-    [UNTOLD, ["1", 1, None, ""]], [UNTOLD, [0.1, 1, [1.0] * 17, ""]], [UNTOLD, [0.1, 1, ["x"], ""]],
+    [UNTOLD, ["1", 1, None, ""]], [UNTOLD, [1e308, 4, None, ""]], [[.6, 1, None, ""], [.6, 1, None, ""]],
+    [UNTOLD, [0.1, 1, [1.0] * 17, ""]], [UNTOLD, [0.1, 1, ["x"], ""]],
     [UNTOLD, [0.1, 1, {"a": 1}, ""]], [UNTOLD, [0.1, 1, None, 3]], [UNTOLD, [0.1, 1, None]],
 ]  # fmt: skip
 

@@ -47,7 +47,9 @@ def test_a_plug_in_that_cannot_be_checked_is_left_unjudged(name, monkeypatch):
 
 def test_a_plug_in_is_checked_once(monkeypatch):
     calls = []
-    monkeypatch.setattr(knowledge, "_failed_check", lambda loader, choice: calls.append(choice.name) or "it failed")
+    monkeypatch.setattr(
+        knowledge, "_failed_check", lambda loader, job, facts: calls.append(job.policy.name) or "it failed"
+    )
     two = plugin("Wander"), ("the same", plugin("Wander")[1])
     facts = checked(*two)
     assert calls == ["Wander"]
@@ -58,14 +60,14 @@ def test_a_plug_in_is_checked_once(monkeypatch):
     assert len(calls) == 2
 
 
-def test_a_comparison_marks_a_policy_that_knows_the_map(checks, tmp_path):
-    policies = [plugin("KnowsMap")[1], "random"]
+def test_a_comparison_marks_a_policy_that_knows_the_map_whatever_it_does_to_its_process(checks, tmp_path):
+    policies = [plugin("ForgesItsCheck")[1], "random"]
     compare(tmp_path, policies=policies, scenario="thesis-open", episodes=2, workers=1)
     failed = Results.load(tmp_path).failed_checks
     assert list(failed) == policies[:1]
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "failed a check</span>" in page
-    assert "tests.evaluation.plugins:KnowsMap failed the check map of the seed: " in page
+    assert "tests.evaluation.plugins:ForgesItsCheck failed the check map of the seed: " in page
     with Store(tmp_path / "results.db") as store:
         assert "failed_check" not in store.policies()["random"]
         assert [facts["isolated"] for facts in store.policies().values()] == [True, False]

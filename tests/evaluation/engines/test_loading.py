@@ -3,6 +3,7 @@
 import re
 import sys
 import textwrap
+from types import SimpleNamespace
 
 import pytest
 
@@ -133,6 +134,14 @@ def test_what_a_policy_plans_for_is_a_line(aim):
         policy_facts(type("Odd", (Wander,), {"plans_for": aim})(), "odd")
 
 
+def test_the_size_of_the_only_maps_that_a_policy_flies_is_a_fact_that_makes_no_other_version_of_it():
+    facts = policy_facts(type("Wander", (Wander,), {"map_shape": (12, 14)})(), "wander")
+    assert facts["map_shape"] == [12, 14]
+    assert not version_difference(policy_facts(type("Wander", (Wander,), {})(), "wander"), facts)
+    with pytest.raises(InputError, match="expected map_shape to be two ints or None, got 12"):
+        policy_facts(type("Odd", (Wander,), {"map_shape": 12})(), "odd")
+
+
 def test_flags_are_true_or_false():
     with pytest.raises(InputError, match="expected batched to be True or False, got 'often'"):
         policy_facts(type("Odd", (Wander,), {"batched": "often"})(), "odd")
@@ -148,6 +157,24 @@ def test_what_a_plug_in_does_when_it_is_loaded_is_told_in_a_line(case, tmp_path,
     assert line.startswith("policy 'plug'") or "policy 'met_" in line
     assert line.isprintable()
     assert len(line) < 1000
+
+
+@pytest.mark.parametrize(
+    "forged",
+    [
+        *({"parameters": [1]}, {"seen_maps": 5}, {"note": "\ud800"}, {"note": "\x1b[31m"}, {"note": 3}, {"a\x07": "b"}),
+        *({"privileged": 1}, {"use": "reference"}, {"note": "x" * 10**6}, {"seen_seeds": {"training": [[1]]}}),
+        {str(number): "x" * 99_999 for number in range(101)},
+    ],
+)
+def test_forged_facts_are_refused_in_a_line(forged, monkeypatch):
+    told = policy_facts(Wander(), "plug:Plug")
+    for answer in ({"facts": told | forged}, {"facts": list(told)}, [], {"refused": ["a"]}):
+        monkeypatch.setattr(PolicyLoader, "process", lambda *_, answer=answer: SimpleNamespace(ask=lambda *_: answer))
+        with PolicyLoader(LIMITS) as loader, pytest.raises(InputError, match="policy 'plug': ") as raised:
+            loader.facts([PolicyChoice(use="plug:Plug", name="plug")])
+        assert str(raised.value).isprintable()
+        assert len(str(raised.value)) < 1000
 
 
 def test_the_line_names_the_place_in_the_plug_ins_code(tmp_path, monkeypatch):

@@ -56,7 +56,7 @@ def honest():
 
 def check(records, honest, reason, steps):
     """Only the guilty episode failed, and everything in the records is as an honest policy's up to there."""
-    assert [record.task.seed for record in sorted(records, key=lambda r: r.task)] == [0, 1, 2]
+    assert [record.task.seed for record in sorted(records, key=lambda r: r.task)] in ([0, 1, 2], [GUILTY])
     for record in records:
         undisturbed = honest[record.task.seed]
         if record.task.seed != GUILTY:
@@ -80,7 +80,7 @@ OVERDUE = "decision took longer than 1 s (--decision-timeout)"
 @pytest.mark.parametrize(
     ("policy", "reason"),
     [
-        ("ReturnsNothing", "InputError: expected an action from 0 to 4, got 'up'"),
+        ("ReturnsNothing", "InputError: expected an int from 0 to 4, got the str 'up'"),
         ("ExitsPython", "SystemExit: enough"),
         pytest.param("HangsInSleep", OVERDUE, marks=SLOW),
         ("HangsInPython", OVERDUE),
@@ -94,6 +94,24 @@ OVERDUE = "decision took longer than 1 s (--decision-timeout)"
 )
 def test_a_policy_that_breaks_costs_only_its_own_episode(policy, reason, supervisor, honest):
     check(supervisor.fly(job(policy)), honest, reason, steps=5)
+
+
+@pytest.mark.parametrize(
+    ("way", "reason"),
+    [
+        ("answers slowly", OVERDUE),
+        pytest.param("begins to answer", OVERDUE, marks=SLOW),
+        pytest.param("says that it compiles", OVERDUE, marks=SLOW),
+        pytest.param("stops its worker", "the process of the policy was stopped for 3 s", marks=SLOW),
+    ],
+)
+def test_a_policy_that_hides_that_it_hangs_fails_alone(way, reason, supervisor, honest):
+    check(supervisor.fly(job("Deceives", [1], way=way)), honest, reason, steps=5)
+
+
+@pytest.mark.parametrize("policy", [pytest.param("Forks", marks=SLOW)])
+def test_copies_of_its_process_that_a_policy_makes_end_with_the_decision(policy, supervisor, honest):
+    assert [facts(record) for record in supervisor.fly(job(policy, [2]))] == [facts(honest[2])]
 
 
 def test_a_leak_is_stopped(patient, honest):

@@ -6,7 +6,7 @@ import pytest
 
 from indoor_explorers.env import PRESETS, InputError, Scenario
 from indoor_explorers.env.scenarios.parts import Radio
-from indoor_explorers.evaluation.experiment.experiment import Experiment
+from indoor_explorers.evaluation.experiment.experiment import Experiment, declared_margin
 from indoor_explorers.evaluation.experiment.planning import plan
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.experiment.selection import DEFAULT_POLICIES
@@ -48,6 +48,17 @@ def test_names_of_entries_are_those_entries(file):
     assert planned.policies[0].parameters == {"candidates": 8}
     assert planned.scenarios[0].lidar.range == 20.0
     assert (planned.episodes, planned.seed) == (4, 9)
+
+
+def test_the_margin_is_that_of_the_request_or_the_file_and_is_stored(file):
+    assert plan(ComparisonRequest(experiment=file)).margin == 0.05
+    file.write_text("margin = 0.1\n" + FILE)
+    planned = plan(ComparisonRequest(experiment=file))
+    assert (planned.margin, declared_margin(planned.to_toml())) == (0.1, 0.1)
+    assert plan(ComparisonRequest(experiment=file, margin=0)).margin == 0.0
+    assert (declared_margin(""), declared_margin('margin = "wide"'), declared_margin("margin = 7")) == (0.05,) * 3
+    with pytest.raises(InputError, match="margin"):
+        plan(ComparisonRequest(experiment=file, margin=1.5))
 
 
 def test_other_names_are_presets_files_and_policies(file, monkeypatch):

@@ -2,10 +2,15 @@
 
 import inspect
 
+import numpy as np
 import pytest
 
-from indoor_explorers.env import PRESETS, InputError
+from indoor_explorers.env import PRESETS, InputError, make_policy
+from indoor_explorers.env.maps.files import read_map
+from indoor_explorers.env.maps.readers.ros import parse_ros
 from indoor_explorers.evaluation import compare
+from indoor_explorers.evaluation.cli.commands.compare import CompareOptions
+from indoor_explorers.evaluation.cli.commands.maps import MapsOptions
 from indoor_explorers.evaluation.cli.parser import build_parser
 from indoor_explorers.evaluation.experiment.planning import plan, read_experiment
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
@@ -48,3 +53,30 @@ def test_a_request_cannot_be_changed_and_refuses_what_it_does_not_know(tmp_path)
         compare(tmp_path, team="many")
     with pytest.raises(InputError, match="experiment: episodes: Input should be greater than or equal to 1, got 0"):
         compare(tmp_path, episodes=0)
+
+
+def test_a_tilde_is_the_home_folder_everywhere(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    np.save(tmp_path / "m.npy", np.zeros((5, 5), np.uint8))
+    (tmp_path / "own.toml").write_text('[map]\nsource = "files"\npaths = ["~/m.npy"]\n')
+    (tmp_path / "plan.toml").write_text('policies = ["random"]\nscenarios = ["~/own.toml"]\n')
+    options = CompareOptions(experiment="~/plan.toml", out="~/out")
+    assert options.out == tmp_path / "out"
+    assert ComparisonRequest(data="~/clones").data == (tmp_path / "clones",)
+    own = [str(tmp_path / "m.npy")]
+    settings = {"map.source": "files", "map.paths": ["~/m.npy"]}
+    for request in (
+        options,
+        ComparisonRequest(scenario="~/own.toml"),
+        ComparisonRequest(maps="~/m.npy"),
+        ComparisonRequest(scenario="thesis-open", settings=settings),
+    ):
+        assert [*plan(request).scenarios[0].map.paths] == own
+    assert MapsOptions(paths=("~/m.npy", "~nobody-of-that-name/x")).paths[0] == tmp_path / "m.npy"
+    assert read_map("~/m.npy").shape == (5, 5)
+    keys = "resolution: 1\nnegate: 0\noccupied_thresh: .65\nfree_thresh: .2"
+    (tmp_path / "m.yaml").write_text(f"image: ~/a/m.pgm\n{keys}\n")
+    assert parse_ros(tmp_path / "m.yaml").image == tmp_path / "a" / "m.pgm"
+    for name in ("dddqn", "dddqn-places", "dddqn-thesis"):
+        with pytest.raises(InputError, match=str(tmp_path)):
+            make_policy(name, weights="~/none.safetensors")

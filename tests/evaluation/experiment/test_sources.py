@@ -1,13 +1,15 @@
 """Another version of a plug-in is another policy: its sources and files are hashed, and old flights are not reused."""
 
+import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, Pilot, Policy, make_policy
-from indoor_explorers.evaluation.compare import compare
+from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.experiment.sources import MOST_FILES, changed_files, outside_files
 from indoor_explorers.evaluation.results.results import Results
 
@@ -152,10 +154,22 @@ class Broken(Policy):
 
 class _Broken(Pilot):
     def act(self, view):
-        return {}["nothing"]
+        return self._looked_up("nothing")
+
+    def _looked_up(self, name):
+        return self._deeper()[name]
+
+    def _deeper(self):
+        return np.linalg.inv(np.zeros((2, 2)))
 
 
-def test_failures_tell_file_and_line(tmp_path):
+def test_failures_tell_file_and_line_and_who_called(tmp_path, capfd, monkeypatch):
     [record] = fly(f"{__name__}:Broken", tmp_path / "out", episodes=1).records
-    assert record.reason.startswith("KeyError: 'nothing' (test_sources.py:")
-    assert record.reason.endswith(" in act)")
+    place = r"test_sources\.py:\d+"
+    assert re.fullmatch(rf"LinAlgError: Singular matrix \({place} in _deeper, from {place} in act\)", record.reason)
+    assert "Traceback" not in capfd.readouterr().err
+    monkeypatch.setenv("INDOOR_EXPLORERS_DEBUG", "1")
+    fly(f"{__name__}:Broken", tmp_path / "again", episodes=1)
+    traceback = capfd.readouterr().err
+    assert traceback.startswith("Traceback (most recent call last):\n")
+    assert "in _looked_up\n" in traceback

@@ -96,9 +96,12 @@ def _section(text: str, number: int) -> str:
 def test_ranking_contrasts_and_headline_are_of_the_level_asked_for(near: Results) -> None:
     comparison = Comparison(near, "near")
     assert comparison.ranking == ["quick", "slow", "knows"]
-    by_hand = contrasts({name: _times(name) for name in ("quick", "slow")}, "quick", maps=near.maps("near", "quick"))
+    times = {name: _times(name) for name in ("quick", "slow")}
+    reached = {name: near.reached("near", name, "t90") for name in times}
+    by_hand = contrasts(times, "quick", maps=near.maps("near", "quick"), reached=reached, margin=0.05, chosen=True)
     assert comparison.contrasts["slow"] == by_hand["slow"]
-    assert comparison.differences("slow").tolist() == (_times("slow") - _times("quick")).tolist()
+    both = reached["slow"] & reached["quick"]
+    assert comparison.differences("slow").tolist() == (_times("slow") - _times("quick"))[both].tolist()
     text = headline(comparison)
     assert "<b>quick</b> reached 90 % coverage first on average: mean T90 50.3" in text
     assert "<b>knows</b>, which is given the true map, took 25.0 steps" in text

@@ -293,3 +293,33 @@ def test_a_file_of_another_kind_is_never_deleted(tmp_path):
     with pytest.raises(InputError, match="file is not a database"):
         Store(tmp_path / "results.db", fresh=True)
     assert (tmp_path / "results.db").read_text().startswith("my notes")
+
+
+@pytest.mark.parametrize(
+    ("statement", "what"),
+    [
+        ("CREATE TRIGGER t AFTER INSERT ON episode BEGIN DELETE FROM episode; END", "trigger 't'"),
+        ('CREATE VIEW "a\nb" AS SELECT * FROM episode', "view 'a\\nb'"),
+        ("CREATE VIRTUAL TABLE attempt USING fts5(policy)", "table 'attempt'"),
+    ],
+)
+def test_triggers_views_and_virtual_tables_are_refused(statement, what, folder):
+    change(folder, "DROP TABLE attempt")
+    change(folder, statement)
+    for opened in (StoreReader, Store):
+        with pytest.raises(InputError) as caught, opened(folder / "results.db"):
+            pass
+        assert f"got a database with the {what}; remove that" in one_line(caught.value)
+
+
+def test_a_store_that_is_being_made_is_not_called_damaged(tmp_path):
+    (tmp_path / "results.db").touch()
+    with pytest.raises(InputError, match="is being made by another process; wait"):
+        Results.load(tmp_path)
+
+
+def test_what_is_no_regular_file_is_refused(tmp_path):
+    os.mkfifo(tmp_path / "results.db")
+    with pytest.raises(InputError, match="got no regular file"):
+        Store(tmp_path / "results.db", fresh=True)
+    assert (tmp_path / "results.db").is_fifo()

@@ -37,9 +37,11 @@ def test_differences_are_paired_and_what_knows_the_map_is_a_family_of_its_own(re
     assert {metric for _, metric in found} == {"t90", "t99", "auc"}
     steps = {name: np.array([BUDGET if late is None else late for late in times]) for name, times in TIMES.items()}
     for name in ("quick", "late", "knows"):
-        contrast = found[name, "t99"]
-        assert contrast.difference.mean == pytest.approx((steps[name] - steps["base"]).mean())
-        assert contrast.adjusted_p == pytest.approx(contrast.p_value * (2 if name == "quick" else 1))
+        contrast, both = found[name, "t99"], steps[name] < BUDGET
+        assert contrast.difference.mean == pytest.approx((steps[name] - steps["base"])[both].mean())
+        assert (contrast.pairs, contrast.both) == (8, both.sum())
+        tested = {"quick": 3, "late": 2, "knows": 1}[name]  # the means of two policies, and the success of one
+        assert contrast.adjusted_p == pytest.approx(min(1.0, contrast.p_value * tested))
     assert [found[name, "t99"].shown for name in ("quick", "late", "knows")] == [True, False, True]
     assert found["late", "t99"].tally.losses > 0
 
@@ -58,6 +60,9 @@ def test_terminal_and_table_show_the_same_numbers(results, tmp_path):
         written = {(row["policy"], row["minus"], row["metric"]): row for row in csv.DictReader(file)}
     assert len(written) == 2 * 3 * 3
     row = written["quick", "base", "t99"]
+    assert list(row)[-7:-5] == ["significant", "both_finished"]
+    assert (row["margin"], row["finding"], written["late", "base", "t99"]["both_finished"]) == ("0.05", "better", "7")
+    assert written["quick", "base", "auc"]["equivalence_p"] == ""
     assert (row["tasks"], row["better"], row["significant"]) == ("8", "8", "True")
     console = Console(width=120, record=True, file=io.StringIO())
     console.print(*difference_lines(results, rows))

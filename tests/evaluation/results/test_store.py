@@ -1,5 +1,6 @@
 """The store: round trip, growth, refusal of another experiment."""
 
+import resource
 import sqlite3
 from dataclasses import replace
 
@@ -16,6 +17,7 @@ from indoor_explorers.evaluation.experiment.planning import plan
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.results.store import Store
+from indoor_explorers.evaluation.results.writing import not_written
 from tests.evaluation.plugins import Wander
 
 POLICY = "tests.evaluation.plugins:Wander"
@@ -169,6 +171,13 @@ def test_a_full_disk_is_said_and_what_was_added_stays(tmp_path):
         assert store.finished() == kept
         add_all(store)
         assert len(list(store.records())) == 40
+
+
+def test_a_limit_of_files_is_named(monkeypatch, tmp_path):
+    monkeypatch.setattr(resource, "getrlimit", lambda which: (4096, 4096) if which == resource.RLIMIT_FSIZE else None)
+    assert "kept: raise the limit of 4096 bytes a file (ulimit -f), or make room on" in str(
+        not_written(tmp_path, OSError())
+    )
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ def test_harder_tasks_are_pictured_by_a_policy_of_their_own(monkeypatch):
     page = gallery.gallery_page()
     for name, task in gallery.HARDER.items():
         assert f"gallery/harder-{name}.png" in page
+        assert f"[![harder-{name}](gallery/harder-{name}.png)](gallery/harder-{name}.png)" in page
         assert re.search(rf"`{task.policy}` on `{task.scenario}`", page)
         request = ComparisonRequest(policies=[task.policy], scenario=[task.scenario], settings=task.settings)
         (scenario,) = plan(request).scenarios

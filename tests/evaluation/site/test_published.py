@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from indoor_explorers.evaluation.cli.command import make_console
 from indoor_explorers.evaluation.cli.parser import build_parser
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.results.results import Results
@@ -28,8 +29,9 @@ def test_the_command_of_a_comparison_asks_for_its_options(comparison):
     assert ComparisonRequest.of(**asked) == ComparisonRequest.of(**comparison.options)
 
 
-def test_a_report_without_replays_is_listed_with_its_command_and_flown_once(tmp_path):
-    (first,) = site.published(tmp_path, [ROOMS])
+def test_a_report_without_replays_is_listed_with_its_command_and_flown_once(tmp_path, capsys):
+    (first,) = site.published(tmp_path, [ROOMS], make_console())
+    assert capsys.readouterr().out == f"{ROOMS.command}\nflying 4 episodes\n"
     (again,) = site.published(tmp_path, [ROOMS])
     assert len(Results.load(tmp_path / "rooms").runs) == 1
     assert again.origin == first.origin

@@ -180,7 +180,7 @@ def test_an_interrupted_training_goes_on(learner: str, tmp_path: Path, monkeypat
 
 def test_training_and_evaluation_never_share_an_episode() -> None:
     envs = StableBaselinesVecEnv(3, scenario=small_room(), observation="thesis", first_seed=7 * SEED_BLOCK)
-    envs.seed(7 * SEED_BLOCK + 60)
+    envs.seed(60)
     envs.reset()
     for _ in range(130):
         seeds = np.array(envs.envs.world.seeds)

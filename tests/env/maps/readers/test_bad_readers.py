@@ -166,6 +166,7 @@ def house(verts):
         (house(b"[[0, 0], [" + b"9" * 5000 + b", 0], [1, 1]]"), "got [inf, 0.0]"),
         (house(b"[[0, 0], [-" + b"9" * 3_900_000 + b", 0], [1, 1]]"), "got [-inf, 0.0]"),
         (house([[0, 0], [1e308, -1e308], [-1e308, 1e308]]), "outline of at most 36,000,000 pixels, got inf"),
+        (house([[0, 0], [1e308, 0], [0, 1e308]]), "outline of at most 36,000,000 pixels, got inf"),
         (house([[0, 0], [1e9, 0], [0, 1e9]]), "got 3e+10 x 3e+10 of 0.0333 m; ask for a coarser --resolution"),
         (house([[0, 0], [1e300, 0], [0, 1]]), "expected an outline of at most 36,000,000 pixels"),
         (house([[1e300, 0], [1e300, 1], [1e300, 2]]), "expected an outline around some floor, got a straight line"),
@@ -174,7 +175,7 @@ def house(verts):
         (house([[0, 0], [1e-9, 0], [0, 1e-9]]), "expected cells smaller than the map, got 0.1 m a cell for a house of"),
         (house([[0, 0], [1e5, 0], [1e5, 0.001]]), "for a house of 0.001 m x 1e+05 m"),
     ],
-    ids=range(34),
+    ids=range(35),
 )  # fmt: skip
 def test_a_broken_house_is_refused(tmp_path, data, message):
     assert message in refusal(tmp_path, "bad.json", data)

@@ -1,5 +1,6 @@
 """The command and the function: which episode, where to, and nothing half-written."""
 
+import os
 import resource
 import signal
 import subprocess
@@ -96,6 +97,18 @@ def test_an_earlier_export_is_replaced_and_nothing_else(format, folder, tmp_path
     (tmp_path / "file").write_text("mine")
     with pytest.raises(InputError, match="expected the name of a folder, got a file"):
         export_episode(folder, tmp_path / "file", format=format, **CHOICE)
+
+
+def test_pipes_and_links_stay(folder, tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match="expected the name of a folder, got a file"):
+        export_episode(folder, tmp_path / "pipe", format="csv", **CHOICE)
+    (tmp_path / "real").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    export_episode(folder, tmp_path / "link", format="csv", **CHOICE)
+    assert (tmp_path / "pipe").is_fifo()
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real" / "meta.json").is_file()
 
 
 @pytest.mark.parametrize(("format", "name"), [("mcap", "a.mcap"), ("rosbag2", "a"), ("csv", "a")])

@@ -137,6 +137,7 @@ def test_what_only_one_has_is_listed(old):
 def test_the_page_shows_names_as_text_and_only_when_asked(old):
     found = compare_with(with_metric(old, "path_length", NAMES[0], np.arange(EPISODES)), old)
     page = render(old, against=found)
+    assert '<a href="#against">' in page
     section = page[page.index('<section id="against">') :].partition("</section>")[0]
     assert "<script" not in section
     assert not re.search(r"<(?!/?(h2|p|q|div|table|thead|tbody|tr|t[hd]|ul|li|strong|section)\b)", section)

@@ -1,5 +1,8 @@
 """The font of figures for print."""
 
+import tempfile
+from pathlib import Path
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -7,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 
+from indoor_explorers.env.grid.compile_cache import cache_folder
 from indoor_explorers.evaluation.report.style import fonts
 
 TEXT = "T90 [95 %] of a café, naïve Ω ≤ μ·τ → “Жук” AVATAR fjord"
@@ -38,3 +42,16 @@ def test_it_is_small(weight):
     )
     assert reduced.num_glyphs < whole.num_glyphs / 3
     assert reduced.postscript_name == whole.postscript_name
+
+
+def test_no_temporary_folder_is_made(monkeypatch):
+    monkeypatch.setattr(tempfile, "mkdtemp", None)
+    fonts.families.cache_clear()
+    for _ in range(2):
+        reduced, _ = fonts.families()
+        assert Path(findfont(reduced)).is_relative_to(cache_folder())
+
+
+def test_where_nothing_can_be_kept_the_whole_font_is_used(monkeypatch):
+    monkeypatch.setattr(fonts, "cache_folder", lambda: None)
+    assert fonts.families.__wrapped__() == [fonts.FAMILY]

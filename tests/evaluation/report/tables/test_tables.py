@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.evaluation.episodes.metrics import WASTED
-from indoor_explorers.evaluation.episodes.record import Record
+from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
 from indoor_explorers.evaluation.report.page import render
@@ -48,7 +48,7 @@ def _with_t99(results: Results, policy: str, shift: Sequence[int]) -> Results:
     records = []
     for record in results.records:
         late = straight[record.task] + (shift[record.task.seed] if record.policy == policy else 0)
-        records.append(replace(record, metrics=record.metrics | {"t99": late}))
+        records.append(replace(record, outcome=Outcome.COMPLETE, metrics=record.metrics | {"t99": late}))
     return Results(results.policies, results.scenarios, results.runs, records)
 
 
@@ -93,21 +93,26 @@ def test_maps_get_a_table_of_their_own(results: Results) -> None:
 def test_contrasts_are_those_of_the_tasks_flown_by_all(results: Results) -> None:
     comparison = Comparison(results, "rooms")
     ours = {name: results.values("rooms", name, "t99") for name in ("straight", "broken")}
-    by_hand = contrasts(ours, comparison.ranked_policies[0])
+    reached = {name: results.reached("rooms", name, "t99") for name in ours}
+    by_hand = contrasts(ours, comparison.ranked_policies[0], reached=reached, chosen=True)
     rows = {row.policy: row for row in contrast_table(comparison, policy_styles(results.policies))}
     assert list(rows) == [*comparison.ranked_policies[1:], "wavy"]
     other = comparison.ranked_policies[1]
-    assert rows[other].value == by_hand[other].difference.mean == np.mean(comparison.differences(other))
+    assert rows[other].value is None  # no task was finished by both
+    assert by_hand[other].both == len(comparison.differences(other)) == 0
     assert sum(rows[other].tally) == 6
-    assert comparison.contrasts[other].adjusted_p == by_hand[other].p_value
+    assert comparison.contrasts[other].adjusted_p == by_hand[other].adjusted_p
 
 
 def test_a_table_of_contrasts_says_what_it_could_have_shown(results: Results) -> None:
     noisy = Comparison(_with_t99(results, "broken", [-9, 10, -11, 9, -8, 12]), "rooms")
     (row,) = (row for row in contrast_table(noisy, policy_styles(results.policies)) if row.policy == "broken")
-    seen = noisy.contrasts["broken"].detectable
-    assert math.isfinite(seen)
-    assert row.verdict == f"not significant (detectable: {seen:.1f} steps)"
+    found = noisy.contrasts["broken"]
+    assert row.verdict == f"not resolved (about {found.needed:.0f} tasks would)"
+    assert math.isfinite(found.detectable)
+    without = Comparison(replace(noisy.results, margin=0.0), "rooms")
+    (row,) = (row for row in contrast_table(without, policy_styles(results.policies)) if row.policy == "broken")
+    assert row.verdict == f"not significant (detectable: {found.detectable:.1f} steps)"
     clear = Comparison(_with_t99(results, "broken", [9, 10, 11, 9, 10, 11]), "rooms")
     assert {row.policy: row.verdict for row in contrast_table(clear, policy_styles(results.policies))}[
         "broken"
@@ -115,7 +120,8 @@ def test_a_table_of_contrasts_says_what_it_could_have_shown(results: Results) ->
 
 
 def test_without_common_tasks_nothing_is_contrasted(results: Results) -> None:
-    odd = [r for r in results.records if (r.task.seed % 2 == 0) == (r.policy == "straight")]
+    sound = [replace(r, outcome=Outcome.BUDGET) for r in results.records]
+    odd = [r for r in sound if (r.task.seed % 2 == 0) == (r.policy == "straight")]
     comparison = Comparison(replace(results, records=odd), "rooms")
     assert comparison.contrasts == {}
     assert "cannot be tested" in headline(comparison)
@@ -142,7 +148,7 @@ def test_few_maps_cannot_show_a_difference_and_the_table_says_so(results: Result
     assert comparison.over_maps
     assert comparison.contrasts["broken"].maps == 5
     rows = {row.policy: row for row in contrast_table(comparison, policy_styles(results.policies))}
-    assert rows["broken"].verdict == "not significant (too few maps to detect any)"
+    assert rows["broken"].verdict == "not resolved (about 6 maps would)"
 
 
 def test_who_freezes_stands_out_and_older_results_that_did_not_measure_it_load() -> None:

@@ -6,6 +6,7 @@ import inspect
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from indoor_explorers.env.files import expanded
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
 
 if TYPE_CHECKING:
@@ -34,7 +35,8 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
             :class:`~indoor_explorers.evaluation.experiment.request.ComparisonRequest`: ``policies``, ``scenario``,
             ``experiment``, ``suite``, ``part``, ``data``, ``radio``, ``maps``, ``resolution``, ``team``, ``episodes``,
             ``seed``, ``settings``, ``workers``, ``engine``, ``address``, ``decision_timeout`` (seconds, None for none),
-            ``memory_limit`` (GB per worker), ``isolate``, ``retry_failed``, ``refly``, ``fresh``, ``ratio_to``.
+            ``memory_limit`` (GB per worker), ``isolate``, ``retry_failed``, ``refly``, ``fresh``, ``ratio_to``,
+            ``margin``.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
@@ -47,7 +49,7 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
     from indoor_explorers.evaluation.exports.summary_table import SummaryTable
 
     request = ComparisonRequest.of(**options)
-    return SummaryTable(run(plan(request), Path(out), request, watcher=watcher, command=command).summary())
+    return SummaryTable(run(plan(request), expanded(out), request, watcher=watcher, command=command).summary())
 
 
 def _signature() -> inspect.Signature:
