@@ -9,6 +9,11 @@ SITE = ROOT / "evaluation" / "site"
 PAGES = (ROOT / "README.md", *sorted((SITE / "pages").rglob("*.md")))
 #: The documents on planners and bounds.
 PLANNERS, BOUNDS = ROOT / "planners" / "PLANNERS.md", ROOT / "evaluation" / "BOUNDS.md"
+#: What data and weights are for, and the documents on tests.
+ON_EVIDENCE = (
+    ROOT / "learners" / "MODEL_CARDS.md",
+    *(ROOT / "evaluation" / f"{name}.md" for name in ("DATASHEETS", "NEXT_TEST", "STATISTICS", "SUITES")),
+)
 
 
 def python_of(path: Path) -> list[str]:

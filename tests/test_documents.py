@@ -14,7 +14,7 @@ from indoor_explorers.evaluation.cli.commands import COMMANDS
 from indoor_explorers.evaluation.cli.parser import build_parser
 from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS
 from indoor_explorers.evaluation.site.reference import command_line_page, files_page, public_modules, python_pages
-from tests.documents import BOUNDS, PAGES, PLANNERS, ROOT, SITE, printed_of, python_of
+from tests.documents import BOUNDS, ON_EVIDENCE, PAGES, PLANNERS, ROOT, SITE, printed_of, python_of
 
 DOCUMENTS = (*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "evaluation" / "CLUSTER.md")
 #: What needs Ray is run in tests/env/interfaces/test_rllib.py, where Ray is started once and with little.
@@ -106,7 +106,7 @@ def test_documents_import_public_names_alone():
                     assert {alias.name for alias in node.names} <= set(names), (path, node.module)
 
 
-@pytest.mark.parametrize("path", [*DOCUMENTS, PLANNERS, BOUNDS], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [*DOCUMENTS, PLANNERS, BOUNDS, *ON_EVIDENCE], ids=lambda path: path.stem)
 def test_links_lead_somewhere(path):
     for target, anchor in re.findall(r"\]\((?!http)([^)#]+)#?([^)]*)\)", path.read_text()):
         if "gallery/" in target:  # drawn when the site is built

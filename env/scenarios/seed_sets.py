@@ -54,11 +54,11 @@ SEED_SETS = (
     SeedSet("tuning", SeedUse.TUNING, 9_000_000, 1_000_000, published=4),
     SeedSet("test-5", SeedUse.TEST, 20_000_000, 1_000_000, published=2),
     SeedSet("test-6", SeedUse.TEST, 21_000_000, 1_000_000, published=2),
-    SeedSet("test-7", SeedUse.TEST, 22_000_000, 1_000_000, published=1),
+    SeedSet("test-7", SeedUse.TEST, 22_000_000, 1_000_000, published=2),
     SeedSet("test-8", SeedUse.TEST, 23_000_000, 1_000_000),
     SeedSet("suites-train", SeedUse.TRAINING, 30_000_000, 1_000_000),
     SeedSet("suites-validation", SeedUse.VALIDATION, 31_000_000, 1_000_000),
-    SeedSet("suites-test", SeedUse.TEST, 32_000_000, 1_000_000),
+    SeedSet("suites-test", SeedUse.TEST, 32_000_000, 1_000_000, published=2),
     SeedSet("ablation", SeedUse.TUNING, 2**39, 2**20, published=1),
 )
 
@@ -79,6 +79,5 @@ def use_of(seeds: range) -> SeedUse | None:
 
 
 def fresh_test_set() -> SeedSet:
-    """Return the first test set that no figure was published on, and that is no suite's."""
-    fresh = (each for each in SEED_SETS if each.use is SeedUse.TEST and not each.published)
-    return next(each for each in fresh if each.name != "suites-test")
+    """Return the first test set that no figure was published on."""
+    return next(each for each in SEED_SETS if each.use is SeedUse.TEST and not each.published)

@@ -48,11 +48,14 @@ DOCUMENTS = {
     "evaluation/site/concepts.md": "concepts.md",
     "evaluation/CLUSTER.md": "guides/cluster.md",
     "evaluation/SUITES.md": "reference/suites.md",
+    "evaluation/DATASHEETS.md": "reference/datasheets.md",
     "evaluation/STATISTICS.md": "methods/statistics.md",
+    "evaluation/NEXT_TEST.md": "methods/next-test.md",
     "evaluation/BOUNDS.md": "methods/bounds.md",
     "planners/PLANNERS.md": "methods/planners.md",
     "learners/DDDQN.md": "methods/dddqn.md",
     "learners/BASELINES.md": "methods/baselines.md",
+    "learners/MODEL_CARDS.md": "reference/model-cards.md",
     "learners/THESIS.md": "methods/thesis.md",
     "learners/places/PLACES.md": "methods/places.md",
     "learners/pockets/POCKETS.md": "methods/pockets.md",
@@ -81,7 +84,7 @@ DRAWN = (
     thesis_changes_pictures,
 )
 #: Files that are no pages, which the site has a copy of: pictures and short texts.
-COPIED = (".svg", ".png", ".gif", ".cff", ".csv", ".toml", ".py", "LICENSE")
+COPIED = (".svg", ".png", ".gif", ".cff", ".csv", ".json", ".toml", ".py", "LICENSE")
 _LINK = re.compile(r"\[([^\[\]]*)\]\((?!https?:|mailto:)([^)#\s]+)(#[^)\s]*)?\)")
 _CODE = re.compile(r"(^```.*?^```$|^ {4}[^\n]*$)", re.MULTILINE | re.DOTALL)
 
