@@ -32,7 +32,7 @@ def run_demo(options: DemoOptions, typed: str) -> int:
     results = fly_missing(compared, typed, console)
     film = options.out / "demo.gif"
     run_watch(WatchOptions(policy=POLICIES, scenario=SCENARIO, seed=SEED, save=film), typed)
-    console.print(headline_table(results, console.width, notes=False))
+    console.print_table(headline_table(results, console.width, notes=False))
     print_line(console, "T90, T99: mean steps until 90 % and 99 % are known [95 % interval]; fewer is better.")
     print_line(console, f"Report, with curves and every episode to replay: {options.out / 'report.html'}")
     print_line(console, f"Film of one episode: {film}")
