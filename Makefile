@@ -1,4 +1,4 @@
-# make compare   set everything up, compare the four families and chance, print the table and the report's place: a minute
+# make compare   set everything up, compare the four families and chance, print the table and the report's place: two minutes
 # make compare-full  the same on more episodes and a whole office floor: some five minutes
 # make test      set everything up, run the linters and all tests but the slow ones: some five minutes on two cores
 # make test-all  the tests that make test leaves out: trainings with other libraries, clusters, wheel, browser
