@@ -18,7 +18,6 @@ __all__ = ["build_parser", "main"]
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # idle threads of numpy take more time than they save
     before = signal.getsignal(signal.SIGINT)
     with contextlib.suppress(ValueError):  # not in the main thread, which alone is interrupted
         signal.signal(signal.SIGINT, _leave)

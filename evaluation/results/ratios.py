@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -157,25 +156,13 @@ class Ratios:
         names = self._others(scenarios, to) if policies is None else policies
         if not names:
             return []
-        tasks, found = sum(len(self._tasks[each]) for each in scenarios), self._paired(scenarios, names, to)
+        blocks = [self._block(scenario, names, to, metric) for scenario in scenarios]
+        tasks = sum(len(block.maps) for block in blocks)
         never = {name: Censoring.sum(self._censoring(each, name, to, metric) for each in scenarios) for name in names}
         return [
-            RatioRow(title, name, to, metric, len(scenarios), tasks, _told(found[metric, name], count), count)
-            for name, count in never.items()
+            RatioRow(title, name, to, metric, len(scenarios), tasks, _told(ratio, never[name]), never[name])
+            for name, ratio in zip(names, paired_ratios(blocks), strict=True)
         ]
-
-    def _paired(self, scenarios: Sequence[str], names: Sequence[str], to: str) -> dict[tuple[str, str], PairedRatio]:
-        """Compare by metric and policy, all from one set of resamples."""
-        asked = tuple(scenarios), tuple(names), to
-        if asked not in self._known:
-            metrics = [each for each in self.metrics if all(self._counts(name, to, each) for name in scenarios)]
-            blocks = [self._block(scenario, names, to, metrics) for scenario in scenarios]
-            self._known[asked] = dict(zip(product(metrics, names), paired_ratios(blocks), strict=True))
-        return self._known[asked]
-
-    @cached_property
-    def _known(self) -> dict[tuple[tuple[str, ...], tuple[str, ...], str], dict[tuple[str, str], PairedRatio]]:
-        return {}
 
     def _censoring(self, scenario: str, policy: str, to: str, metric: str) -> Censoring:
         ours, theirs = (
@@ -183,9 +170,9 @@ class Ratios:
         )
         return Censoring.of(ours, theirs)
 
-    def _block(self, scenario: str, names: Sequence[str], to: str, metrics: Sequence[str]) -> Block:
-        above = np.stack([self._steps(scenario, name, metric) for metric, name in product(metrics, names)], axis=1)
-        below = np.stack([self._steps(scenario, to, metric) for metric in metrics], axis=1).repeat(len(names), axis=1)
+    def _block(self, scenario: str, names: Sequence[str], to: str, metric: str) -> Block:
+        above = np.stack([self._steps(scenario, name, metric) for name in names], axis=1)
+        below = np.broadcast_to(self._steps(scenario, to, metric)[:, None], above.shape)
         return Block(above, below, self.results.maps(scenario, to)[self._places(scenario, to)])
 
     def _steps(self, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:

@@ -27,7 +27,8 @@ from indoor_explorers.evaluation.results.reading import StoreReader
 from indoor_explorers.evaluation.results.scenario_titles import scenario_title
 from indoor_explorers.evaluation.statistics import (
     Estimate,
-    bootstrap_each,
+    bootstrap_mean,
+    bootstrap_means,
     interquartile_mean,
     success_share,
 )
@@ -267,27 +268,25 @@ class Results(ResultNotes):
     def estimates(self, scenario: str, policy: str) -> dict[str, Estimate]:
         """Return the mean of every metric that was measured, with its interval: maps are drawn, then episodes."""
         if (scenario, policy) not in self._estimates:
-            self._estimates.update(self._estimated(scenario))
+            self._estimates[scenario, policy] = self._estimated(scenario, policy)
         return self._estimates[scenario, policy]
 
     @cached_property
     def _estimates(self) -> dict[tuple[str, str], dict[str, Estimate]]:
         return {}
 
-    def _estimated(self, scenario: str) -> dict[tuple[str, str], dict[str, Estimate]]:
-        """Estimate the means of all policies at once."""
-        found: dict[tuple[str, str], dict[str, Estimate]] = {key: {} for key in self.groups if key[0] == scenario}
-        values, maps = {}, {}
-        for key in found:
-            _, labels = np.unique(self.maps(*key), return_inverse=True)  # smaller than the names of the maps
-            for metric in (*MEASURES, *sorted(self._columns(*key).keys() - set(MEASURES))):
-                column = self.values(*key, metric)
-                there = ~np.isnan(column)
-                if there.any():
-                    values[key, metric], maps[key, metric] = column[there], labels[there]
-        for (key, metric), mean in zip(values, bootstrap_each([*values.values()], [*maps.values()]), strict=True):
-            found[key][metric] = mean
-        return found
+    def _estimated(self, scenario: str, policy: str) -> dict[str, Estimate]:
+        """Estimate the metrics that all episodes have from one set of resamples, the others one by one."""
+        extra = sorted(self._columns(scenario, policy).keys() - set(MEASURES))
+        values = {metric: self.values(scenario, policy, metric) for metric in (*MEASURES, *extra)}
+        maps = self.maps(scenario, policy)
+        held = {metric: ~np.isnan(column) for metric, column in values.items()}
+        whole = [metric for metric in values if held[metric].all()]
+        found = dict(zip(whole, bootstrap_means(np.stack([values[m] for m in whole], axis=1), maps=maps), strict=True))
+        for metric, there in held.items():
+            if there.any() and metric not in found:
+                found[metric] = bootstrap_mean(values[metric][there], maps=maps[there])
+        return {metric: found[metric] for metric in values if metric in found}
 
     def episodes(self) -> pd.DataFrame:
         """Return one row per episode: its task, outcome, steps and metrics."""

@@ -5,14 +5,13 @@ map each was flown on. Resampling is seeded in each call: equal sample sizes giv
 policies. ``evaluation/STATISTICS.md`` has the formulas and says what each number claims.
 """
 
-from indoor_explorers.evaluation.statistics.bands import curve_band, curve_bands
+from indoor_explorers.evaluation.statistics.bands import curve_band
 from indoor_explorers.evaluation.statistics.censoring import ecdf_of_times
 from indoor_explorers.evaluation.statistics.contrasts import Contrast, Finding, contrasts
 from indoor_explorers.evaluation.statistics.effects import effect_size, smallest_detectable_difference
 from indoor_explorers.evaluation.statistics.equivalence import equivalence_test, units_to_resolve
 from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST, RESAMPLES, Estimate
 from indoor_explorers.evaluation.statistics.means import (
-    bootstrap_each,
     bootstrap_mean,
     bootstrap_means,
     interquartile_mean,
@@ -40,12 +39,10 @@ __all__ = [
     "PairedRatio",
     "WinTieLoss",
     "all_pairs_test",
-    "bootstrap_each",
     "bootstrap_mean",
     "bootstrap_means",
     "contrasts",
     "curve_band",
-    "curve_bands",
     "difference_of_seeds",
     "ecdf_of_times",
     "effect_size",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -11,15 +9,15 @@ from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST
 from indoor_explorers.evaluation.statistics.resampling import resampled_weights
 from indoor_explorers.evaluation.statistics.small_samples import SmallSample
 
-#: Numbers of resampled curves in memory at a time.
-IN_MEMORY = 2**22
+#: Numbers of resampled curves, and weights of the resamples, in memory at a time.
+IN_MEMORY, WEIGHTS = 2**22, 2**21
 #: A standard deviation below this share of the largest value is rounding.
 ROUNDING = 1e-12
-#: Mean, low and high, each (T,).
-Band = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
-def curve_band(curves: NDArray[np.float64], *, maps: ArrayLike | None = None, resamples: int = 2000) -> Band:
+def curve_band(
+    curves: NDArray[np.float64], *, maps: ArrayLike | None = None, resamples: int = 2000
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return (mean, low, high), each (T,), of (E, T) curves: a simultaneous 95 % band of the mean curve.
 
     With 95 % confidence the true mean curve lies inside at all steps at once. The band is
@@ -40,24 +38,12 @@ def curve_band(curves: NDArray[np.float64], *, maps: ArrayLike | None = None, re
         InputError: ``maps`` does not have one label for each episode.
 
     """
-    return curve_bands([curves], maps=maps, resamples=resamples)[0]
-
-
-def curve_bands(
-    families: Sequence[NDArray[np.float64]], *, maps: ArrayLike | None = None, resamples: int = 2000
-) -> list[Band]:
-    """Return :func:`curve_band` of several (E, T) arrays of curves of the same episodes, from one set of resamples."""
-    if not families or len(families[0]) < FEWEST:
-        return [(mean := curves.mean(axis=0), nothing := np.full_like(mean, np.nan), nothing) for curves in families]
-    drawn, sample = _resampled_curves(families, maps, resamples), SmallSample.of(len(families[0]), maps)
-    return [_band(curves, one, sample) for curves, one in zip(families, drawn, strict=True)]
-
-
-def _band(curves: NDArray[np.float64], drawn: NDArray[np.float64], sample: SmallSample) -> Band:
-    """Return the band of (E, T) curves from their (R, T) resampled means."""
-    mean, resamples = curves.mean(axis=0), len(drawn)
+    mean = curves.mean(axis=0)
+    if len(curves) < FEWEST:
+        return mean, np.full_like(mean, np.nan), np.full_like(mean, np.nan)
     spread, largest = np.empty_like(mean), np.zeros(resamples)
     rounding = ROUNDING * max(curves.max(initial=0.0), -curves.min(initial=0.0))
+    drawn = _resampled_curves(curves, maps, resamples)
     wide = max(1, IN_MEMORY // resamples)
     for start in range(0, curves.shape[1], wide):
         steps = slice(start, start + wide)
@@ -67,14 +53,16 @@ def _band(curves: NDArray[np.float64], drawn: NDArray[np.float64], sample: Small
         t = np.abs(drawn[:, steps] - mean[steps])[:, moving] / deviation[moving]
         largest = np.maximum(largest, t.max(axis=1, initial=0.0))
     multiplier = float(np.quantile(largest, CONFIDENCE))
-    width = sample.widened(multiplier) * spread
+    width = SmallSample.of(len(curves), maps).widened(multiplier) * spread
     return mean, mean - width, mean + width
 
 
-def _resampled_curves(
-    families: Sequence[NDArray[np.float64]], maps: ArrayLike | None, resamples: int
-) -> list[NDArray[np.float64]]:
-    """Return the (R, T) resampled means of each family."""
-    weights = resampled_weights(len(families[0]), resamples, maps)
-    parts = [[each @ curves for curves in families] for each in weights]
-    return [np.concatenate(part) for part in zip(*parts, strict=True)]
+def _resampled_curves(curves: NDArray[np.float64], maps: ArrayLike | None, resamples: int) -> NDArray[np.float64]:
+    """Return (R, T) resampled means."""
+    parts, waiting = [], []
+    for weights in resampled_weights(len(curves), resamples, maps):
+        waiting.append(weights)
+        if len(waiting) * weights.size >= WEIGHTS:
+            parts.append(np.concatenate(waiting) @ curves)
+            waiting = []
+    return np.concatenate([*parts, *([np.concatenate(waiting) @ curves] if waiting else [])])

@@ -8,9 +8,6 @@ resamples for all policies. The interval lies between two quantiles of the resam
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -21,13 +18,11 @@ from indoor_explorers.evaluation.statistics.estimate import (
     episode_values,
     paired_values,
 )
-from indoor_explorers.evaluation.statistics.resampling import MapGroups, resampled_weights
+from indoor_explorers.evaluation.statistics.resampling import resampled_weights
 from indoor_explorers.evaluation.statistics.small_samples import SmallSample
 
 #: Share of the episodes that an interquartile mean leaves out at each end.
 TRIMMED = 0.25
-#: Most samples that share a set of resamples, as all their resampled means are in memory.
-AT_ONCE = 200
 
 
 def bootstrap_mean(values: ArrayLike, *, resamples: int = RESAMPLES, maps: ArrayLike | None = None) -> Estimate:
@@ -58,19 +53,6 @@ def bootstrap_means(
     drawn = np.concatenate([means + weights @ apart for weights in resampled_weights(len(columns), resamples, maps)])
     lows, highs = np.quantile(drawn, SmallSample.of(len(columns), maps).tails, axis=0)
     return [Estimate(*three) for three in zip(means.tolist(), lows.tolist(), highs.tolist(), strict=True)]
-
-
-def bootstrap_each(samples: Sequence[ArrayLike], maps: Sequence[ArrayLike]) -> list[Estimate]:
-    """Return :func:`bootstrap_mean` of each sample, those with equal maps from one set of resamples."""
-    alike: defaultdict[bytes, list[int]] = defaultdict(list)
-    for place, (values, labels) in enumerate(zip(samples, maps, strict=True)):
-        alike[MapGroups.of(labels, np.size(values)).label.tobytes()].append(place)
-    found: dict[int, Estimate] = {}
-    for places in alike.values():
-        for part in (places[start : start + AT_ONCE] for start in range(0, len(places), AT_ONCE)):
-            columns = np.stack([episode_values(samples[place]) for place in part], axis=1)
-            found |= zip(part, bootstrap_means(columns, maps=maps[part[0]]), strict=True)
-    return [found[place] for place in range(len(samples))]
 
 
 def interquartile_mean(values: ArrayLike) -> float:

@@ -59,7 +59,7 @@ def paired_ratios(blocks: Sequence[Block], *, resamples: int = RESAMPLES) -> lis
     points = _both(np.mean([each.columns.mean(axis=0) for each in blocks], axis=0)[None])[:, 0]
     if min(len(each.below) for each in blocks) < FEWEST:
         return [PairedRatio(*(Estimate(point, None, None) for point in pair)) for pair in points.T.tolist()]
-    drawn = _both(np.asarray(sum(_resampled(each, resamples) for each in blocks)) / len(blocks))
+    drawn = _both(np.mean([_resampled(each, resamples) for each in blocks], axis=0))
     tails = min(SmallSample.of(len(each.below), each.maps).tails for each in blocks)
     figures = np.stack((points, *np.quantile(drawn, tails, axis=1)), axis=-1)
     return [PairedRatio(*(Estimate(*three) for three in pair)) for pair in figures.transpose(1, 0, 2).tolist()]

@@ -26,7 +26,7 @@ from indoor_explorers.env.grid.compiled import leaf
 from indoor_explorers.evaluation.statistics.estimate import FEWEST
 
 #: Weights in memory at a time, and the fewest resamples; products with fewer rows are slow.
-CHUNK, FEWEST_ROWS = 2**18, 64
+CHUNK, FEWEST_ROWS = 2**18, 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +66,7 @@ class MapGroups:
     def within(self, draws: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.float64]:
         """Draw ``draws[r, m]`` episodes of map m with replacement; return how often each was drawn, (R, E)."""
         counts = np.zeros((len(draws), len(self.label)))
-        for drawn, count in zip(draws, counts, strict=True):  # the random numbers of one row stay in the cache
-            _count_draws(drawn, rng.random(int(drawn.sum())), self.order, self.first, self.size, count)
+        _count_draws(draws, rng.random(int(draws.sum())), self.order, self.first, self.size, counts)
         return counts
 
 
@@ -151,12 +150,13 @@ def _count_draws(
     size: NDArray[np.int64],
     counts: NDArray[np.float64],
 ) -> None:
-    """Add to (E,) ``counts`` the episodes that numbers from 0 to 1 choose within maps, ``draws[m]`` of map m."""
+    """Add to (R, E) ``counts`` the episodes that numbers from 0 to 1 choose within maps, ``draws[r, m]`` of map m."""
     used = 0
-    for drawn in range(len(draws)):
-        for _ in range(draws[drawn]):
-            counts[order[first[drawn] + int(uniform[used] * size[drawn])]] += 1
-            used += 1
+    for row in range(draws.shape[0]):
+        for drawn in range(draws.shape[1]):
+            for _ in range(draws[row, drawn]):
+                counts[row, order[first[drawn] + int(uniform[used] * size[drawn])]] += 1
+                used += 1
 
 
 def _counted(row: NDArray[np.int64], column: NDArray[np.int64], shape: tuple[int, int]) -> NDArray[np.int64]:

@@ -14,7 +14,7 @@ from indoor_explorers.evaluation.report.analysis.coverage_axes import CoverageAx
 from indoor_explorers.evaluation.report.analysis.outliers import near_groups
 from indoor_explorers.evaluation.report.style.packing import shares
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles, crowded
-from indoor_explorers.evaluation.statistics import FEWEST, curve_bands, ecdf_of_times
+from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_times
 
 #: Whose coverage a chart can show, with the words for it.
 WHO = {"team": "Team", "worst": "Worst UAV", "mean": "Mean UAV", "base": "Home base", "seen": "Anybody"}
@@ -64,17 +64,15 @@ def _curves(
 ) -> dict[str, dict[str, Any]]:
     """Return the curves of a policy by axis and by whose coverage they are."""
     along = coverage_along(comparison.groups[policy], {axis.key: axis.amounts for axis in axes}, who)
-    found = dict(zip(along, _means(list(along.values()), comparison.maps(policy)), strict=True))
-    return {axis.key: {each: found[axis.key, each] for each in who} for axis in axes}
+    maps = comparison.maps(policy)
+    return {axis.key: {each: _curve(along.pop((axis.key, each)), maps) for each in who} for axis in axes}
 
 
-def _means(families: Sequence[NDArray[np.float64]], maps: NDArray[np.str_]) -> list[dict[str, Any]]:
-    if len(maps) < FEWEST:
-        return [
-            {"mean": shares(curves.mean(axis=0)), "each": [shares(curve) for curve in curves]} for curves in families
-        ]
-    bands = curve_bands(families, maps=maps)
-    return [{"mean": shares(mean), "low": shares(low), "high": shares(high)} for mean, low, high in bands]
+def _curve(curves: NDArray[np.float64], maps: NDArray[np.str_]) -> dict[str, Any]:
+    if len(curves) < FEWEST:
+        return {"mean": shares(curves.mean(axis=0)), "each": [shares(curve) for curve in curves]}
+    mean, low, high = curve_band(curves, maps=maps)
+    return {"mean": shares(mean), "low": shares(low), "high": shares(high)}
 
 
 def times_data(comparison: Comparison, styles: Styles) -> dict[str, Any]:

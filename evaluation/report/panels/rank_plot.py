@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -14,7 +13,7 @@ from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.charts.dot_plots import share_dot_plot
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, percent
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle
-from indoor_explorers.evaluation.statistics import Estimate, bootstrap_each
+from indoor_explorers.evaluation.statistics import Estimate, probability_of_improvement
 from indoor_explorers.evaluation.statistics.wins import win_scores
 
 
@@ -75,23 +74,20 @@ class RankRow(NamedTuple):
     """Number of common tasks with the next, and with the best."""
 
 
-def improvements(task_times: TaskTimes, pairs: Sequence[tuple[str, str]]) -> list[Improvement | None]:
-    """Compare policies, each with another, on the tasks that both flew; None without any."""
-    flown = [task_times.pair(*names) for names in pairs]
-    scores = [win_scores(pair.ours, pair.theirs) for pair in flown]
-    estimates = bootstrap_each(scores, [pair.maps for pair in flown])
-    return [
-        Improvement(*names, estimate, each) if len(each) else None
-        for names, estimate, each in zip(pairs, estimates, scores, strict=True)
-    ]
+def improvement(task_times: TaskTimes, policy: str, other: str) -> Improvement | None:
+    """Compare two policies on the tasks that both flew; None without any."""
+    pair = task_times.pair(policy, other)
+    if not pair.tasks:
+        return None
+    scores = win_scores(pair.ours, pair.theirs)
+    return Improvement(policy, other, probability_of_improvement(pair.ours, pair.theirs, maps=pair.maps), scores)
 
 
 def rank_rows(task_times: TaskTimes) -> list[RankRow]:
     """Return a row for each policy by rank; empty when there are fewer than two with a task in common."""
     names = task_times.policies
-    pairs = [*pairwise(names), *((name, names[0]) for name in names[1:])]
-    found = improvements(task_times, pairs)
-    below, best = [*found[: len(pairs) // 2], None], [None, *found[len(pairs) // 2 :]]
+    below = [improvement(task_times, one, other) for one, other in pairwise(names)] + [None]
+    best = [None] + [improvement(task_times, name, names[0]) for name in names[1:]]
     if not any([*below, *best]):
         return []
     return [

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from indoor_explorers.evaluation.statistics import FEWEST, bootstrap_mean, curve_band, curve_bands
+from indoor_explorers.evaluation.statistics import FEWEST, bootstrap_mean, curve_band
 
 
 def curves(count=12, steps=30):
@@ -55,12 +55,6 @@ def test_blocks_of_steps_make_no_difference(monkeypatch):
     whole = curve_band(curves())
     monkeypatch.setattr("indoor_explorers.evaluation.statistics.bands.IN_MEMORY", 2000 * 7)
     assert np.stack(curve_band(curves())) == pytest.approx(np.stack(whole))
-
-
-def test_families_of_curves_have_the_bands_that_each_has_alone():
-    families = [curves(), 2 * curves(steps=7)]
-    for band, family in zip(curve_bands(families), families, strict=True):
-        assert np.stack(band) == pytest.approx(np.stack(curve_band(family)))
 
 
 def test_bands_are_the_same_every_time():

@@ -7,11 +7,9 @@ from scipy import stats
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.statistics import (
     FEWEST,
-    bootstrap_each,
     bootstrap_mean,
     bootstrap_means,
     interquartile_mean,
-    means,
     paired_difference,
 )
 
@@ -25,19 +23,6 @@ def test_a_planted_paired_difference_is_found_where_unpaired_noise_would_hide_it
     assert difference.high < 0
     assert difference.mean == pytest.approx(-3, abs=1)
     assert bootstrap_mean(better).high > bootstrap_mean(baseline).low
-
-
-def test_samples_on_equal_maps_share_resamples_and_those_on_others_do_not(monkeypatch):
-    values, drawn = np.random.default_rng(8).normal(10, 3, (4, 20)), []
-    samples, maps = [*values[:3], values[3, :0]], [np.arange(20) // 3, list("aaabbbcccdddeeefffgg"), np.arange(20), []]
-    alone = [bootstrap_mean(sample, maps=labels) for sample, labels in zip(samples, maps, strict=True)]
-    weights = means.resampled_weights
-    monkeypatch.setattr(means, "resampled_weights", lambda *about: drawn.append(about) or weights(*about))
-    found = bootstrap_each(samples, maps)
-    assert len(drawn) == 2
-    for one, other in zip(found[:3], alone[:3], strict=True):
-        assert list(one) == pytest.approx(list(other))
-    assert np.isnan(found[3].mean)
 
 
 def test_no_difference_is_invented():
