@@ -18,6 +18,8 @@ __all__ = ["build_parser", "main"]
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
+    # numpy's matrix products are small here, and waiting threads of OpenBLAS would burn the cores of the workers
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     before = signal.getsignal(signal.SIGINT)
     with contextlib.suppress(ValueError):  # not in the main thread, which alone is interrupted
         signal.signal(signal.SIGINT, _leave)
