@@ -43,8 +43,10 @@ def outcomes(comparison: Comparison) -> Outcomes:
     found: dict[Finding | None, list[str]] = {}
     for name in rivals(comparison) if fastest(comparison) else ():
         contrast = comparison.contrasts.get(name)
-        tested = contrast is not None and contrast.difference.low is not None
-        found.setdefault(contrast.finding if contrast and tested else None, []).append(name)
+        finding = contrast.finding if contrast else None
+        if contrast and finding is Finding.OPEN and contrast.difference.low is None:
+            finding = None
+        found.setdefault(finding, []).append(name)
     return found
 
 

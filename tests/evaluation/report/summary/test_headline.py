@@ -80,6 +80,11 @@ def test_the_first_line_says_what_was_resolved_and_what_was_not() -> None:
     )
 
 
+def test_who_never_finishes_is_worse_though_no_times_can_be_compared() -> None:
+    times: dict[str, list[float | None]] = {"quick": [20.0 + seed % 7 for seed in range(12)], "never": [None] * 12}
+    assert lead(both(times)).endswith("Significantly worse: never in all.")
+
+
 def broken() -> Results:
     """Return results in which the second best has failed in every episode."""
     found = flown({"quick": [20, 21, 22], "slow": [95, 96, 97], "boom": NEVER})
