@@ -29,6 +29,11 @@ class Task(NamedTuple):
     """Seed of the generated map, the spawns, the order of moves and the pilots' random numbers."""
 
 
+def episode_name(policy: str, task: Task) -> str:
+    """Return what messages call the episode in which a policy flew a task."""
+    return f"{policy} on {task.scenario}, map {task.map_index}, seed {task.seed}"
+
+
 #: Characters of a policy's name in results.
 LONGEST_NAME = 80
 

@@ -22,7 +22,7 @@ from indoor_explorers.evaluation.engines.loading import PolicyLoader
 from indoor_explorers.evaluation.episodes.mismatch import mismatch
 from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.episodes.stored_names import policy_refusal, refusal
-from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice
+from indoor_explorers.evaluation.experiment.experiment import Job, PolicyChoice, episode_name
 from indoor_explorers.evaluation.experiment.limits import DECISION_TIMEOUT, limits_for
 from indoor_explorers.evaluation.results.policy_version import differing_fields, version_difference
 from indoor_explorers.evaluation.results.results import Results
@@ -49,9 +49,9 @@ def mismatches(results: Results) -> Iterator[str]:
     for record in (record for record in results.records if record.task.scenario in scenarios):
         scenario = scenarios[record.task.scenario]
         if not isinstance(scenario.map, FileMaps) and _is_another_map(record, scenario):
-            yield f"{_named(record)}: not the map that the generator makes of its seed"
+            yield f"{episode_name(record.policy, record.task)}: not the map that the generator makes of its seed"
         elif fault := mismatch(record, scenario):
-            yield f"{_named(record)}: {fault}"
+            yield f"{episode_name(record.policy, record.task)}: {fault}"
 
 
 def unmade_policies(results: Results) -> dict[str, str]:
@@ -104,7 +104,7 @@ def flown_differently(results: Results, count: int, made: Mapping[str, Made]) ->
         for again in records:
             record = stored[again.policy, again.task]
             if not again.flew_like(record):
-                yield f"{_named(record)}: flown again, it took other actions"
+                yield f"{episode_name(record.policy, record.task)}: flown again, it took other actions"
 
 
 def policy_difference(stored: Mapping[str, Any], made: Mapping[str, Any]) -> str:
@@ -150,8 +150,3 @@ def _whole_scenario(results: Results, name: str) -> Scenario:
 def _is_another_map(record: Record, scenario: Scenario) -> bool:
     """Tell whether a map is not the one that the scenario's generator makes of the seed."""
     return draw_floorplan(scenario, record.task.seed, record.task.map_index).digest != record.floorplan.digest
-
-
-def _named(record: Record) -> str:
-    task = record.task
-    return f"{record.policy} on {task.scenario}, map {task.map_index}, seed {task.seed}"

@@ -12,7 +12,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.episodes.mismatch import mismatch
-from indoor_explorers.evaluation.experiment.experiment import Experiment
+from indoor_explorers.evaluation.experiment.experiment import Experiment, episode_name
 from indoor_explorers.evaluation.results.store import Store, some_of
 
 #: Seconds of simulating episodes of earlier runs again; the rest is not simulated.
@@ -59,9 +59,8 @@ def refuse_mismatches(store: Store, experiment: Experiment, run: int) -> None:
     while rows and time.process_time() < until:
         some, rows = rows[:AT_ONCE], rows[AT_ONCE:]
         for rowid, record in zip(some, store.records_at(some), strict=True):
-            task = record.task
-            if fault := mismatch(record, experiment.scenario(task.scenario)):
-                faults[rowid] = f"{record.policy} on {task.scenario}, map {task.map_index}, seed {task.seed}: {fault}"
+            if fault := mismatch(record, experiment.scenario(record.task.scenario)):
+                faults[rowid] = f"{episode_name(record.policy, record.task)}: {fault}"
     if faults:
         store.set_aside(faults)
         raise RunError(

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.experiment.experiment import Task, episode_name
 from indoor_explorers.evaluation.results.reading import StoreReader
 from indoor_explorers.evaluation.results.rows import Row, checksum, floorplan_of, record_of
 from indoor_explorers.evaluation.results.writing import transaction
@@ -103,5 +104,4 @@ def _named(table: str, row: Row | None) -> str:
         return f"a row of table {table} that is missing"
     if table != "episode":
         return f"a row of table {table}"
-    policy, scenario, index, seed, *_ = row
-    return one_line(f"{policy} on {scenario}, map {index}, seed {seed}")
+    return one_line(episode_name(row[0], Task(*row[1:4])))

@@ -37,7 +37,7 @@ def run_compare(options: CompareOptions, typed: str) -> int:
     from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 
     console = make_console()
-    results = fly_missing(options, typed, console)
+    results = fly_and_report(options, typed, console)
     console.print_table(headline_table(results, console.width))
     print_ratios(results, options.ratio_to, console)
     print_notes(results, console)
@@ -45,7 +45,7 @@ def run_compare(options: CompareOptions, typed: str) -> int:
     return print_failures(results, console)
 
 
-def fly_missing(options: CompareOptions, typed: str, console: PlainConsole) -> Results:
+def fly_and_report(options: CompareOptions, typed: str, console: PlainConsole) -> Results:
     """Fly what is missing with a progress bar, write the page and the exports, and return all results."""
     from indoor_explorers.evaluation.cli.progress import ProgressBar
     from indoor_explorers.evaluation.driver import run

@@ -22,14 +22,14 @@ class DemoOptions(Request):
 
 def run_demo(options: DemoOptions, typed: str) -> int:
     """Compare three policies, film them side by side, and end with a table, the two files and what to try next."""
-    from indoor_explorers.evaluation.cli.commands.compare import CompareOptions, fly_missing, print_failures
+    from indoor_explorers.evaluation.cli.commands.compare import CompareOptions, fly_and_report, print_failures
     from indoor_explorers.evaluation.cli.commands.watch import WatchOptions, run_watch
     from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 
     console = make_console()
     print_line(console, f"Four UAVs explore {EPISODES} rooms with {', '.join(POLICIES)}", "bold")
     compared = CompareOptions(policies=POLICIES, scenario=SCENARIO, episodes=EPISODES, seed=SEED, out=options.out)
-    results = fly_missing(compared, typed, console)
+    results = fly_and_report(compared, typed, console)
     film = options.out / "demo.gif"
     run_watch(WatchOptions(policy=POLICIES, scenario=SCENARIO, seed=SEED, save=film), typed)
     console.print_table(headline_table(results, console.width, notes=False))
