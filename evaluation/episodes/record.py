@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from typing import Self
@@ -87,12 +88,23 @@ class FlownEpisode(Steps):
         ``mean`` or ``worst`` (over the UAVs' own maps), or, with a base, ``base`` (what it knows) or ``seen`` (what
         anybody knows).
         """
-        rows = self.covered if steps is None else self.covered[steps]
-        place = {"team": 0, "base": 1 + self.team, "seen": 2 + self.team}.get(who)
-        if place is not None:
-            return np.asarray(rows[:, place] / self.reachable)
-        own = rows[:, 1 : 1 + self.team]
-        return np.asarray({"worst": own.min(axis=1), "mean": own.mean(axis=1)}[who] / self.reachable)
+        return self.coverage_of([who], steps).reshape(-1)
+
+    def coverage_of(self, who: Sequence[str], steps: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
+        """Return (W, T) :meth:`coverage` of each of W names."""
+        columns = (self.covered if steps is None else self.covered[steps]).T
+        own = columns[1 : 1 + self.team]
+        found = np.empty((len(who), columns.shape[1]))
+        for row, each in enumerate(who):
+            if each == "mean":
+                found[row] = own.sum(axis=0)
+                found[row] /= self.team
+            elif each == "worst":
+                found[row] = own.min(axis=0)
+            else:
+                found[row] = columns[{"team": 0, "base": 1 + self.team, "seen": 2 + self.team}[each]]
+        found /= self.reachable
+        return found
 
     def flew_like(self, other: FlownEpisode) -> bool:
         """Return whether both are the same step for step; decision times are ignored."""

@@ -10,6 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.env.grid.compiled import leaf
+
 #: Columns of covered cells that only episodes with a home base have: what it knows, and what anybody knows.
 OF_BASE = 2
 
@@ -83,16 +85,27 @@ class Steps:
     @cached_property
     def distance(self) -> NDArray[np.int64]:
         """(S + 1,) cells flown by all UAVs together up to each step."""
-        moved = np.abs(np.diff(self.cells.astype(np.int64), axis=0)).sum(axis=(1, 2))
-        return np.concatenate(([0], np.cumsum(moved)))
+        flown = np.zeros(len(self.cells), np.int64)
+        _fly(self.cells, flown)
+        return flown
 
-    @property
+    @cached_property
     def facts(self) -> StepFacts:
         """What reports need of every episode, in few bytes."""
         first = float(self.seconds[np.argmax(self.seconds > 0)]) if self.seconds[-1] > 0 else np.inf
         ends = float(self.distance[-1]), float(self.seconds[-1]), float(self.sent[-1])
         flight, track = _digest(self.actions, self.covered), _digest(self.cells)
         return StepFacts(flight, track, self.cells[0].tobytes(), first, *ends)
+
+
+@leaf()
+def _fly(cells: NDArray[np.int16], flown: NDArray[np.int64]) -> None:
+    """Add to (S + 1,) ``flown``, which is 0 at first, the cells flown up to each step."""
+    for step in range(1, len(cells)):
+        flown[step] = flown[step - 1]
+        for uav in range(cells.shape[1]):
+            for axis in range(2):
+                flown[step] += abs(int(cells[step, uav, axis]) - int(cells[step - 1, uav, axis]))
 
 
 def _digest(*arrays: NDArray[Any]) -> bytes:

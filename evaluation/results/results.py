@@ -19,6 +19,7 @@ from indoor_explorers.env.scenarios.suites.catalogue import buildings
 from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES, TIMES_OF_BASE, Measure, extended
 from indoor_explorers.evaluation.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
+from indoor_explorers.evaluation.episodes.steps import StepFacts
 from indoor_explorers.evaluation.experiment.experiment import MARGIN, Task, declared_margin
 from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, applies_to, threshold_of
 from indoor_explorers.evaluation.results.fingerprints import refuse_other_fingerprints
@@ -159,6 +160,11 @@ class Results(ResultNotes):
         records = self.groups[scenario, policy]
         length = 1 + max(record.budget for record in records)
         return np.stack([extended(record.coverage(who), length) for record in records])
+
+    def facts(self, scenario: str, policy: str) -> list[StepFacts]:
+        """Return what reports need of the steps of each episode."""
+        self.mean_curve(scenario, policy)  # reads the steps too, and once is enough
+        return [record.facts for record in self.groups[scenario, policy]]
 
     def mean_curve(self, scenario: str, policy: str) -> NDArray[np.float64]:
         """Return (T,) mean team coverage by step, up to the last step of any episode."""
@@ -318,10 +324,13 @@ class Results(ResultNotes):
 
 
 def mean_curve(records: Sequence[Record]) -> NDArray[np.float64]:
-    """Return (T,) mean team coverage by step, each curve constant after its end; one episode is read at a time."""
+    """Return (T,) mean team coverage by step, each curve constant after its end.
+
+    One episode is read at a time, and its facts are kept for later.
+    """
     total = np.zeros(1 + max(record.steps for record in records))
     for record in records:
-        curve = record.curve
+        curve, _ = record.curve, record.facts
         total[: len(curve)] += curve
         total[len(curve) :] += curve[-1]
     return total / len(records)

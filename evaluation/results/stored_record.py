@@ -28,7 +28,7 @@ from indoor_explorers.evaluation.results.damage import NO_CHECKSUM, UNREADABLE, 
 from indoor_explorers.evaluation.results.rows import Row, checksum, steps_of
 
 #: Bytes of unpacked steps that are kept.
-KEPT = 2**25
+KEPT = 2**23
 #: Fields of a record that are read when they are asked for.
 OF_STEPS = tuple(each.name for each in fields(Steps))
 Metrics = dict[str, float | None]

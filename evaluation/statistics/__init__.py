@@ -5,7 +5,7 @@ map each was flown on. Resampling is seeded in each call: equal sample sizes giv
 policies. ``evaluation/STATISTICS.md`` has the formulas and says what each number claims.
 """
 
-from indoor_explorers.evaluation.statistics.bands import curve_band
+from indoor_explorers.evaluation.statistics.bands import Band, curve_band, curve_bands
 from indoor_explorers.evaluation.statistics.censoring import ecdf_of_times
 from indoor_explorers.evaluation.statistics.contrasts import Contrast, Finding, contrasts
 from indoor_explorers.evaluation.statistics.effects import effect_size, smallest_detectable_difference
@@ -32,6 +32,7 @@ __all__ = [
     "FEWEST",
     "RESAMPLES",
     "AllPairs",
+    "Band",
     "Block",
     "Contrast",
     "Estimate",
@@ -43,6 +44,7 @@ __all__ = [
     "bootstrap_means",
     "contrasts",
     "curve_band",
+    "curve_bands",
     "difference_of_seeds",
     "ecdf_of_times",
     "effect_size",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -10,14 +13,20 @@ from indoor_explorers.evaluation.statistics.resampling import resampled_weights
 from indoor_explorers.evaluation.statistics.small_samples import SmallSample
 
 #: Numbers of resampled curves, and weights of the resamples, in memory at a time.
-IN_MEMORY, WEIGHTS = 2**22, 2**21
+IN_MEMORY, WEIGHTS = 2**22, 2**20
 #: A standard deviation below this share of the largest value is rounding.
 ROUNDING = 1e-12
 
 
-def curve_band(
-    curves: NDArray[np.float64], *, maps: ArrayLike | None = None, resamples: int = 2000
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+class Band(NamedTuple):
+    """A mean curve and its limits, each (T,); the limits are NaN where there are too few episodes."""
+
+    mean: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
+def curve_band(curves: NDArray[np.float64], *, maps: ArrayLike | None = None, resamples: int = 2000) -> Band:
     """Return (mean, low, high), each (T,), of (E, T) curves: a simultaneous 95 % band of the mean curve.
 
     With 95 % confidence the true mean curve lies inside at all steps at once. The band is
@@ -38,13 +47,27 @@ def curve_band(
         InputError: ``maps`` does not have one label for each episode.
 
     """
+    return curve_bands([curves], maps=maps, resamples=resamples)[0]
+
+
+def curve_bands(
+    families: Sequence[NDArray[np.float64]], *, maps: ArrayLike | None = None, resamples: int = 2000
+) -> list[Band]:
+    """Return :func:`curve_band` of several (E, T) arrays of the same episodes, from one set of resamples."""
+    if not families or len(families[0]) < FEWEST:
+        means = [curves.mean(axis=0) for curves in families]
+        return [Band(mean, np.full_like(mean, np.nan), np.full_like(mean, np.nan)) for mean in means]
+    drawn = _resampled_curves(families, maps, resamples)
+    sample = SmallSample.of(len(families[0]), maps)
+    return [_band(curves, means, sample) for curves, means in zip(families, drawn, strict=True)]
+
+
+def _band(curves: NDArray[np.float64], drawn: NDArray[np.float64], sample: SmallSample) -> Band:
+    """Return the band of (E, T) curves from their (R, T) resampled means."""
     mean = curves.mean(axis=0)
-    if len(curves) < FEWEST:
-        return mean, np.full_like(mean, np.nan), np.full_like(mean, np.nan)
-    spread, largest = np.empty_like(mean), np.zeros(resamples)
+    spread, largest = np.empty_like(mean), np.zeros(len(drawn))
     rounding = ROUNDING * max(curves.max(initial=0.0), -curves.min(initial=0.0))
-    drawn = _resampled_curves(curves, maps, resamples)
-    wide = max(1, IN_MEMORY // resamples)
+    wide = max(1, IN_MEMORY // len(drawn))
     for start in range(0, curves.shape[1], wide):
         steps = slice(start, start + wide)
         deviation = drawn[:, steps].std(axis=0)
@@ -52,17 +75,28 @@ def curve_band(
         spread[steps] = np.where(moving, deviation, 0.0)
         t = np.abs(drawn[:, steps] - mean[steps])[:, moving] / deviation[moving]
         largest = np.maximum(largest, t.max(axis=1, initial=0.0))
-    multiplier = float(np.quantile(largest, CONFIDENCE))
-    width = SmallSample.of(len(curves), maps).widened(multiplier) * spread
-    return mean, mean - width, mean + width
+    width = sample.widened(float(np.quantile(largest, CONFIDENCE))) * spread
+    return Band(mean, mean - width, mean + width)
 
 
-def _resampled_curves(curves: NDArray[np.float64], maps: ArrayLike | None, resamples: int) -> NDArray[np.float64]:
-    """Return (R, T) resampled means."""
-    parts, waiting = [], []
-    for weights in resampled_weights(len(curves), resamples, maps):
-        waiting.append(weights)
-        if len(waiting) * weights.size >= WEIGHTS:
-            parts.append(np.concatenate(waiting) @ curves)
+def _resampled_curves(
+    families: Sequence[NDArray[np.float64]], maps: ArrayLike | None, resamples: int
+) -> list[NDArray[np.float64]]:
+    """Return (R, T) resampled means of each family."""
+    parts: list[list[NDArray[np.float64]]] = [[] for _ in families]
+    for weights in _together(resampled_weights(len(families[0]), resamples, maps)):
+        for part, curves in zip(parts, families, strict=True):
+            part.append(weights @ curves)
+    return [np.concatenate(part) for part in parts]
+
+
+def _together(weights: Iterator[NDArray[np.float64]]) -> Iterator[NDArray[np.float64]]:
+    """Yield the rows in larger chunks of about :data:`WEIGHTS` numbers."""
+    waiting: list[NDArray[np.float64]] = []
+    for chunk in weights:
+        waiting.append(chunk)
+        if len(waiting) * chunk.size >= WEIGHTS:
+            yield np.concatenate(waiting)
             waiting = []
-    return np.concatenate([*parts, *([np.concatenate(waiting) @ curves] if waiting else [])])
+    if waiting:
+        yield np.concatenate(waiting)

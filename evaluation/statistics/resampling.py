@@ -27,6 +27,8 @@ from indoor_explorers.evaluation.statistics.estimate import FEWEST
 
 #: Weights in memory at a time, and the fewest resamples; products with fewer rows are slow.
 CHUNK, FEWEST_ROWS = 2**18, 32
+#: Random numbers in memory at a time: what a processor keeps near.
+AT_ONCE = 2**16
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,10 +66,15 @@ class MapGroups:
         return cls(label, size, np.argsort(label, kind="stable"), np.cumsum(size) - size, sampled)
 
     def within(self, draws: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.float64]:
-        """Draw ``draws[r, m]`` episodes of map m with replacement; return how often each was drawn, (R, E)."""
-        counts = np.zeros((len(draws), len(self.label)))
-        _count_draws(draws, rng.random(int(draws.sum())), self.order, self.first, self.size, counts)
-        return counts
+        """Draw ``draws[r, m]`` episodes of map m with replacement; return which share each is of its row, (R, E)."""
+        shares = np.empty((len(draws), len(self.label)))
+        counts = np.zeros(len(self.label), np.uint32)
+        rows = max(1, AT_ONCE // len(self.label))
+        for start in range(0, len(draws), rows):
+            here = draws[start : start + rows]
+            uniform = rng.random(int(here.sum()))
+            _draw(here, uniform, self.order, self.first, self.size, counts, shares[start : start + rows])
+        return shares
 
 
 def maps_are_sampled(maps: ArrayLike | None) -> bool:
@@ -124,10 +131,7 @@ class _Sampled:
         times = _counted(np.arange(rows)[:, None], self.maps.integers(0, maps, (rows, maps)), (rows, maps))
         if maps == len(layout.label):
             return times / maps
-        draws = times * layout.size
-        weights = layout.within(draws, self.episodes)
-        weights /= draws.sum(axis=1, keepdims=True)
-        return weights
+        return layout.within(times * layout.size, self.episodes)
 
 
 class _Fixed:
@@ -138,25 +142,33 @@ class _Fixed:
         self.episodes = np.random.default_rng(0)
 
     def __call__(self, rows: int) -> NDArray[np.float64]:
-        return self.layout.within(np.tile(self.layout.size, (rows, 1)), self.episodes) / len(self.layout.label)
+        return self.layout.within(np.tile(self.layout.size, (rows, 1)), self.episodes)
 
 
 @leaf()
-def _count_draws(
+def _draw(
     draws: NDArray[np.int64],
     uniform: NDArray[np.float64],
     order: NDArray[np.int64],
     first: NDArray[np.int64],
     size: NDArray[np.int64],
-    counts: NDArray[np.float64],
+    counts: NDArray[np.uint32],
+    shares: NDArray[np.float64],
 ) -> None:
-    """Add to (R, E) ``counts`` the episodes that numbers from 0 to 1 choose within maps, ``draws[r, m]`` of map m."""
+    """Fill (R, E) ``shares`` of the episodes that numbers from 0 to 1 choose within maps, ``draws[r, m]`` of map m.
+
+    ``counts`` is (E,) memory to work with, in the order of the maps: small numbers in a row are quicker to add to.
+    """
     used = 0
     for row in range(draws.shape[0]):
+        counts[:] = 0
+        before = used
         for drawn in range(draws.shape[1]):
             for _ in range(draws[row, drawn]):
-                counts[row, order[first[drawn] + int(uniform[used] * size[drawn])]] += 1
+                counts[first[drawn] + int(uniform[used] * size[drawn])] += 1
                 used += 1
+        for place in range(len(order)):
+            shares[row, order[place]] = counts[place] / (used - before)
 
 
 def _counted(row: NDArray[np.int64], column: NDArray[np.int64], shape: tuple[int, int]) -> NDArray[np.int64]:

@@ -42,7 +42,6 @@ class ReportOptions(Request):
 def run_report(options: ReportOptions, typed: str) -> int:
     """Rebuild a report from one folder, or combine several; print what changed against old results."""
     from indoor_explorers.env.errors import InputError
-    from indoor_explorers.evaluation.exports import write_exports
     from indoor_explorers.evaluation.report import write_report
     from indoor_explorers.evaluation.report.changes.against import compare_with
     from indoor_explorers.evaluation.report.changes.against_table import against_lines
@@ -70,6 +69,8 @@ def run_report(options: ReportOptions, typed: str) -> int:
             panels=options.panels,
         )
         if options.exports is not None:
+            from indoor_explorers.evaluation.exports import write_exports
+
             write_exports(results, options.exports, ratio_to=options.ratio_to)
     except OSError as error:
         where = error.filename or options.out

@@ -124,14 +124,18 @@ def coverage_at(
 def coverage_along(
     records: Sequence[Record], axes: Mapping[str, NDArray[np.integer | np.floating]], who: Sequence[str]
 ) -> dict[tuple[str, str], NDArray[np.float64]]:
-    """Return :func:`coverage_at` by axis and ``who`` for the amounts of several axes; each episode is read once."""
-    found = {(axis, each): np.empty((len(records), len(axes[axis]))) for axis in axes for each in who}
+    """Return :func:`coverage_at` by axis and ``who`` for the amounts of several axes; each episode is read once.
+
+    All of them lie side by side in one array, the ``base`` of each.
+    """
+    total = sum(len(amounts) for amounts in axes.values())
+    whole = np.empty((len(records), len(who) * total))
     for place, record in enumerate(records):
-        for axis, amounts in axes.items():
-            steps = _step(record, amounts, axis)
-            for each in who:
-                found[axis, each][place] = record.coverage(each, steps)
-    return found
+        steps = np.concatenate([_step(record, amounts, axis) for axis, amounts in axes.items()])
+        whole[place] = record.coverage_of(who, steps).ravel()
+    ends = np.cumsum([len(amounts) for _ in who for amounts in axes.values()])
+    keys = [(axis, each) for each in who for axis in axes]
+    return dict(zip(keys, np.split(whole, ends[:-1], axis=1), strict=True))
 
 
 def _step(record: Record, amounts: NDArray[np.integer | np.floating], axis: str) -> NDArray[np.integer]:

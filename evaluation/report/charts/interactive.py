@@ -14,7 +14,7 @@ from indoor_explorers.evaluation.report.analysis.coverage_axes import CoverageAx
 from indoor_explorers.evaluation.report.analysis.outliers import near_groups
 from indoor_explorers.evaluation.report.style.packing import shares
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles, crowded
-from indoor_explorers.evaluation.statistics import FEWEST, curve_band, ecdf_of_times
+from indoor_explorers.evaluation.statistics import FEWEST, Band, curve_bands, ecdf_of_times
 
 #: Whose coverage a chart can show, with the words for it.
 WHO = {"team": "Team", "worst": "Worst UAV", "mean": "Mean UAV", "base": "Home base", "seen": "Anybody"}
@@ -64,15 +64,15 @@ def _curves(
 ) -> dict[str, dict[str, Any]]:
     """Return the curves of a policy by axis and by whose coverage they are."""
     along = coverage_along(comparison.groups[policy], {axis.key: axis.amounts for axis in axes}, who)
-    maps = comparison.maps(policy)
-    return {axis.key: {each: _curve(along.pop((axis.key, each)), maps) for each in who} for axis in axes}
+    bands = curve_bands(list(along.values()), maps=comparison.maps(policy))
+    found = {key: _curve(curves, band) for (key, curves), band in zip(along.items(), bands, strict=True)}
+    return {axis.key: {each: found[axis.key, each] for each in who} for axis in axes}
 
 
-def _curve(curves: NDArray[np.float64], maps: NDArray[np.str_]) -> dict[str, Any]:
+def _curve(curves: NDArray[np.float64], band: Band) -> dict[str, Any]:
     if len(curves) < FEWEST:
-        return {"mean": shares(curves.mean(axis=0)), "each": [shares(curve) for curve in curves]}
-    mean, low, high = curve_band(curves, maps=maps)
-    return {"mean": shares(mean), "low": shares(low), "high": shares(high)}
+        return {"mean": shares(band.mean), "each": [shares(curve) for curve in curves]}
+    return {"mean": shares(band.mean), "low": shares(band.low), "high": shares(band.high)}
 
 
 def times_data(comparison: Comparison, styles: Styles) -> dict[str, Any]:

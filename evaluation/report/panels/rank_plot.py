@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.charts.dot_plots import share_dot_plot
 from indoor_explorers.evaluation.report.style.formatting import EN_DASH, percent
 from indoor_explorers.evaluation.report.style.palette import PolicyStyle
-from indoor_explorers.evaluation.statistics import Estimate, probability_of_improvement
+from indoor_explorers.evaluation.statistics import Estimate, bootstrap_means
 from indoor_explorers.evaluation.statistics.wins import win_scores
 
 
@@ -74,25 +75,30 @@ class RankRow(NamedTuple):
     """Number of common tasks with the next, and with the best."""
 
 
-def improvement(task_times: TaskTimes, policy: str, other: str) -> Improvement | None:
-    """Compare two policies on the tasks that both flew; None without any."""
-    pair = task_times.pair(policy, other)
-    if not pair.tasks:
-        return None
-    scores = win_scores(pair.ours, pair.theirs)
-    return Improvement(policy, other, probability_of_improvement(pair.ours, pair.theirs, maps=pair.maps), scores)
+def improvements(task_times: TaskTimes, pairs: Sequence[tuple[str, str]]) -> dict[tuple[str, str], Improvement | None]:
+    """Compare pairs of policies; those that flew the same tasks from one set of resamples."""
+    paired = {names: pair for names in pairs if (pair := task_times.pair(*names)).tasks}
+    found: dict[tuple[str, str], Improvement | None] = dict.fromkeys(pairs)
+    for tasks in {tuple(pair.tasks) for pair in paired.values()}:
+        here = {names: pair for names, pair in paired.items() if tuple(pair.tasks) == tasks}
+        scores = [win_scores(pair.ours, pair.theirs) for pair in here.values()]
+        estimates = bootstrap_means(np.stack(scores, axis=1), maps=next(iter(here.values())).maps)
+        for names, each, estimate in zip(here, scores, estimates, strict=True):
+            found[names] = Improvement(*names, estimate, each)
+    return found
 
 
 def rank_rows(task_times: TaskTimes) -> list[RankRow]:
     """Return a row for each policy by rank; empty when there are fewer than two with a task in common."""
     names = task_times.policies
-    below = [improvement(task_times, one, other) for one, other in pairwise(names)] + [None]
-    best = [None] + [improvement(task_times, name, names[0]) for name in names[1:]]
-    if not any([*below, *best]):
+    below, best = list(pairwise(names)), [(name, names[0]) for name in names[1:]]
+    found = improvements(task_times, [*below, *best])
+    if not any(found.values()):
         return []
+    unders, tops = [*(found[pair] for pair in below), None], [None, *(found[pair] for pair in best)]
     return [
         RankRow(place, name, under, top, _counts(under, top))
-        for place, (name, under, top) in enumerate(zip(names, below, best, strict=True), 1)
+        for place, (name, under, top) in enumerate(zip(names, unders, tops, strict=True), 1)
     ]
 
 

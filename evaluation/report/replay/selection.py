@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from indoor_explorers.env.grid.cells import OCCUPIED
-from indoor_explorers.evaluation.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.episodes.record import Outcome
 from indoor_explorers.evaluation.episodes.stored_names import MODELS, refusal
 from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.report.analysis.comparison import Comparison
@@ -18,7 +19,6 @@ from indoor_explorers.evaluation.report.analysis.outliers import far_behind
 from indoor_explorers.evaluation.report.replay.packed_episode import ReplayEpisode, pack_episode, resimulated
 from indoor_explorers.evaluation.report.style.packing import bits, text
 from indoor_explorers.evaluation.report.style.palette import DASHES, Styles
-from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
 
 
 class Detail(NamedTuple):
@@ -83,8 +83,9 @@ def replay_data(comparison: Comparison, styles: Styles, limit: int, count: int |
 
 def _fitting(comparison: Comparison, limit: int) -> Iterator[dict[str, Any]]:
     """Yield episodes as long as they fit; the notable ones share the bytes evenly."""
-    picks = chosen(comparison)
-    notable = len(notable_tasks(comparison))
+    order = _by_lateness(comparison)
+    picks = _chosen(comparison, order)
+    notable = len(_notable(comparison, order))
     left = limit
     for place, pick in enumerate(picks):
         share = left // max(1, notable - place)
@@ -97,13 +98,7 @@ def _fitting(comparison: Comparison, limit: int) -> Iterator[dict[str, Any]]:
 
 def chosen(comparison: Comparison, *, everything: bool = False) -> list[Pick]:
     """Return the notable tasks, then a task of each other map, then those left if ``everything`` is asked for."""
-    picks = {pick.task: pick for pick in notable_tasks(comparison)}
-    order = _by_lateness(comparison)
-    maps = sorted({task.map_index for task in order} - {task.map_index for task in picks})
-    for index in maps:
-        here = [task for task in order if task.map_index == index]
-        median = here[(len(here) - 1) // 2]
-        picks[median] = Pick("median of its map", median)
+    picks = {pick.task: pick for pick in _chosen(comparison, _by_lateness(comparison))}
     if everything:
         rest = sorted(comparison.results.tasks(comparison.scenario) - picks.keys())
         picks |= {task: Pick("episode", task) for task in rest}
@@ -112,7 +107,20 @@ def chosen(comparison: Comparison, *, everything: bool = False) -> list[Pick]:
 
 def notable_tasks(comparison: Comparison) -> list[Pick]:
     """Return the median, fastest and slowest task by mean time over the policies, and one with a failure."""
-    order = _by_lateness(comparison)
+    return _notable(comparison, _by_lateness(comparison))
+
+
+def _chosen(comparison: Comparison, order: Sequence[Task]) -> list[Pick]:
+    picks = {pick.task: pick for pick in _notable(comparison, order)}
+    maps = {task.map_index for task in order} - {task.map_index for task in picks}
+    others: defaultdict[int, list[Task]] = defaultdict(list)
+    for task in order:
+        others[task.map_index].append(task)
+    medians = [others[index][(len(others[index]) - 1) // 2] for index in sorted(maps)]
+    return [*picks.values(), *(Pick("median of its map", task) for task in medians)]
+
+
+def _notable(comparison: Comparison, order: Sequence[Task]) -> list[Pick]:
     if not order:
         return []
     picks = [("median", order[(len(order) - 1) // 2]), ("fastest", order[0]), ("slowest", order[-1])]
@@ -124,18 +132,16 @@ def notable_tasks(comparison: Comparison) -> list[Pick]:
 
 def _by_lateness(comparison: Comparison) -> list[Task]:
     """Return the tasks flown by most policies, by mean time to the threshold over the policies, then falling AUC."""
-    flown: dict[Task, list[tuple[float, float]]] = {}
-    for records in comparison.groups.values():
-        for record in records:
-            flown.setdefault(record.task, []).append(_lateness(record, comparison.level))
+    flown: defaultdict[Task, list[list[float]]] = defaultdict(list)
+    for policy, records in comparison.groups.items():
+        late, area = (
+            comparison.results.values(comparison.scenario, policy, metric) for metric in (comparison.level.key, "auc")
+        )
+        for record, *entry in zip(records, late.tolist(), (-np.nan_to_num(area)).tolist(), strict=True):
+            flown[record.task].append(entry)
     most = max((len(entries) for entries in flown.values()), default=0)
     common = [task for task, entries in flown.items() if len(entries) == most]
-    return sorted(common, key=lambda task: (*np.mean(flown[task], axis=0).tolist(), task))
-
-
-def _lateness(record: Record, level: CoverageThreshold) -> tuple[float, float]:
-    late = record.metrics.get(level.key)
-    return (float(record.budget) if late is None else late), -(record.metrics.get("auc") or 0.0)
+    return sorted(common, key=lambda task: (*(sum(parts) / most for parts in zip(*flown[task], strict=True)), task))
 
 
 def _episode(comparison: Comparison, pick: Pick, share: float, left: float) -> dict[str, Any] | None:

@@ -140,7 +140,8 @@ def _copies(results: Results) -> tuple[list[str], list[str]]:
     grave: defaultdict[tuple[str, int, int], list[str]] = defaultdict(list)
     slight: defaultdict[tuple[str, int, int], list[str]] = defaultdict(list)
     for (scenario, policy), records in results.groups.items():
-        flights = len({(record.floorplan.digest, record.facts.track) for record in records})
+        facts = results.facts(scenario, policy)
+        flights = len({(record.floorplan.digest, fact.track) for record, fact in zip(records, facts, strict=True)})
         if flights < len(records):
             many = flights < (1 - FEW_COPIES) * len(records)
             (grave if many else slight)[scenario, len(records), flights].append(policy)

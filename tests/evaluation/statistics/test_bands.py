@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from indoor_explorers.evaluation.statistics import FEWEST, bootstrap_mean, curve_band
+from indoor_explorers.evaluation.statistics import FEWEST, bootstrap_mean, curve_band, curve_bands
 
 
 def curves(count=12, steps=30):
@@ -59,3 +59,12 @@ def test_blocks_of_steps_make_no_difference(monkeypatch):
 
 def test_bands_are_the_same_every_time():
     assert (np.stack(curve_band(curves())) == np.stack(curve_band(curves()))).all()
+
+
+@pytest.mark.parametrize("count", [FEWEST - 1, 40])
+def test_bands_from_one_set_of_resamples_are_those_of_each_alone(count):
+    one, other = (np.random.default_rng(seed).random((count, 9)).cumsum(axis=1) for seed in (1, 2))
+    side_by_side = np.split(np.concatenate((one, other), axis=1), 2, axis=1)
+    for found, curves in zip(curve_bands(side_by_side), (one, other), strict=True):
+        np.testing.assert_allclose(found, curve_band(curves), rtol=1e-12)
+    assert curve_bands([]) == []

@@ -13,7 +13,7 @@ from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.report.panels.failure_causes import causes
 from indoor_explorers.evaluation.report.panels.pareto_plot import pareto_plot, pareto_points
 from indoor_explorers.evaluation.report.panels.performance_profile import profile_plot
-from indoor_explorers.evaluation.report.panels.rank_plot import improvement, rank_rows
+from indoor_explorers.evaluation.report.panels.rank_plot import improvements, rank_rows
 from indoor_explorers.evaluation.report.panels.scenario_panels import scenario_panels
 from indoor_explorers.evaluation.report.panels.times_by_map import times_table
 from indoor_explorers.evaluation.report.panels.win_matrix import win_matrix
@@ -92,7 +92,7 @@ def test_shared_wins_are_told_apart() -> None:
 
 def test_the_rank_plot_counts_ties_one_half() -> None:
     _, task_times = compared(flown(TIMES))
-    found = improvement(task_times, "quick", "slow")
+    found = improvements(task_times, [("quick", "slow")])["quick", "slow"]
     assert found is not None
     assert found.estimate == (0.5, None, None)
     assert found.scores.tolist() == [1, 0.5, 0, 0.5]
