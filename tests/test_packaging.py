@@ -13,6 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 FLOORS = ("env", "planners", "learners", "evaluation")
 #: What wheels do not hold: figures of documents, and what the site is made of.
+DOCUMENTATION = ("indoor_explorers/learners/figures/", "indoor_explorers/evaluation/site/")
 FIGURES, SITE = ROOT / "learners" / "figures", ROOT / "evaluation" / "site"
 
 
@@ -49,29 +50,22 @@ def wheel(tmp_path_factory):
     return found
 
 
-def test_every_package_of_the_tree_is_listed(project):
-    tree = {
-        "indoor_explorers." + ".".join(path.parent.relative_to(ROOT).parts)
-        for floor in FLOORS
-        for path in (ROOT / floor).rglob("__init__.py")
-    }
-    assert set(project["tool"]["setuptools"]["packages"]) == tree
-
-
 def test_every_module_has_a_package():
     for floor in FLOORS:
         for path in (ROOT / floor).rglob("*.py"):
             assert SITE in path.parents or (path.parent / "__init__.py").exists(), path
 
 
-def test_every_data_file_of_the_tree_is_listed(project):
-    held = set()
-    for name, patterns in project["tool"]["setuptools"]["package-data"].items():
-        packages = project["tool"]["setuptools"]["packages"] if name == "*" else [name]
-        for folder in (ROOT.joinpath(*package.split(".")[1:]) for package in packages):
-            held |= {path for pattern in patterns for path in folder.glob(pattern) if path.is_file()}
-    missing = {path for path in tracked() if path.suffix != ".py"} - held
-    assert {path for path in missing if path.suffix != ".md"} == set()
+def test_data_files_of_every_kind_are_part_of_the_package(project):
+    (patterns,) = project["tool"]["setuptools"]["package-data"].values()
+    strange = {path for path in tracked() if not any(path.match(pattern) for pattern in ("*.py", "*.md", *patterns))}
+    assert strange == set()
+
+
+def test_an_editable_install_is_a_folder_on_the_path():
+    """Editors follow a path, and no import hook."""
+    assert str(ROOT / ".src") in sys.path
+    assert not [finder for finder in sys.meta_path if "editable" in repr(finder).lower()]
 
 
 def test_one_version_everywhere(project):
@@ -85,6 +79,7 @@ def test_the_wheel_holds_every_module_and_data_file(wheel):
     held = set(zipfile.ZipFile(wheel).namelist())
     missing = {path for path in tracked() if f"indoor_explorers/{path.relative_to(ROOT).as_posix()}" not in held}
     assert {path for path in missing if path.suffix != ".md"} == set()
+    assert not [name for name in held if name.startswith(DOCUMENTATION)]
     tops = {name.split("/")[0] for name in held}
     assert {top for top in tops if not top.endswith(".dist-info")} == {"indoor_explorers"}
 
