@@ -12,6 +12,17 @@ from indoor_explorers.env.grid.arrays import Cell, Mask
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.maps.reduction import Source, reduced, settled
+from indoor_explorers.env.maps.room_graph import (
+    CORRIDOR,
+    DOOR,
+    ROOM,
+    doors_across,
+    loops,
+    nodes_of,
+    passage_of,
+    room_graph,
+)
+from indoor_explorers.evaluation.report.style.formatting import counted
 
 #: What marks the start in a picture.
 START = "S"
@@ -38,6 +49,16 @@ def facts(floorplan: Floorplan) -> str:
         f"{min(floorplan.connected, floorplan.main_part.sum() / free):.1%} of the source's free area connected, "
         f"{floorplan.kept:.1%} kept{start}"
     )
+
+
+def layout(floorplan: Floorplan) -> str:
+    """Return one line about the rooms of a map, the doors between them, loops, and how many doors lie across it."""
+    passage = passage_of(floorplan.resolution)
+    graph = room_graph(np.pad(floorplan.main_part, 1), passage)
+    doors = sum(graph.nodes[node]["width"] <= passage for node in nodes_of(graph, DOOR))
+    parts = [counted(len(nodes_of(graph, kind)), kind) for kind in (ROOM, CORRIDOR)]
+    line = ", ".join([*parts, counted(doors, DOOR), counted(loops(graph), "loop")])
+    return f"{line}; at most {counted(doors_across(graph), 'passage')} from one to another"
 
 
 def cautions(floorplan: Floorplan, path: Path | None = None, resolution: float | None = None) -> list[str]:

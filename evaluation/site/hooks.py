@@ -21,6 +21,7 @@ from indoor_explorers.evaluation.site.gallery import example_report, gallery_pag
 from indoor_explorers.evaluation.site.pictures.concepts import concept_pictures
 from indoor_explorers.evaluation.site.pictures.dynamics import dynamics_pictures
 from indoor_explorers.evaluation.site.pictures.learners import learner_pictures
+from indoor_explorers.evaluation.site.pictures.maps import map_pictures
 from indoor_explorers.evaluation.site.pictures.planners import planner_pictures
 from indoor_explorers.evaluation.site.pictures.radio import radio_pictures
 from indoor_explorers.evaluation.site.pictures.sensor_errors import sensor_error_pictures
@@ -75,6 +76,7 @@ DRAWN = (
     concept_pictures,
     dynamics_pictures,
     learner_pictures,
+    map_pictures,
     planner_pictures,
     radio_pictures,
     sensor_error_pictures,

@@ -43,7 +43,7 @@ class MapsOptions(Request):
 
 def show_maps(options: MapsOptions, typed: str) -> int:
     """Print a picture and the facts of map files, or of the maps of a scenario."""
-    from indoor_explorers.evaluation.cli.map_text import cautions, facts, picture
+    from indoor_explorers.evaluation.cli.map_text import cautions, facts, layout, picture
 
     if options.compare:
         return _compare(options)
@@ -51,6 +51,7 @@ def show_maps(options: MapsOptions, typed: str) -> int:
     for floorplan, path in zip_longest(floorplans, options.paths):
         print_line(console, picture(floorplan, console.width))
         print_line(console, facts(floorplan))
+        print_line(console, layout(floorplan))
         for line in cautions(floorplan, path, options.resolution):
             print_line(console, line, "yellow")
     if options.save is not None:

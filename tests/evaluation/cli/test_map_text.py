@@ -14,7 +14,7 @@ from indoor_explorers.env.maps.sources import MazeMaps, OfficesMaps
 from indoor_explorers.env.search.connected_parts import connected_parts
 from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.cli.commands.compare import file_notes
-from indoor_explorers.evaluation.cli.map_text import _coarse, facts, picture
+from indoor_explorers.evaluation.cli.map_text import _coarse, facts, layout, picture
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.experiment.planning import plan as plan_of
 from indoor_explorers.evaluation.experiment.request import ComparisonRequest
@@ -170,3 +170,13 @@ def test_a_saved_map_is_read_with_the_same_cells(name, tmp_path, capsys):
 def test_what_cannot_be_saved_is_told_in_one_line(where, tmp_path, capsys):
     assert main(["maps", "--scenario", "office", "--save", str(tmp_path / where)]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_the_rooms_and_doors_of_a_map_are_told():
+    rooms = "################ #......##......# #......##......# #......##......# #..............# ################"
+    assert layout(plan(rooms, resolution=0.5)) == (
+        "2 rooms, 0 corridors, 1 door, 0 loops; at most 1 passage from one to another"
+    )
+    assert layout(plan(rooms, resolution=0.1)) == (  # where 1.5 m are 15 cells, all of it is one narrow place
+        "1 room, 0 corridors, 0 doors, 0 loops; at most 0 passages from one to another"
+    )
