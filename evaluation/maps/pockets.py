@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from indoor_explorers.env import Scenario, World, make_policy
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.env.search.clusters import frontier_clusters
-from indoor_explorers.env.search.pockets.labels import true_pockets
 from indoor_explorers.env.simulation.rollout import Uav, ask_pilots, make_pilots, rollout
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
+from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 
 #: The policy that flies, and steps from one look at its frontiers to the next.
 POLICY, EVERY = "frontier-nearest", 25
@@ -24,7 +24,7 @@ class Frontiers(NamedTuple):
 
     pockets: NDArray[np.float64]
     """(K,) unknown free cells behind each frontier cluster of each look, see
-    :func:`~indoor_explorers.env.search.pockets.labels.true_pockets`."""
+    :func:`~indoor_explorers.planners.toolbox.pockets.labels.true_pockets`."""
     clusters: NDArray[np.float64]
     """(L,) frontier clusters of each look."""
 
