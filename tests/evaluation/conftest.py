@@ -3,9 +3,9 @@
 import pytest
 
 from indoor_explorers.evaluation import driver, exports
-from indoor_explorers.evaluation.engines.flown_again import found_in_flights
-from indoor_explorers.evaluation.engines.knowledge import with_failed_checks
-from indoor_explorers.evaluation.report import write_figures
+from indoor_explorers.evaluation.exports.figures import write_figures
+from indoor_explorers.evaluation.harness.engines.flown_again import found_in_flights
+from indoor_explorers.evaluation.harness.engines.knowledge import with_failed_checks
 
 
 @pytest.fixture(scope="package", autouse=True)

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.results.results import Results
 
 from .reports import HOSTILE, Page, Wander, results_of, task_on
 

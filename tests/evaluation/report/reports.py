@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env import Briefing, Pilot, Policy, Scenario, View, scenario
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.results.results import Results
 
 HOSTILE = ("a, b \"quoted\" </script><script>alert('x')</script>", "🚁 $x_1$ & <b>", "_it's {{ 7 * 7 }}")
 

@@ -14,7 +14,7 @@ import torch
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.evaluation.training import nested
+from indoor_explorers.evaluation.studies.training import nested
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
