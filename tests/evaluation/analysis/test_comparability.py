@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.report.summary.overview import lead
-from tests.evaluation.report.reports import Page
+from tests.evaluation.reports import Page
 
 
 @pytest.fixture

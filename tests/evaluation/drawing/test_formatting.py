@@ -6,7 +6,7 @@ from indoor_explorers.evaluation.drawing.formatting import joined, seed_span
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.report.page import render
 from tests.evaluation.report.records import made_up, results_of
-from tests.evaluation.report.reports import Page
+from tests.evaluation.reports import Page
 
 
 @pytest.mark.parametrize(

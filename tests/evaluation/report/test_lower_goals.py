@@ -39,8 +39,7 @@ from indoor_explorers.evaluation.report.replay.selection import notable_tasks
 from indoor_explorers.evaluation.report.summary.overview import lead
 from indoor_explorers.evaluation.statistics import contrasts
 from tests.evaluation.report.records import BUDGET, made_up, results_of, room
-
-from .reports import Page
+from tests.evaluation.reports import Page
 
 TIMES: Mapping[str, Sequence[float | None]] = {
     "slow": [30, 41, 52, 63, 74, 85, None],

@@ -19,8 +19,7 @@ from indoor_explorers.evaluation.harness.results.ratios import Ratios
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.report.page import render
-
-from .reports import HOSTILE, Page, Wander, results_of
+from tests.evaluation.reports import HOSTILE, Page, Wander, results_of
 
 
 def test_a_page_loads_nothing(page: Page) -> None:

@@ -14,7 +14,7 @@ from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.statistics import CONFIDENCE, all_pairs_test
 from tests.evaluation.report.records import flown
-from tests.evaluation.report.reports import Page
+from tests.evaluation.reports import Page
 
 SEEDS = range(12)
 TIMES = {

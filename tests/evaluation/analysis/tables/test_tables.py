@@ -22,7 +22,7 @@ from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.statistics import contrasts
 from tests.evaluation.report.records import made_up, results_of
-from tests.evaluation.report.reports import Page
+from tests.evaluation.reports import Page
 
 
 def test_figures_of_the_table_are_those_of_the_summary(results: Results, page: Page) -> None:

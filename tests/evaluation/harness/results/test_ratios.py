@@ -18,7 +18,7 @@ from indoor_explorers.evaluation.harness.experiment.selection import chosen_base
 from indoor_explorers.evaluation.harness.results.ratios import POOLED, Ratios, write_ratios
 from indoor_explorers.evaluation.report.page import render
 from tests.evaluation.report.records import BUDGET, made_up, results_of, room
-from tests.evaluation.report.reports import Page
+from tests.evaluation.reports import Page
 
 TIMES = {
     "frontier-nearest": {"near": [20, 40, 10, 50, 30, 25], "far": [80, 60, 100, 90, 70, 85]},

@@ -15,7 +15,7 @@ from indoor_explorers.evaluation.report.charts.interactive import chart_data, ti
 from indoor_explorers.evaluation.report.charts.small_multiples import map_multiples, scenario_multiples
 from indoor_explorers.evaluation.report.page import render
 from tests.evaluation.report.records import flown
-from tests.evaluation.report.reports import Page
+from tests.evaluation.reports import Page
 
 
 def _shares(text: str) -> np.ndarray:
