@@ -13,7 +13,7 @@ def lazy_names(package: str, modules: Mapping[str, tuple[str, ...]]) -> Callable
 
     Args:
         package: The package's ``__name__``.
-        modules: The public names of each module: its path relative to the package, or its whole name.
+        modules: The public names of each module: its path relative to the package.
 
     """
     homes = {name: module for module, names in modules.items() for name in names}
@@ -21,8 +21,7 @@ def lazy_names(package: str, modules: Mapping[str, tuple[str, ...]]) -> Callable
     def find(name: str) -> Any:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        home = homes[name]
-        value = getattr(import_module(home if home.startswith("indoor_explorers.") else f"{package}.{home}"), name)
+        value = getattr(import_module(f"{package}.{homes[name]}"), name)
         setattr(sys.modules[package], name, value)
         return value
 

@@ -11,18 +11,18 @@ if TYPE_CHECKING:
     from typing import Any
 
     from indoor_explorers.evaluation.comparing import compare
-    from indoor_explorers.evaluation.engines.local import fly_job
-    from indoor_explorers.evaluation.engines.workload import missing_jobs
-    from indoor_explorers.evaluation.episodes.record import Record
-    from indoor_explorers.evaluation.experiment.experiment import Experiment
-    from indoor_explorers.evaluation.experiment.planning import plan
-    from indoor_explorers.evaluation.experiment.policy_facts import policy_facts
-    from indoor_explorers.evaluation.experiment.request import ComparisonRequest
-    from indoor_explorers.evaluation.experiment.selection import DEFAULT_POLICIES
     from indoor_explorers.evaluation.exports.episodes.export import export_episode
-    from indoor_explorers.evaluation.results.custom_metrics import Metric
-    from indoor_explorers.evaluation.results.results import Results
-    from indoor_explorers.evaluation.results.store import Store
+    from indoor_explorers.evaluation.harness.engines.local import fly_job
+    from indoor_explorers.evaluation.harness.engines.workload import missing_jobs
+    from indoor_explorers.evaluation.harness.episodes.record import Record
+    from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
+    from indoor_explorers.evaluation.harness.experiment.planning import plan
+    from indoor_explorers.evaluation.harness.experiment.policy_facts import policy_facts
+    from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
+    from indoor_explorers.evaluation.harness.experiment.selection import DEFAULT_POLICIES
+    from indoor_explorers.evaluation.harness.results.custom_metrics import Metric
+    from indoor_explorers.evaluation.harness.results.results import Results
+    from indoor_explorers.evaluation.harness.results.store import Store
 
 __all__ = [
     "DEFAULT_POLICIES",
@@ -42,18 +42,18 @@ __all__ = [
 
 _MODULES = {
     "comparing": ("compare",),
-    "experiment.policy_facts": ("policy_facts",),
-    "engines.local": ("fly_job",),
-    "engines.workload": ("missing_jobs",),
-    "experiment.experiment": ("Experiment",),
-    "experiment.planning": ("plan",),
-    "experiment.request": ("ComparisonRequest",),
-    "experiment.selection": ("DEFAULT_POLICIES",),
-    "episodes.record": ("Record",),
+    "harness.experiment.policy_facts": ("policy_facts",),
+    "harness.engines.local": ("fly_job",),
+    "harness.engines.workload": ("missing_jobs",),
+    "harness.experiment.experiment": ("Experiment",),
+    "harness.experiment.planning": ("plan",),
+    "harness.experiment.request": ("ComparisonRequest",),
+    "harness.experiment.selection": ("DEFAULT_POLICIES",),
+    "harness.episodes.record": ("Record",),
     "exports.episodes.export": ("export_episode",),
-    "results.custom_metrics": ("Metric",),
-    "results.results": ("Results",),
-    "results.store": ("Store",),
+    "harness.results.custom_metrics": ("Metric",),
+    "harness.results.results": ("Results",),
+    "harness.results.store": ("Store",),
 }
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from indoor_explorers.env.files import expanded
-from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 
 if TYPE_CHECKING:
     from indoor_explorers.evaluation.driver import Watcher
@@ -32,11 +32,11 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
         watcher: receives the progress.
         command: the command that was typed; the report shows it.
         **options: those of ``indoor-explorers compare``, which are the fields of
-            :class:`~indoor_explorers.evaluation.experiment.request.ComparisonRequest`: ``policies``, ``scenario``,
-            ``experiment``, ``suite``, ``part``, ``data``, ``radio``, ``maps``, ``resolution``, ``team``, ``episodes``,
-            ``seed``, ``settings``, ``workers``, ``engine``, ``address``, ``decision_timeout`` (seconds, None for none),
-            ``memory_limit`` (GB per worker), ``isolate``, ``retry_failed``, ``refly``, ``fresh``, ``ratio_to``,
-            ``margin``.
+            :class:`~indoor_explorers.evaluation.harness.experiment.request.ComparisonRequest`: ``policies``,
+            ``scenario``, ``experiment``, ``suite``, ``part``, ``data``, ``radio``, ``maps``, ``resolution``, ``team``,
+            ``episodes``, ``seed``, ``settings``, ``workers``, ``engine``, ``address``, ``decision_timeout`` (seconds,
+            None for none), ``memory_limit`` (GB per worker), ``isolate``, ``retry_failed``, ``refly``, ``fresh``,
+            ``ratio_to``, ``margin``.
 
     Raises:
         InputError: something asked for does not exist or does not fit together.
@@ -45,8 +45,8 @@ def compare(out: str | Path, *, watcher: Watcher | None = None, command: str = "
     """
     # imported here, so that the command line shows its help at once
     from indoor_explorers.evaluation.driver import run
-    from indoor_explorers.evaluation.experiment.planning import plan
     from indoor_explorers.evaluation.exports.summary_table import SummaryTable
+    from indoor_explorers.evaluation.harness.experiment.planning import plan
 
     request = ComparisonRequest.of(**options)
     return SummaryTable(run(plan(request), expanded(out), request, watcher=watcher, command=command).summary())

@@ -10,23 +10,23 @@ from typing import TYPE_CHECKING, Protocol
 from indoor_explorers.env import InputError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
-from indoor_explorers.evaluation.engines.factory import make_engine
-from indoor_explorers.evaluation.engines.flown_again import found_in_flights
-from indoor_explorers.evaluation.engines.knowledge import Facts, with_failed_checks
-from indoor_explorers.evaluation.engines.loading import PolicyLoader
-from indoor_explorers.evaluation.engines.workload import Workload
-from indoor_explorers.evaluation.episodes.record import FlownEpisode
-from indoor_explorers.evaluation.experiment.experiment import Experiment, PolicyChoice
-from indoor_explorers.evaluation.experiment.limits import limits_for
-from indoor_explorers.evaluation.experiment.provenance import run_facts
-from indoor_explorers.evaluation.experiment.request import ComparisonRequest
-from indoor_explorers.evaluation.experiment.selection import chosen_baselines
-from indoor_explorers.evaluation.results.policy_version import version_difference
-from indoor_explorers.evaluation.results.store import Store
-from indoor_explorers.evaluation.results.verification import refuse_changed, refuse_mismatches
+from indoor_explorers.evaluation.harness.engines.factory import make_engine
+from indoor_explorers.evaluation.harness.engines.flown_again import found_in_flights
+from indoor_explorers.evaluation.harness.engines.knowledge import Facts, with_failed_checks
+from indoor_explorers.evaluation.harness.engines.loading import PolicyLoader
+from indoor_explorers.evaluation.harness.engines.workload import Workload
+from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode
+from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, PolicyChoice
+from indoor_explorers.evaluation.harness.experiment.limits import limits_for
+from indoor_explorers.evaluation.harness.experiment.provenance import run_facts
+from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.harness.experiment.selection import chosen_baselines
+from indoor_explorers.evaluation.harness.results.policy_version import version_difference
+from indoor_explorers.evaluation.harness.results.store import Store
+from indoor_explorers.evaluation.harness.results.verification import refuse_changed, refuse_mismatches
 
 if TYPE_CHECKING:
-    from indoor_explorers.evaluation.results.results import Results
+    from indoor_explorers.evaluation.harness.results.results import Results
 
 #: Number of workers that jobs are planned for on a Ray cluster, whose size is not known beforehand.
 CLUSTER_WORKERS = 32
@@ -165,9 +165,9 @@ def write_outputs(out: Path, request: ComparisonRequest = DEFAULTS, plugins: Ite
     """
     # imported here: they take seconds to import, and worker processes do not need them
     from indoor_explorers.evaluation.exports import write_exports
+    from indoor_explorers.evaluation.harness.results.custom_metrics import with_metrics
+    from indoor_explorers.evaluation.harness.results.results import Results
     from indoor_explorers.evaluation.report import write_report
-    from indoor_explorers.evaluation.results.custom_metrics import with_metrics
-    from indoor_explorers.evaluation.results.results import Results
 
     results = with_metrics(Results.load(out, plugins), request.metrics)
     write_exports(results, out, ratio_to=request.ratio_to)

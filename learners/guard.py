@@ -9,7 +9,7 @@ Gains under the network's control earn credit; enough credit undoes a takeover.
 
 Behind a teammate in the way the UAV backs off at random, longer with every retreat, so that two UAVs in a corridor
 do not wait for each other for ever. Planners resolve deadlocks in another way
-(:mod:`indoor_explorers.env.navigation.deadlock`), which needs a planned path.
+(:mod:`indoor_explorers.planners.toolbox.navigation.deadlock`), which needs a planned path.
 """
 
 from __future__ import annotations

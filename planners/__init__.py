@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 from indoor_explorers.env.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-    from indoor_explorers.env.navigation.navigator import Navigator
-    from indoor_explorers.env.navigation.paths import Paths
-    from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
-    from indoor_explorers.env.search.view_gain import WeightedGains, unclaimed_gains
+    from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
+    from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains, unclaimed_gains
+    from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+    from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
+    from indoor_explorers.planners.toolbox.navigation.paths import Paths
 
 __all__ = [
     "Clusters",
@@ -29,11 +29,11 @@ __all__ = [
 
 #: The modules of the public names.
 _MODULES = {
-    "indoor_explorers.env.search.clusters": ("Clusters", "frontier_clusters", "nearest_cells"),
-    "indoor_explorers.env.search.view_gain": ("WeightedGains", "unclaimed_gains"),
-    "indoor_explorers.env.navigation.goal_pilot": ("GoalPilot",),
-    "indoor_explorers.env.navigation.navigator": ("Navigator",),
-    "indoor_explorers.env.navigation.paths": ("Paths",),
+    "toolbox.frontiers.clusters": ("Clusters", "frontier_clusters", "nearest_cells"),
+    "toolbox.information.view_gain": ("WeightedGains", "unclaimed_gains"),
+    "toolbox.navigation.goal_pilot": ("GoalPilot",),
+    "toolbox.navigation.navigator": ("Navigator",),
+    "toolbox.navigation.paths": ("Paths",),
 }
 __getattr__ = lazy_names(__name__, _MODULES)
 

@@ -7,11 +7,11 @@ from typing import ClassVar, Literal, get_args
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import UNREACHABLE, Action
-from indoor_explorers.env.navigation.navigator import Navigator
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, View
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 When = Literal["trips", "every", "deadline", "never"]
 #: Numbers that are added to each message: steps home, and whether the sender flies there.

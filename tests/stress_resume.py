@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from indoor_explorers.evaluation.results.store import Store
+from indoor_explorers.evaluation.harness.results.store import Store
 
 ROOT = Path(__file__).resolve().parents[1]
 POLICIES = ("tests.evaluation.plugins:Slower", "random", "tests.evaluation.plugins:Slow", "frontier-nearest")

@@ -8,8 +8,8 @@ import pytest
 
 from indoor_explorers.env.scenarios.seed_sets import fresh_test_set
 from indoor_explorers.env.scenarios.suites.suite import digest_of
-from indoor_explorers.evaluation.experiment.planning import plan
-from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.harness.experiment.planning import plan
+from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from tests.documents import ROOT
 
 MARKDOWN = [

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import PRESETS, World, make_policy
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from tests.behaviour.policies import EXHAUSTIVE, POLICIES
 
 GOLDEN = Path(__file__).parent / "golden.json"

@@ -14,8 +14,8 @@ import gymnasium
 import numpy as np
 
 from indoor_explorers.env import PRESETS, World, make_policy
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from tests.behaviour.policies import POLICIES
 from tests.env import plugins
 

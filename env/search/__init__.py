@@ -1,1 +1,1 @@
-"""What planners and learners both compute from a map: searches, visibility, sets of cells."""
+"""Searches on grids: breadth-first search, connected parts, frontiers, visibility, sets of cells."""

@@ -2,7 +2,7 @@
 
 All searches visit neighbours in the order of the actions (down, left, up, right), so their queues hold the reached
 cells in a fixed order of rising distance. Searches that need paths are in
-:mod:`indoor_explorers.env.search.shortest_paths`, those that label parts of a map in
+:mod:`indoor_explorers.planners.toolbox.navigation.shortest_paths`, those that label parts of a map in
 :mod:`indoor_explorers.env.search.connected_parts`. A few searches elsewhere do more for each cell than measure its
 distance, and so have loops of their own; each says what.
 """

@@ -7,8 +7,8 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from indoor_explorers.evaluation.experiment.request import Request
-from indoor_explorers.evaluation.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import Request
+from indoor_explorers.evaluation.harness.options import Option
 
 
 def add_options(parser: argparse.ArgumentParser, request: type[Request]) -> None:

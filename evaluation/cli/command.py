@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from indoor_explorers.env.errors import debugging as debugging
-from indoor_explorers.evaluation.experiment.request import Request
+from indoor_explorers.evaluation.harness.experiment.request import Request
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 from indoor_explorers.env.grid.compile_cache import compiling_since, not_compiled
-from indoor_explorers.evaluation.report.style.formatting import counted
+from indoor_explorers.evaluation.drawing.formatting import counted
 
 #: Seconds between two checks of the cache folder.
 CHECK_INTERVAL = 0.5

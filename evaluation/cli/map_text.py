@@ -22,7 +22,7 @@ from indoor_explorers.env.maps.room_graph import (
     passage_of,
     room_graph,
 )
-from indoor_explorers.evaluation.report.style.formatting import counted
+from indoor_explorers.evaluation.drawing.formatting import counted
 
 #: What marks the start in a picture.
 START = "S"

@@ -14,9 +14,9 @@ from rich.text import Text
 
 from indoor_explorers.evaluation.cli.compile_status import CompileStatus
 from indoor_explorers.evaluation.cli.running_means import RunningMeans
-from indoor_explorers.evaluation.episodes.record import FlownEpisode
-from indoor_explorers.evaluation.report.style.formatting import counted
-from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, shared
+from indoor_explorers.evaluation.drawing.formatting import counted
+from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode
+from indoor_explorers.evaluation.harness.results.coverage_threshold import T99, CoverageThreshold, shared
 
 #: Seconds between two lines where the output is not a terminal.
 LINE_INTERVAL = 10.0

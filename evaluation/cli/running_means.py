@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from indoor_explorers.evaluation.episodes.record import FlownEpisode, Outcome
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode, Outcome
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 
 
 class Figures(NamedTuple):

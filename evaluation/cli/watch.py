@@ -21,7 +21,7 @@ from indoor_explorers.env.rendering.video_writer import FPS, VideoWriter
 from indoor_explorers.env.rendering.window import Window
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.spawns import draw_floorplan
-from indoor_explorers.evaluation.experiment.experiment import Experiment
+from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
 
 
 def watch(
@@ -102,7 +102,7 @@ def flight(policy: Policy, world: World, last: int) -> Iterator[bool]:
     """Fly episode 0 of a world that has begun, up to step ``last``.
 
     Yields at the start and after every step whether the episode goes on. The episode is the one that
-    :mod:`indoor_explorers.evaluation.episodes.runner` flies in a batch of one.
+    :mod:`indoor_explorers.evaluation.harness.episodes.runner` flies in a batch of one.
     """
     yield last > 0
     try:

@@ -4,15 +4,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from indoor_explorers.env.files import written_whole
+from indoor_explorers.evaluation.analysis.reproduce import experiment_files
+from indoor_explorers.evaluation.exports.figures import write_figures
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
 from indoor_explorers.evaluation.exports.planner_arena import write_planner_arena
 from indoor_explorers.evaluation.exports.tidy import write_curves, write_episodes
-from indoor_explorers.evaluation.report.figures import write_figures
-from indoor_explorers.evaluation.report.summary.reproduce import experiment_files
-from indoor_explorers.evaluation.results.differences import differences, write_differences
-from indoor_explorers.evaluation.results.ratios import Ratios, write_ratios
-from indoor_explorers.evaluation.results.results import Results, write_summary
+from indoor_explorers.evaluation.harness.results.differences import differences, write_differences
+from indoor_explorers.evaluation.harness.results.ratios import Ratios, write_ratios
+from indoor_explorers.evaluation.harness.results.results import Results, write_summary
 
 __all__ = ["write_exports"]
 
@@ -21,7 +21,7 @@ def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | N
     """Write everything but the report into ``folder``; equal results give equal bytes.
 
     ``ratio_to`` names the baselines of ratios and differences of steps, see
-    :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`.
+    :func:`~indoor_explorers.evaluation.harness.experiment.selection.chosen_baselines`.
     """
     tables = folder / "tables"
     tables.mkdir(parents=True, exist_ok=True)

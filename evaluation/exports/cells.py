@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.failures import failed
-from indoor_explorers.evaluation.report.analysis.shown_best import BOLD, shown_best
-from indoor_explorers.evaluation.report.style.formatting import counted, fixed, interval, percent, percent_interval
-from indoor_explorers.evaluation.report.summary.facts import denominator
-from indoor_explorers.evaluation.report.summary.notes import narrow_notes, scenario_notes
-from indoor_explorers.evaluation.report.tables.headline_table import (
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.facts import denominator
+from indoor_explorers.evaluation.analysis.failures import failed
+from indoor_explorers.evaluation.analysis.notes import narrow_notes, scenario_notes
+from indoor_explorers.evaluation.analysis.shown_best import BOLD, shown_best
+from indoor_explorers.evaluation.analysis.tables.headline_table import (
     decision_time,
     headings,
     ratio_to_bound,
     ratio_to_reference,
     reference_of,
 )
-from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
-from indoor_explorers.evaluation.report.tables.ratio_table import bounded
-from indoor_explorers.evaluation.results.coverage_threshold import T99, CoverageThreshold, tabled
+from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
+from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
+from indoor_explorers.evaluation.drawing.formatting import counted, fixed, interval, percent, percent_interval
+from indoor_explorers.evaluation.harness.results.coverage_threshold import T99, CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
 

@@ -10,12 +10,12 @@ import re
 import unicodedata
 from collections.abc import Sequence
 
+from indoor_explorers.evaluation.analysis.comparability import missing_episodes
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.tables.policy_names import DAGGER, DOUBLE_DAGGER, SECTION
+from indoor_explorers.evaluation.drawing.formatting import EN_DASH, MINUS, THIN_SPACE, slug
 from indoor_explorers.evaluation.exports.cells import ExportCell, ExportRow, caption, table_headings, table_rows
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.style.formatting import EN_DASH, MINUS, THIN_SPACE, slug
-from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
-from indoor_explorers.evaluation.report.tables.policy_names import DAGGER, DOUBLE_DAGGER, SECTION
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.harness.results.results import Results
 
 #: Characters with a meaning in LaTeX, or that not every engine supports.
 COMMANDS = {

@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from indoor_explorers.evaluation.analysis.comparability import missing_episodes
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
+from indoor_explorers.evaluation.analysis.tables.ratio_table import RatioTable, bound_notes, ratio_tables
 from indoor_explorers.evaluation.exports.cells import ExportCell, caption, table_headings, table_rows
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.summary.comparability import missing_episodes
-from indoor_explorers.evaluation.report.tables.policy_names import footnotes, marked
-from indoor_explorers.evaluation.report.tables.ratio_table import RatioTable, bound_notes, ratio_tables
-from indoor_explorers.evaluation.results.ratios import Ratios
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.harness.results.ratios import Ratios
+from indoor_explorers.evaluation.harness.results.results import Results
 
 #: Characters with a meaning in Markdown, and in GitHub's tables and mathematics.
 SPECIAL = re.compile(r"([\\`*_\[\]>|~$#])")

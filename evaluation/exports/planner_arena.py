@@ -18,12 +18,12 @@ from pathlib import Path
 from typing import Any
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
-from indoor_explorers.evaluation.episodes.record import Outcome
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, sampled_steps
-from indoor_explorers.evaluation.report.summary.facts import denominator, setting_rows
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.coverage_axes import coverage_at, sampled_steps
+from indoor_explorers.evaluation.analysis.facts import denominator, setting_rows
+from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES
+from indoor_explorers.evaluation.harness.episodes.record import Outcome
+from indoor_explorers.evaluation.harness.results.results import Results
 
 SCHEMA = """
 CREATE TABLE experiments (

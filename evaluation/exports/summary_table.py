@@ -7,9 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from indoor_explorers.evaluation.episodes.metrics import MEASURES
-from indoor_explorers.evaluation.report.style.formatting import EN_DASH, with_interval
-from indoor_explorers.evaluation.results.results import SUMMARY_COLUMNS
+from indoor_explorers.evaluation.drawing.formatting import EN_DASH, with_interval
+from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
+from indoor_explorers.evaluation.harness.results.results import SUMMARY_COLUMNS
 from indoor_explorers.evaluation.statistics import Estimate
 
 #: The metrics that are printed.

@@ -8,9 +8,9 @@ from pathlib import Path
 import pandas as pd
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, sampled_steps
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.coverage_axes import coverage_at, sampled_steps
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.statistics import curve_band
 
 CURVE_COLUMNS = ("scenario", "policy", "step", "mean", "low", "high")

@@ -11,7 +11,7 @@ from markupsafe import Markup
 from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import described
 from indoor_explorers.env.plugins import load_plugin
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.harness.results.results import Results
 
 #: The entry-point group of panels: functions that take results and return HTML.
 PANELS = "indoor_explorers.panels"

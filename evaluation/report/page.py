@@ -19,24 +19,24 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.failures import ending
-from indoor_explorers.evaluation.report.analysis.shown_best import BOLD
-from indoor_explorers.evaluation.report.changes.against import Against
-from indoor_explorers.evaluation.report.charts.dot_plots import swatch
+from indoor_explorers.evaluation.analysis.changes.against import Against
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.facts import shown
+from indoor_explorers.evaluation.analysis.failures import ending
+from indoor_explorers.evaluation.analysis.panels import sweep_sections
+from indoor_explorers.evaluation.analysis.shown_best import BOLD
+from indoor_explorers.evaluation.analysis.tables.ratio_table import bound_notes, ratio_tables
+from indoor_explorers.evaluation.drawing.dot_plots import swatch
+from indoor_explorers.evaluation.drawing.formatting import counted, percent, seed_span
+from indoor_explorers.evaluation.drawing.palette import INKS, Styles, policy_styles
+from indoor_explorers.evaluation.harness.results.coverage_threshold import shared
+from indoor_explorers.evaluation.harness.results.ratios import Ratios
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.custom_panels import custom_panels
-from indoor_explorers.evaluation.report.panels import sweep_sections
 from indoor_explorers.evaluation.report.sections import TaskSummary, section_of
-from indoor_explorers.evaluation.report.style.formatting import counted, percent, seed_span
-from indoor_explorers.evaluation.report.style.palette import INKS, Styles, policy_styles
 from indoor_explorers.evaluation.report.summary.definitions import definitions
-from indoor_explorers.evaluation.report.summary.facts import shown
 from indoor_explorers.evaluation.report.summary.overview import overview
 from indoor_explorers.evaluation.report.summary.provenance import provenance
-from indoor_explorers.evaluation.report.tables.ratio_table import bound_notes, ratio_tables
-from indoor_explorers.evaluation.results.coverage_threshold import shared
-from indoor_explorers.evaluation.results.ratios import Ratios
-from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST
 
 #: Bytes of a page above which its scenarios are in files beside it, and how the name of their folder ends.
@@ -62,9 +62,9 @@ def write_report(
     of the folder ``NAME_files`` beside ``NAME.html``. ``whole`` keeps it in one file all the same.
 
     ``against`` adds what changed since other results. ``replays`` is the number of episodes to embed for each scenario;
-    by default as many as keep the page under 10 MB. ``ratio_to`` names the baselines of the
-    ratios of steps, see :func:`~indoor_explorers.evaluation.experiment.selection.chosen_baselines`. ``panels`` names
-    plug-ins, see :mod:`indoor_explorers.evaluation.report.custom_panels`.
+    by default as many as keep the page under 10 MB. ``ratio_to`` names the baselines of the ratios of steps, see
+    :func:`~indoor_explorers.evaluation.harness.experiment.selection.chosen_baselines`. ``panels`` names plug-ins, see
+    :mod:`indoor_explorers.evaluation.report.custom_panels`.
     """
     page = _Page(results, title, against, replays, ratio_to, panels)
     path.parent.mkdir(parents=True, exist_ok=True)

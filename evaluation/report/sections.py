@@ -7,24 +7,24 @@ from typing import Any
 
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.episodes.record import AXES, Record
-from indoor_explorers.evaluation.episodes.stored_names import MODELS, refusal
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.failures import failed_or_ended
+from indoor_explorers.evaluation.analysis import facts
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.failures import failed_or_ended
+from indoor_explorers.evaluation.analysis.headline import headline
+from indoor_explorers.evaluation.analysis.notes import detectable_notes, narrow_notes, unseen_notes
+from indoor_explorers.evaluation.analysis.panels import ScenarioPanels, scenario_panels
+from indoor_explorers.evaluation.analysis.tables.constant_columns import constant_columns
+from indoor_explorers.evaluation.analysis.tables.contrast_table import ContrastRow, contrast_table
+from indoor_explorers.evaluation.analysis.tables.measures_table import MeasureRow, measures_table
+from indoor_explorers.evaluation.analysis.tables.results_table import Column, TableCell, columns_of, results_table
+from indoor_explorers.evaluation.drawing.palette import Styles
+from indoor_explorers.evaluation.harness.episodes.record import AXES, Record
+from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, refusal
+from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, times_data, whose
 from indoor_explorers.evaluation.report.charts.small_multiples import SmallMultiples, map_multiples
-from indoor_explorers.evaluation.report.panels import ScenarioPanels, scenario_panels
 from indoor_explorers.evaluation.report.replay.selection import replay_data
-from indoor_explorers.evaluation.report.style.palette import Styles
-from indoor_explorers.evaluation.report.summary import facts
-from indoor_explorers.evaluation.report.summary.headline import headline
-from indoor_explorers.evaluation.report.summary.notes import detectable_notes, narrow_notes, unseen_notes
-from indoor_explorers.evaluation.report.tables.constant_columns import constant_columns
-from indoor_explorers.evaluation.report.tables.contrast_table import ContrastRow, contrast_table
-from indoor_explorers.evaluation.report.tables.measures_table import MeasureRow, measures_table
-from indoor_explorers.evaluation.report.tables.results_table import Column, TableCell, columns_of, results_table
-from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
-from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import FEWEST
 
 #: Limits of all replays and of all charts in bytes; plotly.js takes 5 MB besides.

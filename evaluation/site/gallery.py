@@ -20,8 +20,8 @@ from indoor_explorers.env.rendering.indexed import Palette
 from indoor_explorers.env.rendering.side_by_side import SideBySide, paint_side_by_side
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.cli.watch import Flight
-from indoor_explorers.evaluation.experiment.planning import plan
-from indoor_explorers.evaluation.experiment.request import NO_SETTINGS, ComparisonRequest
+from indoor_explorers.evaluation.harness.experiment.planning import plan
+from indoor_explorers.evaluation.harness.experiment.request import NO_SETTINGS, ComparisonRequest
 
 #: Seed of every episode, and the coverage at which pictures are taken.
 SEED, TYPICAL = 1, 0.6

@@ -15,7 +15,6 @@ from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
 from indoor_explorers.evaluation.cli.command import make_console, print_line
-from indoor_explorers.evaluation.playground.page import playground
 from indoor_explorers.evaluation.site.commands import broken
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
 from indoor_explorers.evaluation.site.pictures.concepts import concept_pictures
@@ -37,6 +36,7 @@ from indoor_explorers.evaluation.site.reference import (
     python_pages,
     settings_page,
 )
+from indoor_explorers.evaluation.studies.playground.page import playground
 
 ROOT = Path(__file__).resolve().parents[2]
 #: The folder of the pages in the repository.

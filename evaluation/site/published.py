@@ -12,9 +12,9 @@ from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.cli.command import print_line
 from indoor_explorers.evaluation.cli.console import PlainConsole
 from indoor_explorers.evaluation.cli.progress import ProgressBar
-from indoor_explorers.evaluation.leaderboard.board import Origin
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report import write_report
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.studies.leaderboard.board import Origin
 
 EXPERIMENTS = Path(__file__).resolve().parents[1] / "experiments"
 #: The experiments whose reports are on the site.

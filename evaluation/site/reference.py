@@ -16,12 +16,12 @@ from pydantic.fields import FieldInfo
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.evaluation.cli.parser import build_parser
-from indoor_explorers.evaluation.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS as STEP_COLUMNS
-from indoor_explorers.evaluation.results import rows
-from indoor_explorers.evaluation.results.differences import COLUMNS as DIFFERENCE_COLUMNS
-from indoor_explorers.evaluation.results.ratios import COLUMNS as RATIO_COLUMNS
-from indoor_explorers.evaluation.results.results import SUMMARY_COLUMNS
+from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
+from indoor_explorers.evaluation.harness.results import rows
+from indoor_explorers.evaluation.harness.results.differences import COLUMNS as DIFFERENCE_COLUMNS
+from indoor_explorers.evaluation.harness.results.ratios import COLUMNS as RATIO_COLUMNS
+from indoor_explorers.evaluation.harness.results.results import SUMMARY_COLUMNS
 
 #: The page that lists the public modules.
 NAMES = Path(__file__).parent / "pages" / "reference" / "names.md"

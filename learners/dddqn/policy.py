@@ -14,7 +14,6 @@ from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.provenance import joined, recorded_maps
 from indoor_explorers.env.search.bitsets import ROOM
-from indoor_explorers.env.tensors import WEIGHTS
 from indoor_explorers.learners.dddqn.network.inference import without_network
 from indoor_explorers.learners.dddqn.observation.config import WIDEST
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE
@@ -23,6 +22,7 @@ from indoor_explorers.learners.dddqn.weights import load_weights, shipped
 from indoor_explorers.learners.places.policy import DddqnPlaces
 from indoor_explorers.learners.sessions.record import record_of
 from indoor_explorers.learners.sessions.seeds import recorded_seeds
+from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 
 
 @dataclass(frozen=True, kw_only=True)

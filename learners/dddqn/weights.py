@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.tensors import read_tensors, write_tensors
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.inference import NetworkWeights, shapes, weights_from
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, observation_layout
 from indoor_explorers.learners.dddqn.observation.map_prior import INPUTS
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 
 #: Version of the file format; raised when older files can no longer be read.
 FORMAT = 2

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.tensors import read_tensors, write_tensors
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 
 Arrays = Mapping[str, NDArray[Any]]
 

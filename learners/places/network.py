@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.network_layers import linear, relu
-from indoor_explorers.env.tensors import read_tensors, write_tensors
 from indoor_explorers.learners.places.scene import COMMON, PLACE, Scene
+from indoor_explorers.planners.toolbox.networks.layers import linear, relu
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 
 #: Width of every hidden layer.
 HIDDEN = 64

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.learners.places.network import Loaded, values
 from indoor_explorers.learners.places.scene import OTHERS, Observer, Scene
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 
 #: A goal is kept for this many lidar ranges of flight, unless it has no gain left before.
 KEEP = 1.0

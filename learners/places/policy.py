@@ -11,9 +11,9 @@ from indoor_explorers.env.files import expanded
 from indoor_explorers.env.policies.policy import Policy
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.provenance import joined, recorded_maps
-from indoor_explorers.env.search.pockets.outlook import EstimateUser
 from indoor_explorers.learners.places.network import load_weights, without_network
 from indoor_explorers.learners.places.pilot import PlacesPilot
+from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 #: The weights that ship.
 SHIPPED = Path(__file__).parent / "weights" / "places.safetensors"

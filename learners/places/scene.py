@@ -12,21 +12,21 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import ranks, remembered
 from indoor_explorers.env.policies.view import Mate, View
-from indoor_explorers.env.routing.min_latency import best_orders
-from indoor_explorers.env.search.clusters import (
+from indoor_explorers.planners.toolbox.frontiers.clusters import (
     Clusters,
     cluster_viewpoints,
     first_of_each,
     frontier_clusters,
     nearest_cells,
 )
-from indoor_explorers.env.search.pockets.estimates import PocketEstimates, PocketEstimator
-from indoor_explorers.env.search.pockets.network import THRESHOLDS
-from indoor_explorers.env.search.pockets.outlook import ClusterJudge, Outlook, OutlookParameters
-from indoor_explorers.env.search.view_gain import WeightedGains
+from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import ranks, remembered
+from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, PocketEstimator
+from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
+from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, Outlook, OutlookParameters
+from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
 #: Most places of a scene.
 MOST = 12

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Distances, Mask
 from indoor_explorers.env.grid.cells import UNKNOWN
-from indoor_explorers.env.routing.min_latency import best_orders
-from indoor_explorers.env.search.clusters import frontier_clusters
-from indoor_explorers.env.search.pockets.labels import true_pockets
 from indoor_explorers.learners.places.scene import LATENCY_OF_VIEWS, Scene
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
+from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
+from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
 #: Numbers of the truth about each place, and about all.
 TRUE_PLACE, TRUE_COMMON = 3, 10

@@ -19,12 +19,12 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import expanded, written_whole
 from indoor_explorers.env.provenance import source_commit, versions
 from indoor_explorers.env.scenarios.suites.suite import Part
-from indoor_explorers.env.tensors import write_tensors
 from indoor_explorers.learners.pockets.examples import read_examples, write_examples
 from indoor_explorers.learners.pockets.maps import TrainingMaps, map_files
 from indoor_explorers.learners.pockets.model import arrays
 from indoor_explorers.learners.pockets.train import train
 from indoor_explorers.learners.pockets.validation import as_table, judge
+from indoor_explorers.planners.toolbox.networks.tensors import write_tensors
 
 #: The file of the weights; a JSON file of the same name says how they were made.
 NAME = "pockets"

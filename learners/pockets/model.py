@@ -1,4 +1,4 @@
-"""The pocket network for training: what :mod:`indoor_explorers.env.search.pockets.network` computes, in torch."""
+"""The pocket network for training: what :mod:`indoor_explorers.planners.toolbox.pockets.network` computes, in torch."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from indoor_explorers.env.search.pockets.features import COARSE_LAYERS, FINE_LAYERS, SIDE
-from indoor_explorers.env.search.pockets.network import (
+from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, SIDE
+from indoor_explorers.planners.toolbox.pockets.network import (
     CHANNELS,
     COARSE_SCALES,
     FINE_SCALES,

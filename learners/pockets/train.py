@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
-from indoor_explorers.env.search.pockets.network import THRESHOLDS
 from indoor_explorers.learners.pockets.model import PocketNet
+from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
 #: Settings of the training.
 BATCH, RATE, DECAY = 256, 2e-3, 1e-3

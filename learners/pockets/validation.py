@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.scenarios.suites.catalogue import buildings
-from indoor_explorers.env.search.pockets.estimates import PocketEstimates, estimates_from, load_weights
-from indoor_explorers.env.search.pockets.network import THRESHOLDS, outputs
 from indoor_explorers.learners.pockets.examples import examples_of
+from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, estimates_from, load_weights
+from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS, outputs
 
 #: Numbers of cells whose exceedance is judged.
 JUDGED = (0, 3, 24)

@@ -11,7 +11,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.tensors import read_tensors, write_tensors
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 
 CHECKPOINT = "checkpoint.safetensors"
 #: The entry of the metadata that holds everything but arrays.

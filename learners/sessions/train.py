@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.env.tensors import WEIGHTS
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.process import one_thread
 from indoor_explorers.learners.sessions.record import TrainingRecord
 from indoor_explorers.learners.sessions.seeds import training_seeds
 from indoor_explorers.learners.sessions.session import Progress, Session, Trainee
+from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 
 
 class TrainingMethod(NamedTuple):

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.network_layers import convolved, linear, relu
+from indoor_explorers.planners.toolbox.networks.layers import convolved, linear, relu
 
 Array = NDArray[np.float32]
 

@@ -13,7 +13,6 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import expanded
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.env.tensors import WEIGHTS
 from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds, training_seeds
 from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus, crossed_multiple
@@ -25,6 +24,7 @@ from indoor_explorers.learners.thesis.replay import ThesisReplay, Transitions
 from indoor_explorers.learners.thesis.sizes import MOVES, ImageFormat
 from indoor_explorers.learners.thesis.vector_flight import ImageFlight
 from indoor_explorers.learners.thesis.weights import load_weights, write_weights
+from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 
 EPISODES = "episodes.csv"
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.tensors import read_tensors, write_tensors
 from indoor_explorers.learners.thesis.inference import ThesisWeights, weights_from
 from indoor_explorers.learners.thesis.sizes import ImageFormat
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 
 #: The weights that ship: 4,000 episodes of training with the thesis's best setting, reward scenario 1 and stuck rule 2.
 SHIPPED = Path(__file__).parent / "weights" / "rewards-1-stuck-2.safetensors"

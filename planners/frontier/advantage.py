@@ -12,7 +12,7 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.burgard import SequentialPilot
 from indoor_explorers.planners.frontier.group_pilot import Choices
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 
 @dataclass(frozen=True, kw_only=True)

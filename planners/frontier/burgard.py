@@ -15,7 +15,7 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,7 +2,7 @@
 
 Linked UAVs have the same map and know each other's cells and goals. Each of them computes the goals of all, itself
 included, and flies to its own; the results are the same, so no assignment is sent. A silent teammate takes part with
-its last received cell until it is forgotten (:mod:`indoor_explorers.env.navigation.teammates`).
+its last received cell until it is forgotten (:mod:`indoor_explorers.planners.toolbox.navigation.teammates`).
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import message_of, remembered, told_goal
 from indoor_explorers.env.policies.view import Briefing, Mate, View
-from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import message_of, remembered, told_goal
 
 #: Largest number of clusters considered: those nearest to any UAV of the group.
 CLUSTERS = 64

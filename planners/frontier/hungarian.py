@@ -7,9 +7,9 @@ from typing import ClassVar
 
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.routing.assignment import matched
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.routing.assignment import matched
 
 
 @dataclass(frozen=True, kw_only=True)

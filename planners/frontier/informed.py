@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.clusters import Clusters, middles
-from indoor_explorers.env.search.pockets.estimates import PocketEstimates
-from indoor_explorers.env.search.pockets.labels import true_pockets
-from indoor_explorers.env.search.pockets.network import THRESHOLDS
 from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, middles
+from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates
+from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
+from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
 #: Cells that are told of a mistaken cluster that hides nothing.
 SUPPOSED = 30.0

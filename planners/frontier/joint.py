@@ -10,22 +10,22 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.navigation.candidate_pilot import CandidatePilot
-from indoor_explorers.env.navigation.teammates import linked, message_of
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.routing.sequences import DecisionProblem, Utility, best_sequences, cost_of_rest
 from indoor_explorers.env.sensing.lidar import lidar_model
-from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.frontier.group_pilot import GroupMember, member_of
-from indoor_explorers.planners.information.candidates import (
+from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
+from indoor_explorers.planners.toolbox.information.candidates import (
     UnknownWeight,
     candidate_views,
     distances_between,
     frontier_candidates,
     local_candidates,
 )
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
+from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of
+from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.routing.sequences import DecisionProblem, Utility, best_sequences, cost_of_rest
 
 #: Paths between places are searched up to this length in lidar ranges; longer ones are bounded by the path through a
 #: UAV's position.

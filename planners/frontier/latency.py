@@ -10,21 +10,21 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import ranks, remembered
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.routing.min_latency import best_orders
-from indoor_explorers.env.search.clusters import (
+from indoor_explorers.planners.toolbox.frontiers.clusters import (
     Clusters,
     cluster_viewpoints,
     first_of_each,
     frontier_clusters,
     nearest_cells,
 )
-from indoor_explorers.env.search.pockets.outlook import Outlook
-from indoor_explorers.env.search.view_gain import WeightedGains
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import ranks, remembered
+from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.pockets.outlook import Outlook
+from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
 #: Spacing of the cells of a cluster that are considered, in lidar ranges.
 STRIDE = 0.3

@@ -9,11 +9,11 @@ import numpy as np
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import ranks, remembered
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import ranks, remembered
 
 
 @dataclass(frozen=True, kw_only=True)

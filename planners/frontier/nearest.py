@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 
 
 @dataclass(frozen=True, kw_only=True)

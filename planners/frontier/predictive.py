@@ -10,11 +10,11 @@ from indoor_explorers.env.grid.arrays import Distances
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.clusters import Clusters
-from indoor_explorers.env.search.pockets.estimates import PocketEstimates, PocketEstimator
-from indoor_explorers.env.search.pockets.outlook import ClusterJudge, EstimateUser, Outlook, OutlookParameters
 from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
+from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, PocketEstimator
+from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, EstimateUser, Outlook, OutlookParameters
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,9 +22,9 @@ class FrontierPredictive(EstimateUser, OutlookParameters, FrontierLatency):
     """Fly as ``frontier-latency`` does, but weigh clusters by the chance that they lead to something, and defer some.
 
     A network estimates from the map around each cluster how much unknown free space is behind it
-    (:mod:`indoor_explorers.env.search.pockets`). What probably hides little, for its way, waits as far as the goal
-    allows (:mod:`indoor_explorers.env.search.pockets.outlook`). A UAV declares to be done when it expects to know
-    ``aim`` of all free cells.
+    (:mod:`indoor_explorers.planners.toolbox.pockets`). What probably hides little, for its way, waits as far as the
+    goal allows (:mod:`indoor_explorers.planners.toolbox.pockets.outlook`). A UAV declares to be done when it expects to
+    know ``aim`` of all free cells.
     """
 
     worth: float = 0.8

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.env.navigation.paths import Paths
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.routing.open_tours import open_tour, shared_out
-from indoor_explorers.env.search.clusters import middles
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.frontiers.clusters import middles
+from indoor_explorers.planners.toolbox.navigation.paths import Paths
+from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.routing.open_tours import open_tour, shared_out
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,10 +12,10 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.view_gain import unclaimed_gains
 from indoor_explorers.planners.frontier.burgard import SequentialPilot
 from indoor_explorers.planners.frontier.group_pilot import Choices
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: How gain and cost are combined to a score.
 Form = Literal["size", "difference", "discounted"]

@@ -8,7 +8,8 @@ The rank of a state, lower is better, is
 
 with w the weight of a cell and n(u) the number of unseen cells among the eight around it. The isolation term makes
 scattered leftovers expensive, so that pockets are finished while they are near. Both step counts come
-from :mod:`indoor_explorers.env.search.optimistic_views`; the second is a lower bound on the remaining steps.
+from :mod:`indoor_explorers.planners.toolbox.information.optimistic_views`; the second is a lower bound on the steps
+that remain.
 
 The DDDQN's observation has a beam search of its own for rooms of up to 16x16 cells, on boards of four words
 (``learners/dddqn/observation/beam.py``): without weights, and many times faster.
@@ -22,7 +23,7 @@ import numpy as np
 
 from indoor_explorers.env.grid.compiled import inner, kernel
 from indoor_explorers.env.search.bitsets import bit_count, holds, intersect, is_subset
-from indoor_explorers.env.search.hash_table import is_new
+from indoor_explorers.planners.toolbox.hash_table import is_new
 
 _ONE = np.uint64(1)
 

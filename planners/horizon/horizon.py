@@ -11,10 +11,6 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import Action
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
-from indoor_explorers.env.navigation.deadlock import DeadlockResolver
-from indoor_explorers.env.navigation.navigator import action_between
-from indoor_explorers.env.navigation.paths import Paths, map_stamp
-from indoor_explorers.env.navigation.teammates import remembered
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.joint import FrontierJoint
@@ -23,7 +19,11 @@ from indoor_explorers.planners.horizon.learned_prior import LearnedPrior, OpenPr
 from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
 from indoor_explorers.planners.horizon.room_prior import RoomPrior
 from indoor_explorers.planners.horizon.tour_planner import TourPlanner
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.navigation.deadlock import DeadlockResolver
+from indoor_explorers.planners.toolbox.navigation.navigator import action_between
+from indoor_explorers.planners.toolbox.navigation.paths import Paths, map_stamp
+from indoor_explorers.planners.toolbox.navigation.teammates import remembered
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: If the goal leaves cells out, isolation matters less: its weight halves with each such share of the coverage.
 GOAL_SCALE = 0.05

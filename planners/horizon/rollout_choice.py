@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.search.bitsets import around
-from indoor_explorers.env.search.optimistic_views import OptimisticViews
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.horizon.rollouts import RolloutSetup, steps_to_shares
 from indoor_explorers.planners.horizon.room_prior import RoomPrior
+from indoor_explorers.planners.toolbox.information.optimistic_views import OptimisticViews
 
 #: Coverages whose steps are in the cost, up to the goal.
 SHARES = (0.9, 0.99)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN
 from indoor_explorers.env.search.bitsets import Bits, around, hash_keys, packed, unpacked
-from indoor_explorers.env.search.optimistic_views import OptimisticViews
 from indoor_explorers.planners.horizon.beam import BeamConfig, SearchGraph, shortest_tour
 from indoor_explorers.planners.horizon.learned_prior import Prior
 from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
+from indoor_explorers.planners.toolbox.information.optimistic_views import OptimisticViews
 
 #: Expected number of free cells that may be missing if the goal is full coverage.
 CERTAINTY = 0.2

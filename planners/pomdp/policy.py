@@ -12,16 +12,16 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.clusters import Clusters, frontier_clusters, nearest_cells
-from indoor_explorers.env.search.pockets.estimates import PocketEstimator
-from indoor_explorers.env.search.pockets.outlook import EstimateUser
-from indoor_explorers.env.search.view_gain import WeightedGains
 from indoor_explorers.env.sensing.lidar import lidar_model
-from indoor_explorers.planners.coordination.goal_claims import goals_near
-from indoor_explorers.planners.coordination.independent_pilot import IndependentPilot
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.pomdp.completions import completions, pocket_sizes, strata
 from indoor_explorers.planners.pomdp.tree import Problem, isolation_weights, search
+from indoor_explorers.planners.toolbox.coordination.goal_claims import goals_near
+from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
+from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimator
+from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 #: Distance within which a cluster counts as at the current goal, in lidar ranges.
 SAME = 0.5

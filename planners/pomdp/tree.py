@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.env.navigation.paths import search_frontier
 from indoor_explorers.env.search.frontiers import on_frontier
-from indoor_explorers.env.search.shortest_paths import SearchBuffers, path_to, search_to
-from indoor_explorers.env.search.view_gain import AROUND, known_around
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, new_scan, visible_cells
+from indoor_explorers.planners.toolbox.information.view_gain import AROUND, known_around
+from indoor_explorers.planners.toolbox.navigation.paths import search_frontier
+from indoor_explorers.planners.toolbox.navigation.shortest_paths import SearchBuffers, path_to, search_to
 
 #: Classes of observations: up to 0, 3, 15, 63 new free cells, and more.
 CLASSES = 5

@@ -15,10 +15,10 @@ from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.search.visibility import VisibilityTable, add_visible, visibility_table
 from indoor_explorers.env.sensing.lidar import lidar_model
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan, swap_resolved
 from indoor_explorers.planners.reference.tour import Reference, ReferencePilot
 from indoor_explorers.planners.reference.watchman import EASY, Watch, fewest_steps, steps_to
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Largest team and most reachable cells for which routes are searched for.
 MOST_UAVS, MOST_CELLS = 2, 400

@@ -12,13 +12,13 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE, Action
 from indoor_explorers.env.maps.walls import THICKEST
-from indoor_explorers.env.navigation.teammates import linked, message_of
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, Mate, View
 from indoor_explorers.planners.frontier.joint import FrontierJoint
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
 from indoor_explorers.planners.reference.route_pilot import LOOK_AHEAD, STALLED, RoutePilot
+from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Steps of silence after which a teammate that is heard again is planned with anew.
 SILENCE = 5

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import Action
-from indoor_explorers.env.navigation.navigator import DETOUR_CELLS, DETOUR_FACTOR
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.nearest import NearestPilot
 from indoor_explorers.planners.reference.plan import Track
+from indoor_explorers.planners.toolbox.navigation.navigator import DETOUR_CELLS, DETOUR_FACTOR
 
 #: Steps without progress, because a teammate blocks the route, after which a UAV leaves its route.
 STALLED = 100

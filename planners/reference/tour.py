@@ -8,9 +8,9 @@ from typing import ClassVar
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
 from indoor_explorers.planners.reference.route_pilot import RoutePilot
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.view_gain import WeightedGains
 from indoor_explorers.planners.sampling.rrt_nbv import TreePolicy
 from indoor_explorers.planners.sampling.samples import box_around, known_cells, tree_samples
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import grow_tree
+from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
 
 #: Most viewpoints that are evaluated at a time: the nearest ones.
 JUDGED = 256

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.pockets.outlook import EstimateUser
-from indoor_explorers.planners.information.prospects import Prospects
 from indoor_explorers.planners.sampling.rrt_frontier import RrtFrontier, RrtFrontierPilot
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints
+from indoor_explorers.planners.toolbox.information.prospects import Prospects
+from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,8 +21,8 @@ class RrtPredictive(EstimateUser, RrtFrontier):
     """Fly as ``rrt-frontier`` does, but weigh candidates by the chance that they lead to something, and let some wait.
 
     A network estimates from the map around each frontier cluster how much unknown free space is behind it
-    (:mod:`indoor_explorers.env.search.pockets`); a cell that a tree has found leads to what the nearest cluster does
-    (:mod:`indoor_explorers.planners.information.prospects`).
+    (:mod:`indoor_explorers.planners.toolbox.pockets`); a cell that a tree has found leads to what the nearest cluster
+    does (:mod:`indoor_explorers.planners.toolbox.information.prospects`).
     """
 
     def __post_init__(self) -> None:

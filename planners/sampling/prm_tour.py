@@ -11,16 +11,16 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.routing.discounted_tours import improved_tour, value_of_tour
-from indoor_explorers.env.routing.open_tours import nearest_neighbour
 from indoor_explorers.env.search.frontiers import frontier_mask
-from indoor_explorers.env.search.view_gain import visible_sets
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.sampling.covers import greedy_cover
+from indoor_explorers.planners.sampling.discounted_tours import improved_tour, value_of_tour
 from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
+from indoor_explorers.planners.toolbox.information.view_gain import visible_sets
+from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.routing.open_tours import nearest_neighbour
 
 #: Number of tours that are improved: those of the highest value in nearest-neighbour order.
 IMPROVED = 3

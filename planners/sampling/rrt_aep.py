@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import FREE
-from indoor_explorers.env.navigation.teammates import message_of
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.joint import JointParameters, JointPilot
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.sampling.memory import ViewpointMemory, tree_cells
 from indoor_explorers.planners.sampling.rrt_nbv import RrtNbvPilot, TreePolicy
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints, few
+from indoor_explorers.planners.toolbox.navigation.teammates import message_of
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Half the side of the inner square around the UAV, in cells.
 NEAR_HALF = 6.0

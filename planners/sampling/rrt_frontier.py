@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import claims
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_cells
-from indoor_explorers.env.search.view_gain import unclaimed_gains
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.sampling.samples import box_around, merged, tree_samples
 from indoor_explorers.planners.sampling.segments import entries
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy
+from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import claims
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Doublings of the samples of a tree without a frontier, before the nearest frontier is searched exactly.
 DOUBLINGS = 2

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.sampling.samples import box_around, known_cells, tree_samples
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.trees import Tree, grow_tree
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 
 @dataclass(frozen=True, kw_only=True)

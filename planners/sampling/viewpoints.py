@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import linked, message_of, told_goal
 from indoor_explorers.env.policies.policy import ALL_CELLS, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.routing.min_latency import costs_of_first
-from indoor_explorers.env.search.view_gain import WeightedGains, visible_sets
-from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
-from indoor_explorers.planners.information.candidates import distances_between
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.sampling.covers import distinct
 from indoor_explorers.planners.sampling.samples import merged
+from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
+from indoor_explorers.planners.toolbox.information.candidates import distances_between
+from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains, visible_sets
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, told_goal
+from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.routing.min_latency import costs_of_first
 
 #: Distance, as a share of the lidar range, within which a viewpoint counts as the current goal.
 SAME_PLACE = 0.2

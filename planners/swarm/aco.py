@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import linked, message_of, told_goal
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.clusters import frontier_clusters, nearest_cells
-from indoor_explorers.env.search.view_gain import WeightedGains
-from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, told_goal
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Distance within which a cluster counts as at the current goal, in lidar ranges.
 SAME = 0.5

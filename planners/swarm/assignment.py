@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.env.routing.assignment import matched
+from indoor_explorers.planners.toolbox.routing.assignment import matched
 
 Assignment = NDArray[np.int64]
 Plan = NDArray[np.int64]

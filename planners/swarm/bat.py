@@ -13,10 +13,10 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import Assignment, AssignmentProblem, Plan, value
 from indoor_explorers.planners.swarm.particles import Code, code_of, decode, keys_of
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Random numbers of a bat in a round besides two for each key: for its frequency, its pulse and its loudness.
 DRAWS = 3

@@ -13,11 +13,11 @@ from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.clusters import frontier_clusters, nearest_cells
-from indoor_explorers.env.search.view_gain import WeightedGains
-from indoor_explorers.planners.coordination.goal_claims import goals_near
-from indoor_explorers.planners.coordination.independent_pilot import IndependentPilot
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.coordination.goal_claims import goals_near
+from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Distance, in lidar ranges, within which a frontier cluster is the same glowworm as one before the map grew.
 SAME = 0.5

@@ -12,11 +12,11 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import claims, message_of, remembered
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import claims, message_of, remembered
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Temperatures below this are too close to the smallest floats for a gradient.
 COLD = 1e-280

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel, leaf
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import Assignment, AssignmentProblem, Plan, choices, followers, value
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Number of best next goals that a key selects from.
 FOLLOWERS = 8

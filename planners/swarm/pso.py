@@ -10,28 +10,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import lidar_model
-from indoor_explorers.planners.coordination.linked_group import (
-    NOWHERE,
-    LinkedMember,
-    absentees,
-    linked_members,
-    plan_message,
-)
-from indoor_explorers.planners.coordination.out_of_contact import OutOfContact
-from indoor_explorers.planners.information.candidates import (
-    Cells,
-    Table,
-    UnknownWeight,
-    candidate_views,
-    distances_between,
-    frontier_candidates,
-    local_candidates,
-)
-from indoor_explorers.planners.parameters import at_least
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
     AssignmentProblem,
@@ -42,6 +23,25 @@ from indoor_explorers.planners.swarm.assignment import (
     reachable_or_nearest,
 )
 from indoor_explorers.planners.swarm.particles import Swarm, optimise
+from indoor_explorers.planners.toolbox.coordination.linked_group import (
+    NOWHERE,
+    LinkedMember,
+    absentees,
+    linked_members,
+    plan_message,
+)
+from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
+from indoor_explorers.planners.toolbox.information.candidates import (
+    Cells,
+    Table,
+    UnknownWeight,
+    candidate_views,
+    distances_between,
+    frontier_candidates,
+    local_candidates,
+)
+from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Paths between candidates are searched up to this length, in lidar ranges.
 HOP_RANGES = 1.5

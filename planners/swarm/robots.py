@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNREACHABLE, Action
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import linked
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.search.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.env.sensing.lidar import view_gain
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import linked
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: (2,) rows and columns.
 Vector = NDArray[np.float64]

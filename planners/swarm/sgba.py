@@ -8,11 +8,11 @@ from typing import ClassVar
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import Action
-from indoor_explorers.env.navigation.goal_pilot import GoalPilot
-from indoor_explorers.env.navigation.teammates import linked
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.parameters import at_least
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import linked
+from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Headings 0 to 3.
 CLOCKWISE = (Action.UP, Action.RIGHT, Action.DOWN, Action.LEFT)

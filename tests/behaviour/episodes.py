@@ -11,11 +11,11 @@ import numpy as np
 
 from indoor_explorers.env import Scenario, make_policy, scenario
 from indoor_explorers.env.scenarios.presets import on_files
-from indoor_explorers.evaluation.episodes.metrics import WASTED, excused
-from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.episodes.stalling import longest_run, to_and_fro
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.metrics import WASTED, excused
+from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.episodes.stalling import longest_run, to_and_fro
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from tests.behaviour.worlds import BUDGET, WORLDS, Settings
 
 #: Makes the policy that loses UAV 0 of the one named.

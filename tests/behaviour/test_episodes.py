@@ -11,7 +11,7 @@ import pytest
 
 from indoor_explorers.env import make_policy, policy_names
 from indoor_explorers.env.policies.registry import policy_entry_points
-from indoor_explorers.evaluation.episodes.record import Outcome
+from indoor_explorers.evaluation.harness.episodes.record import Outcome
 from tests.behaviour.covering import pairwise
 from tests.behaviour.episodes import LOST_UAV, Case, violations
 from tests.behaviour.policies import ALIASES, CLASSES, POLICIES

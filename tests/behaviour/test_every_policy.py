@@ -16,9 +16,9 @@ import pytest
 
 from indoor_explorers.env import PRESETS, Scenario, check_policy, make_policy
 from indoor_explorers.env.maps.sources import FileMaps
-from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from tests.behaviour.episodes import LOST_UAV, MOST_DITHER, Case, longest_dither, violations
 from tests.behaviour.policies import EXPLORERS, POLICIES, parametrized
 from tests.behaviour.worlds import RADIOS, covering_array, small_maps

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import pytest
 
 from indoor_explorers.env import PRESETS
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report import write_report
-from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.plugins import Raises, Wander
 
 #: What a browser may be called; the Makefile looks for the same.

@@ -8,7 +8,7 @@ import pytest
 
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.playground.page import maps, playground, write_playground
+from indoor_explorers.evaluation.studies.playground.page import maps, playground, write_playground
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
 

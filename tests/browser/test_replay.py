@@ -6,10 +6,10 @@ from urllib.parse import quote, unquote
 import pytest
 
 from indoor_explorers.env import PRESETS, make_policy
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report import write_report
-from indoor_explorers.evaluation.results.results import Results
 
 from .conftest import HOSTILE, PLAIN
 

@@ -5,7 +5,7 @@ import sqlite3
 import sys
 from pathlib import Path
 
-from indoor_explorers.evaluation.results.rows import checksum
+from indoor_explorers.evaluation.harness.results.rows import checksum
 
 #: What the module of a stranger holds: a lidar that is the exact one, and policies.
 MODULE = """

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 from indoor_explorers.env import PRESETS
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task, build_experiment
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task, build_experiment
+from indoor_explorers.evaluation.harness.results.results import Results
 
 from .plugins import Raises, Wander
 

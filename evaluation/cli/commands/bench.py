@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import Request
-from indoor_explorers.evaluation.options import Option, read_names
+from indoor_explorers.evaluation.harness.experiment.request import Request
+from indoor_explorers.evaluation.harness.options import Option, read_names
 
 
 class BenchOptions(Request):
@@ -27,7 +27,7 @@ class BenchOptions(Request):
 
 def run_bench(options: BenchOptions, typed: str) -> int:
     """Measure the speed figures and print them as they come."""
-    from indoor_explorers.evaluation import bench
+    from indoor_explorers.evaluation.studies import bench
 
     console = make_console()
     growing = options.growth or options.figures is not None

@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import ComparisonRequest
-from indoor_explorers.evaluation.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.harness.options import Option
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from indoor_explorers.evaluation.cli.console import PlainConsole
-    from indoor_explorers.evaluation.experiment.experiment import Experiment
-    from indoor_explorers.evaluation.results.results import Results
+    from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
+    from indoor_explorers.evaluation.harness.results.results import Results
 
 
 #: What is printed below the causes of failures.
@@ -34,7 +34,7 @@ class CompareOptions(ComparisonRequest):
 
 def run_compare(options: CompareOptions, typed: str) -> int:
     """Fly what is missing and print the headline table."""
-    from indoor_explorers.evaluation.report.tables.headline_table import headline_table
+    from indoor_explorers.evaluation.analysis.tables.headline_table import headline_table
 
     console = make_console()
     results = fly_and_report(options, typed, console)
@@ -49,8 +49,8 @@ def fly_and_report(options: CompareOptions, typed: str, console: PlainConsole) -
     """Fly what is missing with a progress bar, write the page and the exports, and return all results."""
     from indoor_explorers.evaluation.cli.progress import ProgressBar
     from indoor_explorers.evaluation.driver import run
-    from indoor_explorers.evaluation.experiment.planning import plan
-    from indoor_explorers.evaluation.results.coverage_threshold import threshold_of
+    from indoor_explorers.evaluation.harness.experiment.planning import plan
+    from indoor_explorers.evaluation.harness.results.coverage_threshold import threshold_of
 
     experiment = plan(options)
     for note in file_notes(experiment):
@@ -69,10 +69,10 @@ def file_notes(experiment: Experiment) -> list[str]:
 
 def print_ratios(results: Results, asked: Sequence[str] | None, console: PlainConsole) -> None:
     """Print steps as ratios to those of the policies asked for, and minus them; nothing where none are."""
-    from indoor_explorers.evaluation.report.tables.difference_table import difference_lines
-    from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
-    from indoor_explorers.evaluation.results.differences import differences
-    from indoor_explorers.evaluation.results.ratios import Ratios
+    from indoor_explorers.evaluation.analysis.tables.difference_table import difference_lines
+    from indoor_explorers.evaluation.analysis.tables.ratio_table import ratio_lines
+    from indoor_explorers.evaluation.harness.results.differences import differences
+    from indoor_explorers.evaluation.harness.results.ratios import Ratios
 
     if asked:
         ratios = Ratios.of(results, asked)
@@ -89,7 +89,7 @@ def print_notes(results: Results, console: Console) -> None:
 
 def print_failures(results: Results, console: Console) -> int:
     """Print a line for each cause of failed episodes; returns the exit status."""
-    from indoor_explorers.evaluation.report.analysis.failures import failure_lines
+    from indoor_explorers.evaluation.analysis.failures import failure_lines
 
     lines = list(failure_lines(results.records))
     for line in [*lines, FINISHED] if lines else ():

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import Request
-from indoor_explorers.evaluation.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import Request
+from indoor_explorers.evaluation.harness.options import Option
 
 #: What is flown: policies that are soon compiled, in a room of the thesis.
 POLICIES, SCENARIO, EPISODES, SEED = ("frontier-nearest", "frontier-utility", "pso"), "thesis-team-4", 10, 1_000_000
@@ -22,9 +22,9 @@ class DemoOptions(Request):
 
 def run_demo(options: DemoOptions, typed: str) -> int:
     """Compare three policies, film them side by side, and end with a table, the two files and what to try next."""
+    from indoor_explorers.evaluation.analysis.tables.headline_table import headline_table
     from indoor_explorers.evaluation.cli.commands.compare import CompareOptions, fly_and_report, print_failures
     from indoor_explorers.evaluation.cli.commands.watch import WatchOptions, run_watch
-    from indoor_explorers.evaluation.report.tables.headline_table import headline_table
 
     console = make_console()
     print_line(console, f"Four UAVs explore {EPISODES} rooms with {', '.join(POLICIES)}", "bold")

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import PLUGIN_NAMES, Request
-from indoor_explorers.evaluation.options import Option, read_natural
+from indoor_explorers.evaluation.harness.experiment.request import PLUGIN_NAMES, Request
+from indoor_explorers.evaluation.harness.options import Option, read_natural
 
 if TYPE_CHECKING:
     from indoor_explorers.evaluation.cli.console import PlainConsole
-    from indoor_explorers.evaluation.leaderboard.board import Board
-    from indoor_explorers.evaluation.leaderboard.drawing import BoardTable
-    from indoor_explorers.evaluation.results.results import Results
+    from indoor_explorers.evaluation.harness.results.results import Results
+    from indoor_explorers.evaluation.studies.leaderboard.board import Board
+    from indoor_explorers.evaluation.studies.leaderboard.drawing import BoardTable
 
 #: Characters of a cell in the terminal.
 LONGEST_CELL = 150
@@ -42,9 +42,9 @@ def run_leaderboard(options: LeaderboardOptions, typed: str) -> int:
     """Verify the results and print a table for each scenario."""
     from indoor_explorers.env.errors import InputError
     from indoor_explorers.env.files import written_whole
-    from indoor_explorers.evaluation.leaderboard.board import boards
-    from indoor_explorers.evaluation.leaderboard.drawing import legend, markdown_page
-    from indoor_explorers.evaluation.results.results import Results
+    from indoor_explorers.evaluation.harness.results.results import Results
+    from indoor_explorers.evaluation.studies.leaderboard.board import boards
+    from indoor_explorers.evaluation.studies.leaderboard.drawing import legend, markdown_page
 
     console = make_console()
     parts = [(str(folder), Results.load(folder, options.plugins)) for folder in options.folders]
@@ -68,7 +68,7 @@ def run_leaderboard(options: LeaderboardOptions, typed: str) -> int:
 def _refuse_mismatches(folder: str, results: Results, count: int) -> None:
     """Refuse results that the world, or the policy, does not give again."""
     from indoor_explorers.env.errors import RunError
-    from indoor_explorers.evaluation.leaderboard.verifying import (
+    from indoor_explorers.evaluation.studies.leaderboard.verifying import (
         flown_differently,
         made_again,
         mismatches,
@@ -90,8 +90,8 @@ def _refuse_mismatches(folder: str, results: Results, count: int) -> None:
 
 
 def _print(board: Board, console: PlainConsole) -> None:
-    from indoor_explorers.evaluation.leaderboard.drawing import board_tables
-    from indoor_explorers.evaluation.report.tables.policy_names import footnotes
+    from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes
+    from indoor_explorers.evaluation.studies.leaderboard.drawing import board_tables
 
     print_line(console, board.title, "bold")
     for table in board_tables(board):
@@ -105,7 +105,7 @@ def _print_table(table: BoardTable, console: PlainConsole) -> None:
     from rich import box
     from rich.table import Table
 
-    from indoor_explorers.evaluation.leaderboard.drawing import FLOWN
+    from indoor_explorers.evaluation.studies.leaderboard.drawing import FLOWN
 
     drawn = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=table.title, title_justify="left", title_style="")
     shown = [place for place, heading in enumerate(table.headings) if heading != FLOWN]

@@ -6,8 +6,8 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import Request
-from indoor_explorers.evaluation.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import Request
+from indoor_explorers.evaluation.harness.options import Option
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -96,7 +96,7 @@ def list_learners(options: ListOptions, typed: str) -> int:
     from rich.table import Table
 
     from indoor_explorers.evaluation.cli.parameters import model_parameters
-    from indoor_explorers.evaluation.training import find_learner, learner_entry_points
+    from indoor_explorers.evaluation.studies.training import find_learner, learner_entry_points
 
     console = make_console()
     for name in options.names:

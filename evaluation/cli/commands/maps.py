@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import NO_SETTINGS, RESOLUTION, SEED, Request, Settings
-from indoor_explorers.evaluation.options import Option, read_count, read_names
+from indoor_explorers.evaluation.harness.experiment.request import NO_SETTINGS, RESOLUTION, SEED, Request, Settings
+from indoor_explorers.evaluation.harness.options import Option, read_count, read_names
 
 if TYPE_CHECKING:
     from indoor_explorers.env.maps.floorplan import Floorplan
@@ -101,9 +101,9 @@ def _compare(options: MapsOptions) -> int:
     from indoor_explorers.env.errors import InputError
     from indoor_explorers.env.maps.files import read_map
     from indoor_explorers.env.scenarios.loading import named_scenario
-    from indoor_explorers.evaluation.maps.comparison import maps_of, measured
-    from indoor_explorers.evaluation.maps.drawing import write_comparison
-    from indoor_explorers.evaluation.maps.table import comparison_table
+    from indoor_explorers.evaluation.studies.maps.comparison import maps_of, measured
+    from indoor_explorers.evaluation.studies.maps.drawing import write_comparison
+    from indoor_explorers.evaluation.studies.maps.table import comparison_table
 
     if options.scenario or not options.paths:
         raise InputError("expected the paths of map files with --compare and no --scenario; see maps --help")

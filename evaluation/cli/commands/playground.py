@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import Request
-from indoor_explorers.evaluation.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import Request
+from indoor_explorers.evaluation.harness.options import Option
 
 
 class PlaygroundOptions(Request):
@@ -20,7 +20,7 @@ class PlaygroundOptions(Request):
 def run_playground(options: PlaygroundOptions, typed: str) -> int:
     """Write the page."""
     from indoor_explorers.env.errors import InputError
-    from indoor_explorers.evaluation.playground.page import write_playground
+    from indoor_explorers.evaluation.studies.playground.page import write_playground
 
     try:
         write_playground(options.out)

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.experiment.request import NO_SETTINGS, SEED, Request, Settings
-from indoor_explorers.evaluation.options import Option, read_count, read_names
+from indoor_explorers.evaluation.harness.experiment.request import NO_SETTINGS, SEED, Request, Settings
+from indoor_explorers.evaluation.harness.options import Option, read_count, read_names
 
 COUNT = Option(metavar="N", read=read_count)
 DEFAULT_SCENARIO = "thesis-obstacles"
@@ -36,7 +36,7 @@ class TrainOptions(Request):
 def run_train(options: TrainOptions, typed: str) -> int:
     """Train a learner on a scenario."""
     from indoor_explorers.env.scenarios.loading import named_scenario
-    from indoor_explorers.evaluation.training import preset_of, run_training
+    from indoor_explorers.evaluation.studies.training import preset_of, run_training
 
     preset = None if options.preset is None else preset_of(options.learner, options.preset)
     seed = preset.seed if preset else 1
@@ -73,7 +73,7 @@ class AblateOptions(Request):
 
 def run_ablate(options: AblateOptions, typed: str) -> int:
     """Train a learner's variants and print what each ingredient is worth; the status is 1 if a training failed."""
-    from indoor_explorers.evaluation.ablation import run_ablation
+    from indoor_explorers.evaluation.studies.ablation import run_ablation
 
     console = make_console()
     failures = run_ablation(
@@ -113,7 +113,7 @@ class ThesisOptions(Request):
 
 def run_thesis_experiments(options: ThesisOptions, typed: str) -> int:
     """Repeat the thesis's experiments and write the page about them."""
-    from indoor_explorers.evaluation.thesis import run_thesis
+    from indoor_explorers.evaluation.studies.thesis import run_thesis
 
     console = make_console()
     run_thesis(

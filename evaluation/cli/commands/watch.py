@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console
-from indoor_explorers.evaluation.experiment.request import (
+from indoor_explorers.evaluation.harness.experiment.request import (
     NO_SETTINGS,
     RESOLUTION,
     SEED,
@@ -15,7 +15,7 @@ from indoor_explorers.evaluation.experiment.request import (
     Request,
     Settings,
 )
-from indoor_explorers.evaluation.options import Option, read_count, read_names, read_rate
+from indoor_explorers.evaluation.harness.options import Option, read_count, read_names, read_rate
 
 
 class WatchOptions(Request):
@@ -50,7 +50,7 @@ def run_watch(options: WatchOptions, typed: str) -> int:
     """Fly one episode in a window, or into a file."""
     from indoor_explorers.env.rendering.video_writer import VideoWriter
     from indoor_explorers.evaluation.cli.watch import watch
-    from indoor_explorers.evaluation.experiment.planning import plan
+    from indoor_explorers.evaluation.harness.experiment.planning import plan
 
     request = ComparisonRequest(
         policies=options.policy,

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from indoor_explorers.env.errors import InputError, did_you_mean
-from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.harness.episodes.record import Record
+from indoor_explorers.evaluation.harness.results.results import Results
 
 #: What tells the episodes of some results apart, in the order in which they are chosen by.
 KEYS: dict[str, Callable[[Record], Any]] = {

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from indoor_explorers.env import Scenario
-from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.exports.episodes.moments import facts_of, frame_of, moments
+from indoor_explorers.evaluation.harness.episodes.record import Record
 
 #: The columns of ``steps.csv``. ``action`` led to this step and is empty at the start; ``linked`` lists teammates.
 COLUMNS = (

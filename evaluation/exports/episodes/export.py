@@ -11,11 +11,11 @@ from typing import Literal, get_args
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.files import expanded, written_whole
-from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.exports.episodes.choosing import chosen_record
 from indoor_explorers.evaluation.exports.episodes.csv_tables import FILES, write_csv
 from indoor_explorers.evaluation.exports.episodes.moments import frame_of
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.harness.episodes.record import Record
+from indoor_explorers.evaluation.harness.results.results import Results
 
 #: What an episode can be written as.
 Format = Literal["mcap", "rosbag2", "csv"]

@@ -12,8 +12,8 @@ from indoor_explorers.env import Scenario
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.interfaces import GridFrame
-from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.episodes.resimulate import ended_as_recorded, resimulate
+from indoor_explorers.evaluation.harness.episodes.record import Record
+from indoor_explorers.evaluation.harness.episodes.resimulate import ended_as_recorded, resimulate
 
 
 class Moment(NamedTuple):

@@ -19,7 +19,6 @@ from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.rendering.palette import INK, uav_colours
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.env.sensing.rays import first_hits
-from indoor_explorers.evaluation.episodes.record import Record
 from indoor_explorers.evaluation.exports.episodes.bags import Bag, new_bag
 from indoor_explorers.evaluation.exports.episodes.messages import (
     CUBE_LIST,
@@ -29,6 +28,7 @@ from indoor_explorers.evaluation.exports.episodes.messages import (
     uav_frame,
 )
 from indoor_explorers.evaluation.exports.episodes.moments import Moment, facts_of, frame_of, moments
+from indoor_explorers.evaluation.harness.episodes.record import Record
 
 #: Nanoseconds at which every episode starts: time 0 means "the latest" in tf.
 START = NANOSECONDS

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.episodes.metrics import LEVELS, MEASURES
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.coverage_axes import CoverageAxis, axes_of, coverage_along
-from indoor_explorers.evaluation.report.analysis.outliers import near_groups
-from indoor_explorers.evaluation.report.style.packing import shares
-from indoor_explorers.evaluation.report.style.palette import PolicyStyle, Styles, crowded
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.coverage_axes import CoverageAxis, axes_of, coverage_along
+from indoor_explorers.evaluation.analysis.outliers import near_groups
+from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles, crowded
+from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES
+from indoor_explorers.evaluation.report.packing import shares
 from indoor_explorers.evaluation.statistics import FEWEST, Band, curve_bands, ecdf_of_times
 
 #: Whose coverage a chart can show, with the words for it.

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.coverage_axes import coverage_at, focus_step, last_active_step
-from indoor_explorers.evaluation.report.analysis.outliers import far_behind
-from indoor_explorers.evaluation.report.style.formatting import counted
-from indoor_explorers.evaluation.report.style.palette import DASHES, MARKER_PATHS, PolicyStyle, Styles
-from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.coverage_axes import coverage_at, focus_step, last_active_step
+from indoor_explorers.evaluation.analysis.outliers import far_behind
+from indoor_explorers.evaluation.drawing.formatting import counted
+from indoor_explorers.evaluation.drawing.palette import DASHES, MARKER_PATHS, PolicyStyle, Styles
+from indoor_explorers.evaluation.harness.episodes.record import Record
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
 
 #: Limit of panels; more maps are shown by folder, or only the first of them.
 MOST = 24

@@ -20,10 +20,10 @@ from indoor_explorers.env import Scenario, World
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.rendering.scene import base_links, with_base
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.evaluation.episodes.record import Record
-from indoor_explorers.evaluation.episodes.resimulate import ended_as_recorded, resimulate
+from indoor_explorers.evaluation.harness.episodes.record import Record
+from indoor_explorers.evaluation.harness.episodes.resimulate import ended_as_recorded, resimulate
+from indoor_explorers.evaluation.report.packing import Keyed, folded, packed, runs
 from indoor_explorers.evaluation.report.replay.revisions import Revisions, masks_of
-from indoor_explorers.evaluation.report.style.packing import Keyed, folded, packed, runs
 
 #: Step of cells that never become known, and of UAVs that never stop.
 NEVER = np.iinfo(np.int32).max

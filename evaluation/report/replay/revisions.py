@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import UNKNOWN, World
-from indoor_explorers.evaluation.report.style.packing import Keyed, runs
+from indoor_explorers.evaluation.report.packing import Keyed, runs
 
 
 class Revisions:

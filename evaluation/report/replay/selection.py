@@ -10,15 +10,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from indoor_explorers.env.grid.cells import OCCUPIED
-from indoor_explorers.evaluation.episodes.record import Outcome
-from indoor_explorers.evaluation.episodes.stored_names import MODELS, refusal
-from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.failures import ending
-from indoor_explorers.evaluation.report.analysis.outliers import far_behind
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.failures import ending
+from indoor_explorers.evaluation.analysis.outliers import far_behind
+from indoor_explorers.evaluation.drawing.palette import DASHES, Styles
+from indoor_explorers.evaluation.harness.episodes.record import Outcome
+from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, refusal
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.report.packing import bits, text
 from indoor_explorers.evaluation.report.replay.packed_episode import ReplayEpisode, pack_episode, resimulated
-from indoor_explorers.evaluation.report.style.packing import bits, text
-from indoor_explorers.evaluation.report.style.palette import DASHES, Styles
 
 
 class Detail(NamedTuple):

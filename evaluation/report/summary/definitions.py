@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from indoor_explorers.evaluation.episodes.metrics import Measure
-from indoor_explorers.evaluation.report.style.formatting import percent
-from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
+from indoor_explorers.evaluation.drawing.formatting import percent
+from indoor_explorers.evaluation.harness.episodes.metrics import Measure
+from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.statistics import CONFIDENCE, FEWEST, RESAMPLES
 
 

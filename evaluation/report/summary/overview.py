@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.failures import failure_lines
+from indoor_explorers.evaluation.analysis.comparability import Verdict, verdict_on
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.failures import failure_lines
+from indoor_explorers.evaluation.analysis.headline import headline, named
+from indoor_explorers.evaluation.analysis.resolution import fastest, outcomes, resolution
+from indoor_explorers.evaluation.analysis.tables.league_table import LeagueTable, league_table
+from indoor_explorers.evaluation.drawing.formatting import counted, joined
+from indoor_explorers.evaluation.drawing.palette import Styles
+from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold, shared
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.charts.small_multiples import Panel, scenario_multiples
-from indoor_explorers.evaluation.report.style.formatting import counted, joined
-from indoor_explorers.evaluation.report.style.palette import Styles
-from indoor_explorers.evaluation.report.summary.comparability import Verdict, verdict_on
-from indoor_explorers.evaluation.report.summary.headline import headline, named
-from indoor_explorers.evaluation.report.summary.resolution import fastest, outcomes, resolution
-from indoor_explorers.evaluation.report.tables.league_table import LeagueTable, league_table
-from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold, shared
-from indoor_explorers.evaluation.results.results import Results
 
 #: Up to so many scenarios are named.
 FEW = 3

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from indoor_explorers.evaluation.report.summary.facts import shown
-from indoor_explorers.evaluation.report.summary.reproduce import experiment_files, row_command
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.analysis.facts import shown
+from indoor_explorers.evaluation.analysis.reproduce import experiment_files, row_command
+from indoor_explorers.evaluation.harness.results.results import Results
 
 
 @dataclass(frozen=True)

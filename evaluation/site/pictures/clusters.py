@@ -14,10 +14,6 @@ from indoor_explorers.env import FREE, UNKNOWN, World, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.maps.sources import FloorsMaps
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.env.search.clusters import Clusters, frontier_clusters
-from indoor_explorers.env.search.pockets.estimates import PocketEstimator, estimates_from, load_weights
-from indoor_explorers.env.search.pockets.labels import true_pockets
-from indoor_explorers.env.search.pockets.network import THRESHOLDS, outputs
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.evaluation.site.pictures.drawing import MARKED, cells
 from indoor_explorers.learners.places import network
@@ -25,6 +21,10 @@ from indoor_explorers.learners.places.policy import DddqnPlaces
 from indoor_explorers.learners.places.scene import Observer
 from indoor_explorers.learners.pockets.examples import examples_of
 from indoor_explorers.learners.pockets.validation import JUDGED, LIDAR_RANGE
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters
+from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimator, estimates_from, load_weights
+from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
+from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS, outputs
 
 #: The seeds and steps of the views that are shown; at the first one the two policies choose other places.
 CHOICE, BELIEF = (14, 56), (100, 200)

@@ -15,8 +15,8 @@ from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.env.simulation.radio import in_reach
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.state import rules_of
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.site.pictures.drawing import LOST, MARKED, UAV, cells, svg
 from indoor_explorers.evaluation.statistics import bootstrap_mean
 

@@ -12,7 +12,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.report.style.print_style import print_style
+from indoor_explorers.evaluation.drawing.print_style import print_style
 
 #: Colours of unknown, free, occupied, marked and lost cells.
 COLOURS = ListedColormap(["#9aa0a6", "#f4f4f4", "#30343b", "#8fbce6", "#e0a458"])

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.evaluation.report.style.palette import COLOURS as HUES
+from indoor_explorers.evaluation.drawing.palette import COLOURS as HUES
 from indoor_explorers.evaluation.site.pictures.drawing import COLOURS, UAV
 
 BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (on_white for on_white, _ in HUES[:6])

@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from indoor_explorers.env import View
-from indoor_explorers.env.navigation.straight_paths import straight_path
 from indoor_explorers.evaluation.site.pictures.drawing import cells
 from indoor_explorers.evaluation.site.pictures.map_marks import (
     BLUE,
@@ -29,6 +28,7 @@ from indoor_explorers.evaluation.site.pictures.map_marks import (
     uav_at,
 )
 from indoor_explorers.evaluation.site.pictures.planner_views import OFFICE, SECTORS, SWARM, cell_of, flown
+from indoor_explorers.planners.toolbox.navigation.straight_paths import straight_path
 
 #: Names of the initial plans of a swarm.
 INITIAL = ("greedy", "Hungarian", "MinPos", "current goals")

@@ -15,9 +15,6 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import FREE, UNKNOWN, View
 from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.env.navigation.straight_paths import straight_path
-from indoor_explorers.env.search.clusters import frontier_clusters, middles, nearest_cells
-from indoor_explorers.env.search.pockets.labels import true_pockets
 from indoor_explorers.env.sensing.lidar import lidar_model, new_scan, visible_cells
 from indoor_explorers.evaluation.site.pictures.drawing import cells, svg
 from indoor_explorers.evaluation.site.pictures.map_marks import (
@@ -48,6 +45,9 @@ from indoor_explorers.evaluation.site.pictures.planner_views import (
     explored,
     pilot_at,
 )
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, middles, nearest_cells
+from indoor_explorers.planners.toolbox.navigation.straight_paths import straight_path
+from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 
 
 def planner_pictures() -> dict[str, bytes]:

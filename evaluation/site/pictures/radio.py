@@ -9,7 +9,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from indoor_explorers.env import OCCUPIED
-from indoor_explorers.evaluation.report.style.palette import COLOURS
+from indoor_explorers.evaluation.drawing.palette import COLOURS
 from indoor_explorers.evaluation.site.pictures.drawing import svg
 from indoor_explorers.evaluation.site.studies.radio_comparison import (
     DEFAULTS,

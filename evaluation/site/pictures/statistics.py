@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.report.analysis.ranks import Rank
-from indoor_explorers.evaluation.report.style.formatting import fixed, p_value, percent
-from indoor_explorers.evaluation.report.style.palette import COLOURS
+from indoor_explorers.evaluation.analysis.ranks import Rank
+from indoor_explorers.evaluation.drawing.formatting import fixed, p_value, percent
+from indoor_explorers.evaluation.drawing.palette import COLOURS
 from indoor_explorers.evaluation.site.pictures.drawing import svg
 from indoor_explorers.evaluation.statistics import (
     CONFIDENCE,

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.report.style.palette import COLOURS
+from indoor_explorers.evaluation.drawing.palette import COLOURS
 from indoor_explorers.evaluation.site.pictures.drawing import svg
 
 PAGE = Path(__file__).resolve().parents[1] / "pages" / "guides" / "tabular.md"

@@ -16,14 +16,14 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
 from indoor_explorers.env import FREE, UNKNOWN, World, make_policy, scenario
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.evaluation.report.style.formatting import EN_DASH, fixed, percent
-from indoor_explorers.evaluation.report.style.palette import COLOURS
+from indoor_explorers.evaluation.drawing.formatting import EN_DASH, fixed, percent
+from indoor_explorers.evaluation.drawing.palette import COLOURS
 from indoor_explorers.evaluation.site.pictures.drawing import MARKED, UAV, cells, svg
 from indoor_explorers.evaluation.site.pictures.map_marks import legend as map_legend
 from indoor_explorers.evaluation.site.pictures.map_marks import line, mark, uav_at
 from indoor_explorers.evaluation.site.pictures.thesis_lines import LABELS, SEEDS, Curve, Pair, curve_legend, draw_greedy
 from indoor_explorers.evaluation.site.studies.thesis import VERSIONS, pairs, replayed
-from indoor_explorers.evaluation.thesis.drawing import BUDGET, draw_scores, greedy_curve, hue_of, training_curve
+from indoor_explorers.evaluation.studies.thesis.drawing import BUDGET, draw_scores, greedy_curve, hue_of, training_curve
 
 #: Inches; wide enough for two panels whose labels are legible on a phone.
 WIDTH, ROW, FLIGHT = 5.2, 1.65, 2.6

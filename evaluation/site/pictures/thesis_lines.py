@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.report.style.formatting import fixed
-from indoor_explorers.evaluation.report.style.palette import COLOURS
+from indoor_explorers.evaluation.drawing.formatting import fixed
+from indoor_explorers.evaluation.drawing.palette import COLOURS
 from indoor_explorers.evaluation.site.studies.thesis import Training
 
 LABELS = ("as it was", "mended")

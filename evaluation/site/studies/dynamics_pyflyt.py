@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env import make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.site.studies.dynamics import (
     COLUMNS,
     DRAWN,

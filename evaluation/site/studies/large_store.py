@@ -15,7 +15,7 @@ import sys
 from contextlib import closing
 from pathlib import Path
 
-from indoor_explorers.evaluation.results.rows import Row, checksum
+from indoor_explorers.evaluation.harness.results.rows import Row, checksum
 
 
 def enlarge(source: Path, target: Path, times: int) -> None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import FREE, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.simulation.radio import walls_between
-from indoor_explorers.evaluation.report.style.formatting import percent
+from indoor_explorers.evaluation.drawing.formatting import percent
 
 MEASURED = Path(__file__).parent / "radio_ns3.csv"
 #: Seeds of the floors of the scenario ``floors``, pairs of cells on each, and their smallest and largest distance.

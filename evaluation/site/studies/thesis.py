@@ -28,9 +28,9 @@ from numpy.typing import NDArray
 from indoor_explorers.env import Action, World, make_policy, scenario
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.report.style.formatting import THIN_SPACE, fixed, percent
-from indoor_explorers.evaluation.thesis.experiments import AS_WAS, EXPERIMENTS, MENDED, ThesisExperiment
-from indoor_explorers.evaluation.thesis.results import WEIGHTS, Run, read_run
+from indoor_explorers.evaluation.drawing.formatting import THIN_SPACE, fixed, percent
+from indoor_explorers.evaluation.studies.thesis.experiments import AS_WAS, EXPERIMENTS, MENDED, ThesisExperiment
+from indoor_explorers.evaluation.studies.thesis.results import WEIGHTS, Run, read_run
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds
 
 MEASURED = Path(__file__).parent / "thesis.csv"

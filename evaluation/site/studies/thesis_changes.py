@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.report.style.formatting import percent
+from indoor_explorers.evaluation.drawing.formatting import percent
 from indoor_explorers.evaluation.site.studies.thesis import EVALUATED, VERSIONS, numbers, text
-from indoor_explorers.evaluation.thesis.experiments import EXPERIMENTS
-from indoor_explorers.evaluation.thesis.results import Run, read_run
+from indoor_explorers.evaluation.studies.thesis.experiments import EXPERIMENTS
+from indoor_explorers.evaluation.studies.thesis.results import Run, read_run
 from indoor_explorers.learners.thesis.config import TrainingConfig
 
 MEASURED = Path(__file__).parent / "thesis_changes.csv"

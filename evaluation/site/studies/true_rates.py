@@ -14,7 +14,7 @@ from unittest.mock import patch
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.experiment.experiment import MARGIN
+from indoor_explorers.evaluation.harness.experiment.experiment import MARGIN
 from indoor_explorers.evaluation.statistics import CONFIDENCE, all_pairs_test, equivalence_test, significance
 
 #: Steps after which an episode ends, and the mean of simulated times.

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.env.tensors import WEIGHTS
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
@@ -28,6 +27,7 @@ from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, repor
 from indoor_explorers.learners.sessions.evaluation import T90, mean_evaluation
 from indoor_explorers.learners.sessions.seeds import evaluation_seeds, prior_seeds, training_seeds
 from indoor_explorers.learners.sessions.session import Trainee, TrainingStatus
+from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 
 
 class Training(Trainee):

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.env.network_layers import linear, relu
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, search_costs, tour_costs
+from indoor_explorers.planners.toolbox.networks.layers import linear, relu
 
 Array = NDArray[np.float32]
 

@@ -23,7 +23,6 @@ from indoor_explorers.env.grid.cells import FREE, MOVES
 from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.search.bitsets import STRIDE
-from indoor_explorers.env.search.optimistic_views import update_views
 from indoor_explorers.learners.dddqn.observation.candidates import (
     CandidateScratch,
     look_for_candidates,
@@ -47,6 +46,7 @@ from indoor_explorers.learners.dddqn.observation.view_gain import (
     write_gains,
 )
 from indoor_explorers.learners.guard import discovered
+from indoor_explorers.planners.toolbox.information.optimistic_views import update_views
 
 #: A contested cell counts as blocked for (PATIENCE + the UAV's number) * min(encounters, GROWTH) observations.
 PATIENCE, GROWTH = 2, 3

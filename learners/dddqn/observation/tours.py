@@ -17,11 +17,11 @@ from indoor_explorers.env.grid.cells import FREE, MOVES, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS, board_size, remove
-from indoor_explorers.env.search.optimistic_views import attainable
 from indoor_explorers.learners.dddqn.observation.beam import Aim, Beam, Tour, follow_tour, new_beam, shortest_tour
 from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND, DELAYS, TOURS
 from indoor_explorers.learners.dddqn.observation.memory import LONGEST, ObservationMemory
+from indoor_explorers.planners.toolbox.information.optimistic_views import attainable
 
 #: Shares of the cells that tours leave unseen: at the goal (99 %) and at the mark (90 %).
 GOAL_REST, HALFWAY_REST = 0.01, 0.1

@@ -7,7 +7,7 @@ from indoor_explorers.env import InputError, Scenario, World, make_policy, scena
 from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.rendering import paint, scene_of
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.episodes.lower_bounds import least_steps
+from indoor_explorers.evaluation.harness.episodes.lower_bounds import least_steps
 from tests.env import plugins
 
 HERE = plugins.__name__

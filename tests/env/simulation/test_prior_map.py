@@ -17,7 +17,7 @@ from indoor_explorers.env.maps.walls import doorways, standing_obstacles, straig
 from indoor_explorers.env.scenarios.parts import Prior
 from indoor_explorers.env.simulation.prior_map import prior_map
 from indoor_explorers.env.simulation.spawns import draw_floorplan
-from indoor_explorers.evaluation.engines.policy_process import _sealed
+from indoor_explorers.evaluation.harness.engines.policy_process import _sealed
 from tests.env.conformance.policies import Honest, make
 from tests.env.maps.test_walls import MAPS
 

@@ -16,8 +16,8 @@ from indoor_explorers.env.simulation.spawns import draw_floorplan
 from indoor_explorers.evaluation.cli.commands.compare import file_notes
 from indoor_explorers.evaluation.cli.map_text import _coarse, facts, layout, picture
 from indoor_explorers.evaluation.cli.parser import main
-from indoor_explorers.evaluation.experiment.planning import plan as plan_of
-from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.harness.experiment.planning import plan as plan_of
+from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 
 
 def plan(text, **more):

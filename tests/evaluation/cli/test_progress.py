@@ -12,9 +12,9 @@ from indoor_explorers.env.grid import compile_cache
 from indoor_explorers.evaluation.cli import compile_status, progress
 from indoor_explorers.evaluation.cli.progress import ProgressBar
 from indoor_explorers.evaluation.cli.running_means import RunningMeans
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.results.coverage_threshold import CoverageThreshold
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
 from tests.evaluation.plugins import Wander, WrongAction
 
 ROOM = PRESETS["thesis-obstacles"].for_evaluation()

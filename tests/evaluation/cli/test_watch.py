@@ -11,9 +11,9 @@ from PIL import Image
 from indoor_explorers.env import World, make_policy
 from indoor_explorers.env.rendering.window import Window, load_pygame
 from indoor_explorers.evaluation.cli.watch import flight
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.planning import plan
-from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.planning import plan
+from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from tests.evaluation.cli.test_cli import PLUGINS, run, start
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from indoor_explorers.evaluation.episodes.metrics import LEVELS
-from indoor_explorers.evaluation.episodes.record import Outcome
 from indoor_explorers.evaluation.exports.planner_arena import write_planner_arena
+from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS
+from indoor_explorers.evaluation.harness.episodes.record import Outcome
 from tests.evaluation.special_names import NAMES, SCENARIO, results
 
 #: Columns that OMPL's benchmark databases have, in their order, and the types they are declared with.

@@ -8,15 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.exports import write_exports
 from indoor_explorers.evaluation.exports.cells import caption, table_headings, table_rows
 from indoor_explorers.evaluation.exports.latex import escaped as tex
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import escaped as md
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.shown_best import shown_best
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.harness.results.results import Results
 from tests.evaluation.special_names import NAMES, SCENARIO, results
 
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from indoor_explorers.env import Scenario, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.evaluation.episodes.metrics import MEASURES
-from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
+from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.results.results import Results
 
 BUDGET, STEPS = 100, 4
 

@@ -14,33 +14,32 @@ import pytest
 from rich.console import Console
 
 from indoor_explorers.env import Scenario
-from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.analysis.comparability import verdict_on
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.headline import headline
+from indoor_explorers.evaluation.analysis.panels.sweep_plots import range_plots
+from indoor_explorers.evaluation.analysis.panels.team_scaling import scaling_plots
+from indoor_explorers.evaluation.analysis.shown_best import shown_best
+from indoor_explorers.evaluation.analysis.sweeps import radio_sweeps, team_scalings
+from indoor_explorers.evaluation.analysis.tables.headline_table import headline_table
+from indoor_explorers.evaluation.analysis.tables.league_table import league_table
+from indoor_explorers.evaluation.analysis.tables.results_table import columns_of, results_table
+from indoor_explorers.evaluation.analysis.task_times import TaskTimes
+from indoor_explorers.evaluation.drawing.palette import policy_styles
 from indoor_explorers.evaluation.exports.cells import caption
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
 from indoor_explorers.evaluation.exports.tidy import write_episodes
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.shown_best import shown_best
-from indoor_explorers.evaluation.report.analysis.sweeps import radio_sweeps, team_scalings
-from indoor_explorers.evaluation.report.analysis.task_times import TaskTimes
+from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.results.ratios import Ratios
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.charts.interactive import times_data
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.panels.sweep_plots import range_plots
-from indoor_explorers.evaluation.report.panels.team_scaling import scaling_plots
 from indoor_explorers.evaluation.report.replay.selection import notable_tasks
-from indoor_explorers.evaluation.report.style.palette import policy_styles
-from indoor_explorers.evaluation.report.summary.comparability import verdict_on
-from indoor_explorers.evaluation.report.summary.headline import headline
 from indoor_explorers.evaluation.report.summary.overview import lead
-from indoor_explorers.evaluation.report.tables.headline_table import headline_table
-from indoor_explorers.evaluation.report.tables.league_table import league_table
-from indoor_explorers.evaluation.report.tables.results_table import columns_of, results_table
-from indoor_explorers.evaluation.results.ratios import Ratios
-from indoor_explorers.evaluation.results.results import Results
 from indoor_explorers.evaluation.statistics import contrasts
 from tests.evaluation.report.records import BUDGET, made_up, results_of, room
-
-from .reports import Page
+from tests.evaluation.reports import Page
 
 TIMES: Mapping[str, Sequence[float | None]] = {
     "slow": [30, 41, 52, 63, 74, 85, None],

@@ -9,10 +9,10 @@ from urllib.parse import unquote
 
 import pytest
 
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report import page as pages
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.results.results import Results
 
 
 @pytest.fixture

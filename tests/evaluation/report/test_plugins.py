@@ -4,12 +4,12 @@ import pytest
 
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation import Metric
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.tables.measures_table import measures_table
+from indoor_explorers.evaluation.harness.results.custom_metrics import with_metrics
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.custom_panels import custom_panels
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.tables.measures_table import measures_table
-from indoor_explorers.evaluation.results.custom_metrics import with_metrics
-from indoor_explorers.evaluation.results.results import Results
 
 HERE = __name__
 LATE = Metric(title="lateness", unit="steps", definition="steps flown", value=lambda record: record.steps)

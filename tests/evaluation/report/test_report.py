@@ -9,16 +9,17 @@ from rich.console import Console, RenderableType
 from indoor_explorers.env import Scenario
 from indoor_explorers.env.maps.sources import ThesisMaps
 from indoor_explorers.env.scenarios.parts import Lidar, Radio
+from indoor_explorers.evaluation.analysis.tables.headline_table import headline_table
+from indoor_explorers.evaluation.analysis.tables.policy_names import DAGGER, DOUBLE_DAGGER, SECTION
+from indoor_explorers.evaluation.analysis.tables.ratio_table import ratio_lines
+from indoor_explorers.evaluation.exports.figures import write_figures
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
-from indoor_explorers.evaluation.report import headline_table, write_figures, write_report
+from indoor_explorers.evaluation.harness.results.ratios import Ratios
+from indoor_explorers.evaluation.harness.results.results import Results
+from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.tables.policy_names import DAGGER, DOUBLE_DAGGER, SECTION
-from indoor_explorers.evaluation.report.tables.ratio_table import ratio_lines
-from indoor_explorers.evaluation.results.ratios import Ratios
-from indoor_explorers.evaluation.results.results import Results
-
-from .reports import HOSTILE, Page, Wander, results_of
+from tests.evaluation.reports import HOSTILE, Page, Wander, results_of
 
 
 def test_a_page_loads_nothing(page: Page) -> None:

@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 
 from indoor_explorers.env import PRESETS
-from indoor_explorers.evaluation.experiment.planning import plan
-from indoor_explorers.evaluation.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.harness.experiment.planning import plan
+from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.site import gallery
 
 PAGE = (Path(gallery.__file__).parent / "pages" / "harder-tasks.md").read_text("utf-8")

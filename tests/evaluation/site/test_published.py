@@ -8,8 +8,8 @@ import pytest
 
 from indoor_explorers.evaluation.cli.command import make_console
 from indoor_explorers.evaluation.cli.parser import build_parser
-from indoor_explorers.evaluation.experiment.request import ComparisonRequest
-from indoor_explorers.evaluation.results.results import Results
+from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.site import published as site
 
 #: Two rooms of a suite that needs no files.

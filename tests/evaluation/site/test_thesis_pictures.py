@@ -10,7 +10,7 @@ from indoor_explorers.env.simulation.state import End
 from indoor_explorers.evaluation.site.pictures.thesis import CIRCLES, circle, thesis_pictures
 from indoor_explorers.evaluation.site.studies import thesis as study
 from indoor_explorers.evaluation.site.studies.thesis import STRIDE, measured, pairs, replayed, results_table
-from indoor_explorers.evaluation.thesis.drawing import greedy_curve
+from indoor_explorers.evaluation.studies.thesis.drawing import greedy_curve
 from tests.documents import ROOT
 
 PAGE = (ROOT / "learners" / "THESIS.md").read_text("utf-8")

@@ -23,8 +23,8 @@ import torch
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
 from indoor_explorers.env.interfaces.stable_baselines import StableBaselinesVecEnv
 from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import PolicyChoice, Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice, Task
 from indoor_explorers.learners.baselines import sb3_ppo
 from indoor_explorers.learners.baselines.stable_baselines import StableBaselines
 from tests.learners.baselines.tiny import TINY, flown, record_of, train

@@ -11,7 +11,6 @@ import pytest
 from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
-from indoor_explorers.env.tensors import read_tensors, write_tensors
 from indoor_explorers.learners.dddqn import weights as module
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.network.model import arrays, new_network
@@ -24,6 +23,7 @@ from indoor_explorers.learners.dddqn.weights import (
     shipped,
     write_weights,
 )
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
 from tests.learners.dddqn.rooms import some_prior
 
 PLAIN = ObservationConfig(crop=5, coarse=3, layers=("unknown",), tours=False)

@@ -7,10 +7,10 @@ import pytest
 import torch
 
 from indoor_explorers.env import InputError
-from indoor_explorers.env.tensors import write_tensors
 from indoor_explorers.learners.places.model import AdvantageNet, Batch, load_into, weights_of
 from indoor_explorers.learners.places.network import Loaded, load_weights, shapes, values, write_weights
 from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
+from indoor_explorers.planners.toolbox.networks.tensors import write_tensors
 from tests.learners.places.small import random_scene
 
 

@@ -5,11 +5,11 @@ import pytest
 
 from indoor_explorers.env import World
 from indoor_explorers.env.grid.cells import FREE
-from indoor_explorers.env.search.clusters import frontier_clusters
 from indoor_explorers.learners.places.network import Loaded, NetworkWeights, shapes
 from indoor_explorers.learners.places.pilot import PlacesPilot
 from indoor_explorers.learners.places.scene import COMMON, COSTLIEST, GUESS, MOST, OTHERS, PLACE, Observer, Scene
 from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
 from tests.learners.places.small import world_on_a_floor
 
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import torch
 
-from indoor_explorers.env.search.pockets.network import outputs, shapes, weights_from
 from indoor_explorers.learners.pockets.model import PocketNet, arrays
+from indoor_explorers.planners.toolbox.pockets.network import outputs, shapes, weights_from
 
 
 def test_the_compiled_network_computes_what_torch_does() -> None:

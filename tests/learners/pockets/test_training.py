@@ -11,13 +11,13 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.search.connected_parts import largest_part
-from indoor_explorers.env.search.pockets.estimates import estimates_from, load_weights
-from indoor_explorers.env.search.pockets.network import OUTPUTS, THRESHOLDS
 from indoor_explorers.learners.pockets.__main__ import main
 from indoor_explorers.learners.pockets.examples import examples_of, read_examples
 from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps, cut, map_files, ragged, turned
 from indoor_explorers.learners.pockets.train import loss, train
 from indoor_explorers.learners.pockets.validation import auc, judged
+from indoor_explorers.planners.toolbox.pockets.estimates import estimates_from, load_weights
+from indoor_explorers.planners.toolbox.pockets.network import OUTPUTS, THRESHOLDS
 from tests.planners.flights import rooms
 
 

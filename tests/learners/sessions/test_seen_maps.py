@@ -12,9 +12,9 @@ from indoor_explorers.env.scenarios.presets import on_files
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.scenarios.suites.catalogue import all_suites, digests_of
 from indoor_explorers.env.scenarios.suites.suite import Part
-from indoor_explorers.env.tensors import WEIGHTS
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.sessions.record import RECORD, new_record, write_record
+from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 from tests.suites import tiny, tiny_clones
 
 ROOT = Path(__file__).parents[3]

@@ -5,8 +5,8 @@ import pytest
 
 from indoor_explorers.env import InputError, World, make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.search.clusters import frontier_clusters
 from indoor_explorers.planners.frontier.informed import SUPPOSED, FrontierInformed, InformedPilot
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
 
 SPEC = "indoor_explorers.planners.frontier.informed:FrontierInformed"
 #: A room, known, with doors to a large one in the east and to a niche in the west.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, make_policy
-from indoor_explorers.env.navigation.teammates import message_of
+from indoor_explorers.planners.toolbox.navigation.teammates import message_of
 from tests.planners.flights import fly, rooms
 
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE
-from indoor_explorers.env.navigation.paths import Paths
 from indoor_explorers.planners.frontier.tour import DistanceCache, FrontierTour
+from indoor_explorers.planners.toolbox.navigation.paths import Paths
 
 from .test_group_pilot import corridor, pilot_of, view_of
 

@@ -5,9 +5,9 @@ import pytest
 
 from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
 from indoor_explorers.env.search.bitsets import around, hash_keys, packed, unpacked
-from indoor_explorers.env.search.optimistic_views import OptimisticViews
 from indoor_explorers.planners.horizon import beam
 from indoor_explorers.planners.horizon.beam import BeamConfig, SearchGraph, shortest_tour
+from indoor_explorers.planners.toolbox.information.optimistic_views import OptimisticViews
 
 
 def graph_of(belief: np.ndarray, lidar: float, weights: np.ndarray) -> SearchGraph:

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env import InputError, Policy, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.search.bitsets import unpacked
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.planners.frontier.joint import JointPilot
 from indoor_explorers.planners.horizon.beam import BeamConfig
 from indoor_explorers.planners.horizon.horizon import Horizon, HorizonPilot

@@ -6,13 +6,13 @@ from indoor_explorers.env import make_policy, scenario
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
 from indoor_explorers.env.maps.generators.thesis import ThesisMaps
 from indoor_explorers.env.search.bitsets import around
-from indoor_explorers.env.search.optimistic_views import OptimisticViews
 from indoor_explorers.env.sensing.lidar import lidar_model, scan
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.planners.horizon.rollout_choice import RolloutSelection
 from indoor_explorers.planners.horizon.rollouts import FOLLOWED, LONGEST, RolloutSetup, steps_to_shares
 from indoor_explorers.planners.horizon.room_prior import RoomPrior
+from indoor_explorers.planners.toolbox.information.optimistic_views import OptimisticViews
 
 ALL = np.array([1.0])
 

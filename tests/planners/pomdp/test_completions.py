@@ -5,9 +5,9 @@ import pytest
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
-from indoor_explorers.env.search.clusters import frontier_clusters
-from indoor_explorers.env.search.pockets.network import THRESHOLDS
 from indoor_explorers.planners.pomdp.completions import completions, pocket_sizes, strata
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
+from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
 
 def corridor() -> Belief:

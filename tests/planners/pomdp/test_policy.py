@@ -6,8 +6,8 @@ import pytest
 from indoor_explorers.env import InputError, World, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.search.clusters import frontier_clusters
 from indoor_explorers.planners.pomdp.policy import Pomdp, PomdpPilot, Window
+from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
 from tests.planners.flights import fly, rooms
 
 

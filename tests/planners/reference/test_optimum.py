@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from indoor_explorers.env import PRESETS, InputError, make_policy
-from indoor_explorers.evaluation.episodes.record import Outcome, Record
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 
 
 def flown(scenario: str, seed: int = 0, policy: str = "optimum", **parameters: float) -> Record:

@@ -13,8 +13,8 @@ from indoor_explorers.env import InputError, Policy, World, check_policy, make_p
 from indoor_explorers.env.grid.arrays import Belief, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
-from indoor_explorers.evaluation.episodes.runner import fly as fly_tasks
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly as fly_tasks
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.planners.reference.plan import SearchBudget, plan
 from indoor_explorers.planners.reference.prior_tour import PriorTour, PriorTourPilot
 from tests.planners.flights import Flight, fly, maze, rooms

@@ -9,8 +9,8 @@ import pytest
 from indoor_explorers.env import InputError, World, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.sensing.lidar import scan
-from indoor_explorers.evaluation.episodes.runner import fly as fly_tasks
-from indoor_explorers.evaluation.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.episodes.runner import fly as fly_tasks
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.planners.reference import plan as planning
 from indoor_explorers.planners.reference.annealing import anneal
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, plan, swap_resolved

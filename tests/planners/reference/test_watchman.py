@@ -16,8 +16,8 @@ from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.reference import watchman
 from indoor_explorers.planners.reference.watchman import Solution, Watch, fewest_steps, steps_to
 from tests.env.search.small_maps import connected_map
-from tests.evaluation.episodes.test_lower_bounds import SHARES
-from tests.evaluation.episodes.test_lower_bounds import fewest_steps as all_walks
+from tests.evaluation.harness.episodes.test_lower_bounds import SHARES
+from tests.evaluation.harness.episodes.test_lower_bounds import fewest_steps as all_walks
 
 MOST = 10**6
 

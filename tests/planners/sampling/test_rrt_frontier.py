@@ -6,9 +6,9 @@ from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.env.search.view_gain import unclaimed_gains
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.sampling.samples import border_cells, merged
+from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
 from tests.planners.flights import fly, maze
 
 

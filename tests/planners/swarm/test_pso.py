@@ -8,8 +8,8 @@ import pytest
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import Mate
-from indoor_explorers.planners.coordination.linked_group import NOWHERE, LinkedMember, absentees, linked_members
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
+from indoor_explorers.planners.toolbox.coordination.linked_group import NOWHERE, LinkedMember, absentees, linked_members
 from tests.planners.flights import fly, rooms
 
 

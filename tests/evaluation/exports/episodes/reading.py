@@ -15,7 +15,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 from indoor_explorers.env import Scenario
 from indoor_explorers.evaluation import Record, Results
-from indoor_explorers.evaluation.episodes.resimulate import recorded_scenario
+from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
 
 POLICIES = ("frontier-nearest", "frontier")
 #: Metres a cell of the map "hall", and its cells.

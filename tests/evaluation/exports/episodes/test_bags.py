@@ -12,10 +12,10 @@ from mcap.reader import make_reader
 from indoor_explorers.env import FREE, OCCUPIED, PRESETS, UNKNOWN
 from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.evaluation import export_episode
-from indoor_explorers.evaluation.episodes.resimulate import resimulate
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
 from indoor_explorers.evaluation.exports.episodes.topics import write_bag
+from indoor_explorers.evaluation.harness.episodes.resimulate import resimulate
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from tests.documents import SITE
 from tests.evaluation.exports.episodes.reading import RESOLUTION, SECOND, SHAPE, by_step, latest, messages, record_of
 from tests.evaluation.plugins import Wander, Wanderer

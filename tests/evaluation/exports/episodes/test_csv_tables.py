@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from indoor_explorers.evaluation import export_episode
-from indoor_explorers.evaluation.episodes.resimulate import resimulate
 from indoor_explorers.evaluation.exports.episodes.csv_tables import COLUMNS
+from indoor_explorers.evaluation.harness.episodes.resimulate import resimulate
 from tests.evaluation.exports.episodes.reading import RESOLUTION, SHAPE, record_of
 
 CHOICE = {"policy": "frontier-nearest", "map": "hall", "seed": 0}

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
-from indoor_explorers.evaluation.report.analysis.coverage_axes import axes_of, coverage_at
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.coverage_axes import axes_of, coverage_at
+from indoor_explorers.evaluation.drawing.palette import policy_styles
+from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report.charts.interactive import chart_data, times_data
 from indoor_explorers.evaluation.report.charts.small_multiples import map_multiples, scenario_multiples
 from indoor_explorers.evaluation.report.page import render
-from indoor_explorers.evaluation.report.style.palette import policy_styles
-from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.report.records import flown
-from tests.evaluation.report.reports import Page
+from tests.evaluation.reports import Page
 
 
 def _shares(text: str) -> np.ndarray:

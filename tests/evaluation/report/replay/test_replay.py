@@ -8,11 +8,14 @@ import pytest
 
 from indoor_explorers.env import PRESETS
 from indoor_explorers.env.grid.cells import OCCUPIED
-from indoor_explorers.evaluation.episodes.record import Outcome
-from indoor_explorers.evaluation.episodes.resimulate import resimulate
-from indoor_explorers.evaluation.episodes.runner import fly
-from indoor_explorers.evaluation.experiment.experiment import Task
-from indoor_explorers.evaluation.report.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.drawing.palette import policy_styles
+from indoor_explorers.evaluation.harness.episodes.record import Outcome
+from indoor_explorers.evaluation.harness.episodes.resimulate import resimulate
+from indoor_explorers.evaluation.harness.episodes.runner import fly
+from indoor_explorers.evaluation.harness.experiment.experiment import Task
+from indoor_explorers.evaluation.harness.results.results import Results
+from indoor_explorers.evaluation.report.packing import bits, folded, packed, runs, text
 from indoor_explorers.evaluation.report.replay.packed_episode import (
     first_of_group,
     frame_steps,
@@ -20,9 +23,6 @@ from indoor_explorers.evaluation.report.replay.packed_episode import (
     resimulated,
 )
 from indoor_explorers.evaluation.report.replay.selection import chosen, notable_tasks, replay_data
-from indoor_explorers.evaluation.report.style.packing import bits, folded, packed, runs, text
-from indoor_explorers.evaluation.report.style.palette import policy_styles
-from indoor_explorers.evaluation.results.results import Results
 from tests.evaluation.plugins import Raises, Wander
 
 TEAM = PRESETS["thesis-team-4"].for_evaluation()

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env import InputError, Scenario
-from indoor_explorers.env.tensors import read_tensors
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.multi_task_flight import MultiTaskFlight, shares
 from indoor_explorers.learners.dddqn.learning.training import Training
@@ -25,6 +24,7 @@ from indoor_explorers.learners.sessions import session
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.evaluation import Evaluation, mean_evaluation
 from indoor_explorers.learners.sessions.record import TrainingRecord, read_record
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors
 from tests.learners.dddqn.rooms import TINY, small_room
 
 SIGHT = ObservationConfig(layers=("unknown", "free", "mates"), tours=False)

@@ -14,8 +14,7 @@ import torch
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.scenarios.seed_sets import SEED_BLOCK
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.env.tensors import read_tensors
-from indoor_explorers.evaluation.training import nested
+from indoor_explorers.evaluation.studies.training import nested
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
@@ -29,6 +28,7 @@ from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
 from indoor_explorers.learners.dddqn.train import Progress, train
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.record import RECORD
+from indoor_explorers.planners.toolbox.networks.tensors import read_tensors
 from tests.learners.dddqn.rooms import TINY, small_room
 
 

@@ -15,7 +15,6 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import MOVES
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.search.bitsets import STRIDE, board_size, neighbour_pairs, without
-from indoor_explorers.env.search.optimistic_views import update_views
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.learners.dddqn.observation.beam import Aim, follow_tour, new_beam, shortest_tour
 from indoor_explorers.learners.dddqn.observation.config import ObservationConfig
@@ -24,6 +23,7 @@ from indoor_explorers.learners.dddqn.observation.memory import new_memory
 from indoor_explorers.learners.dddqn.observation.optimistic_map import UNLIKELY, assume_obstacles
 from indoor_explorers.learners.dddqn.observation.scales import scratch, sensor
 from indoor_explorers.learners.dddqn.observation.tours import sectors
+from indoor_explorers.planners.toolbox.information.optimistic_views import update_views
 from tests.learners.dddqn.observation.test_observe import Watcher
 from tests.learners.dddqn.rooms import random_belief
 

@@ -1,0 +1,1 @@
+"""What results say: comparisons of policies, tables, panels, notes and verdicts, for pages, exports and terminals."""

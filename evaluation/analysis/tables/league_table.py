@@ -1,0 +1,165 @@
+"""The first table of the page: the steps of every policy on every scenario, with ranks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from markupsafe import Markup
+
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.failures import failed_of
+from indoor_explorers.evaluation.analysis.outliers import far_behind
+from indoor_explorers.evaluation.analysis.ranks import Rank, ranks
+from indoor_explorers.evaluation.analysis.shown_best import shown_best
+from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
+from indoor_explorers.evaluation.drawing.dot_plots import Scale, interval_plot
+from indoor_explorers.evaluation.drawing.formatting import (
+    counted,
+    decimals_for,
+    fixed,
+    interval,
+    percent,
+    with_interval,
+)
+from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles
+from indoor_explorers.evaluation.statistics import Finding
+
+#: Widths of the drawings by the number of scenarios; more scenarios have none.
+WIDTHS = {1: 420, 2: 220, 3: 120}
+#: Marks a policy that is significantly better or worse than the one with the lowest mean.
+SIGNIFICANT = "*"
+#: Marks a mean with episodes that never reached the threshold and count as their budget.
+AT_LEAST = "≥"
+
+
+class LeagueColumn(NamedTuple):
+    """One scenario."""
+
+    id: str
+    """The section about it."""
+    scenario: str
+    """Its title."""
+    time: str
+    """The time that policies are compared by, such as ``T99``."""
+    tasks: str
+    first: str
+    """The policy with the lowest mean among those that are ranked; empty if none flew."""
+
+
+@dataclass(frozen=True)
+class LeagueCell:
+    """One policy on one scenario."""
+
+    rank: Rank | None
+    """None for a policy that is not ranked, and where the tasks are too few for a test."""
+    value: float
+    """The mean time unrounded."""
+    time: str
+    interval: str
+    mark: str
+    """:data:`SIGNIFICANT`, or empty."""
+    best: bool
+    """Whether it is significantly better than every other policy."""
+    same_as: str
+    """The policy whose flights are the same; empty for none."""
+    drawing: Markup
+    lead: str
+    """The difference from the lowest mean, task by task."""
+    reached: str
+    failed: str
+    """In how many episodes the policy failed, such as ``3 of 30``; empty for none."""
+
+
+@dataclass(frozen=True)
+class LeagueTable:
+    """Policies by scenarios, those with the best ranks first."""
+
+    columns: list[LeagueColumn]
+    rows: list[tuple[str, list[LeagueCell | None]]]
+    """By policy; a cell for each scenario, None where it was not flown."""
+
+    @property
+    def tested(self) -> bool:
+        """Whether there are ranks."""
+        return any(cell and cell.rank for _, cells in self.rows for cell in cells)
+
+    @property
+    def intervals(self) -> bool:
+        """Whether any mean has an interval."""
+        return any(cell and cell.interval for _, cells in self.rows for cell in cells)
+
+    @property
+    def bounded(self) -> bool:
+        """Whether some episodes never reached the threshold."""
+        return any(cell and cell.time.startswith(AT_LEAST) for _, cells in self.rows for cell in cells)
+
+    @property
+    def marked(self) -> bool:
+        """Whether a time has the mark of a significant difference."""
+        return any(cell and cell.mark for _, cells in self.rows for cell in cells)
+
+
+def league_table(comparisons: Mapping[str, Comparison], styles: Styles) -> LeagueTable:
+    """Return the table; ``comparisons`` are those of the common tasks, by section."""
+    width = WIDTHS.get(len(comparisons), 0)
+    ranked = [(each, ranks(each)) for each in comparisons.values()]
+    cells = [_cells(each, places, styles, width) for each, places in ranked]
+    rows = [(name, [column.get(name) for column in cells]) for name in _order(ranked)]
+    return LeagueTable([_column(section, each) for section, each in comparisons.items()], rows)
+
+
+def _column(section: str, comparison: Comparison) -> LeagueColumn:
+    tasks = counted(len(comparison.results.common_tasks(comparison.scenario)), "task")
+    first = comparison.ranked_policies[0] if comparison.groups else ""
+    return LeagueColumn(section, comparison.title, comparison.level.title, tasks, first)
+
+
+def _order(ranked: Sequence[tuple[Comparison, Mapping[str, Rank]]]) -> list[str]:
+    """Return the policies by mean rank, then by mean place in the order of mean times; those not ranked come last."""
+    found: dict[str, list[tuple[bool, int, int]]] = {}
+    for comparison, places in ranked:
+        for place, name in enumerate(comparison.ranking, 1):
+            rank = places[name].place if name in places else place
+            found.setdefault(name, []).append((not comparison.ranked(name), rank, place))
+    return sorted(found, key=lambda name: [sum(parts) / len(parts) for parts in zip(*found[name], strict=True)])
+
+
+def _cells(comparison: Comparison, places: Mapping[str, Rank], styles: Styles, width: int) -> dict[str, LeagueCell]:
+    best = shown_best(comparison, comparison.level.key)
+    scale = _scale(comparison, width)
+    return {
+        name: _cell(comparison, name, places.get(name), name in best, _drawn(comparison, name, scale, styles[name]))
+        for name in comparison.groups
+    }
+
+
+def _cell(comparison: Comparison, policy: str, rank: Rank | None, best: bool, drawing: Markup) -> LeagueCell:
+    time, contrast = comparison.time(policy), comparison.contrasts.get(policy)
+    differs = contrast is not None and contrast.finding in (Finding.BETTER, Finding.WORSE)
+    return LeagueCell(
+        rank=rank,
+        value=time.mean,
+        time=bounded(fixed(time.mean, decimals_for(time.mean)), AT_LEAST if comparison.reached(policy) < 1 else ""),
+        interval=interval(time, decimals_for(time.mean)),
+        mark=SIGNIFICANT if differs else "",
+        best=best,
+        same_as=comparison.same_as.get(policy, ""),
+        drawing=drawing,
+        lead=with_interval(contrast.difference, sign=True) if contrast else "",
+        reached=percent(comparison.reached(policy)),
+        failed=failed_of(comparison, policy),
+    )
+
+
+def _scale(comparison: Comparison, width: int) -> Scale | None:
+    """Return a scale that holds the intervals of all policies that are not far behind."""
+    far = far_behind(comparison)
+    near = [comparison.time(name) for name in comparison.groups if name not in far]
+    ends = [end for each in near for end in each if end is not None]
+    return Scale(min(ends), max(ends), width) if width and ends else None
+
+
+def _drawn(comparison: Comparison, policy: str, scale: Scale | None, style: PolicyStyle) -> Markup:
+    return interval_plot(comparison.time(policy), scale, style) if scale else Markup("")

@@ -1,0 +1,184 @@
+"""The results table of a scenario: one row for each policy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from markupsafe import Markup
+
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.failures import failed
+from indoor_explorers.evaluation.analysis.outliers import far_behind
+from indoor_explorers.evaluation.analysis.shown_best import shown_best
+from indoor_explorers.evaluation.drawing.dot_plots import Scale, episode_dot_plot
+from indoor_explorers.evaluation.drawing.formatting import decimals_for, fixed, interval, percent, percent_interval
+from indoor_explorers.evaluation.drawing.palette import Styles
+from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, WASTED, excused
+from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold, tabled
+from indoor_explorers.evaluation.statistics import Estimate
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the results table."""
+
+    key: str
+    title: str
+    unit: str = ""
+    lower_is_better: bool = True
+    ranked: bool = True
+    """Whether a value shown to be the best is bold."""
+
+    @property
+    def kind(self) -> str:
+        """``reached`` or ``dots`` for columns made from a time, such as ``t99_dots``; empty for a metric."""
+        time, _, kind = self.key.partition("_")
+        return kind if time in LEVELS and kind in ("reached", "dots") else ""
+
+    @property
+    def of_time(self) -> bool:
+        """Whether the column is a time to a threshold, or made from one."""
+        return self.key.partition("_")[0] in LEVELS
+
+    @property
+    def metric(self) -> str:
+        """The metric that the column is about."""
+        return self.key.removesuffix(f"_{self.kind}") if self.kind else self.key
+
+    @property
+    def term(self) -> str:
+        """The key of the definition that explains the column."""
+        return "reached" if self.kind == "reached" else self.metric
+
+
+@dataclass(frozen=True)
+class TableCell:
+    """One figure of a table."""
+
+    text: str
+    value: float | None = None
+    """The figure unrounded."""
+    detail: str | Markup = ""
+    best: bool = False
+    bad: bool = False
+
+
+#: The columns after those of times.
+OTHERS = (
+    Column("auc", "AUC", "", False),
+    Column("path_length", "path length", "cells"),
+    Column("overlap", "overlap"),
+    Column("collisions", "collisions"),
+    Column("longest_idle", "idle", "steps", ranked=False),
+    Column("longest_dither", "dither", "steps", ranked=False),
+    Column("failures", "failed episodes", ranked=False),
+    Column("messages_bytes", "messages", "kB"),
+    Column("latency_p50_us", "decision p50", "ms"),
+    Column("latency_p99_us", "decision p99", "ms"),
+)
+#: Divisors from the stored unit to that of the table.
+DIVISOR = {"messages_bytes": 1000.0, "latency_p50_us": 1000.0, "latency_p99_us": 1000.0}
+#: Decimals of columns with a fixed number of them.
+DECIMALS = {"auc": 3, "overlap": 2, "collisions": 2}
+WITH_INTERVAL = (*LEVELS, "auc", "path_length")
+
+
+def columns_of(level: CoverageThreshold) -> tuple[Column, ...]:
+    """Return the columns of a scenario with this threshold; thresholds above it only have a time, which is a dash."""
+    times = (column for key in tabled([level]) for column in _time_columns(CoverageThreshold(key), key in level.times))
+    return (*times, Column(f"{level.key}_dots", f"{level.title} by episode", "steps", ranked=False), *OTHERS)
+
+
+def _time_columns(level: CoverageThreshold, asked: bool) -> list[Column]:
+    time = Column(level.key, level.title, "steps")
+    reached = Column(f"{level.key}_reached", f"reached {percent(level.share)}", ranked=False)
+    return [time, reached] if asked else [time]
+
+
+def results_table(comparison: Comparison, styles: Styles) -> list[tuple[str, list[TableCell]]]:
+    """Return the cells of each policy, in the order of :func:`columns_of`; rows in the experiment's order."""
+    columns = [_column(comparison, column, styles) for column in columns_of(comparison.level)]
+    return [(policy, [cells[policy] for cells in columns]) for policy in comparison.groups]
+
+
+def _column(comparison: Comparison, column: Column, styles: Styles) -> dict[str, TableCell]:
+    special: dict[str, Callable[[Comparison], dict[str, TableCell]]] = {
+        "reached": partial(_reached, metric=column.metric),
+        "dots": partial(_dot_plots, metric=column.metric, styles=styles),
+        "failures": _failures,
+        **{metric: partial(_wasted, metric=metric) for metric in WASTED},
+    }
+    make = special.get(column.kind or column.key, partial(_measured, metric=column.key))
+    cells = make(comparison)
+    return emphasised(comparison, column, cells) if column.ranked else cells
+
+
+def _measured(comparison: Comparison, metric: str) -> dict[str, TableCell]:
+    estimates = {policy: comparison.estimate(policy, metric) for policy in comparison.groups}
+    largest = max((each.mean for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
+    divisor = DIVISOR.get(metric, 1.0)
+    usual = decimals_for(largest / divisor, most=1 if metric in LEVELS else 2)
+    decimals = DECIMALS.get(metric, usual) if largest else 0
+    return {policy: _figure(each, metric, divisor, decimals) for policy, each in estimates.items()}
+
+
+def _figure(estimate: Estimate, metric: str, divisor: float, decimals: int) -> TableCell:
+    mean = estimate.mean / divisor
+    if math.isnan(mean):
+        return TableCell(fixed(None, 0))
+    digits = max(decimals, _needed(mean)) if divisor != 1.0 else decimals
+    return TableCell(
+        fixed(mean, digits), estimate.mean, interval(estimate, decimals) if metric in WITH_INTERVAL else ""
+    )
+
+
+def _needed(value: float) -> int:
+    """Return the number of decimals for two significant digits, at most three."""
+    return 0 if value >= 10 or value == 0 else min(3, 1 - math.floor(math.log10(value)))
+
+
+def _reached(comparison: Comparison, metric: str) -> dict[str, TableCell]:
+    cells = {}
+    for policy, records in comparison.groups.items():
+        share = comparison.results.success(comparison.scenario, policy, metric)
+        detail = f"{round(share.mean * len(records))}/{len(records)} {percent_interval(share)}".strip()
+        cells[policy] = TableCell(percent(share.mean), share.mean, detail)
+    return cells
+
+
+def _dot_plots(comparison: Comparison, metric: str, styles: Styles) -> dict[str, TableCell]:
+    values = {policy: comparison.results.values(comparison.scenario, policy, metric) for policy in comparison.groups}
+    far = far_behind(comparison)
+    scale = Scale(0.0, max(float(each.max()) for policy, each in values.items() if policy not in far), 110)
+    return {
+        policy: TableCell("", None, episode_dot_plot(each, comparison.estimate(policy, metric), scale, styles[policy]))
+        for policy, each in values.items()
+    }
+
+
+def _wasted(comparison: Comparison, metric: str) -> dict[str, TableCell]:
+    """Return the mean over episodes and the maximum; marked as bad if that is more than :func:`excused`."""
+    cells = {}
+    for policy, records in comparison.groups.items():
+        values = comparison.results.values(comparison.scenario, policy, metric)
+        measured = values[~np.isnan(values)]
+        most, mean = (float(measured.max()), float(measured.mean())) if len(measured) else (0.0, math.nan)
+        detail = f"≤ {fixed(most, 0)}" if len(measured) else ""
+        bad = most > excused(metric, records[0].team)
+        cells[policy] = TableCell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
+    return cells
+
+
+def _failures(comparison: Comparison) -> dict[str, TableCell]:
+    counts = {policy: len(failed(records)) for policy, records in comparison.groups.items()}
+    return {policy: TableCell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
+
+
+def emphasised(comparison: Comparison, column: Column, cells: dict[str, TableCell]) -> dict[str, TableCell]:
+    """Mark the cells that are shown to be the best; mostly there is none."""
+    winners = shown_best(comparison, column.key, lower_is_better=column.lower_is_better)
+    return {policy: replace(cell, best=policy in winners) for policy, cell in cells.items()}

@@ -1,0 +1,1 @@
+"""Style of tables, charts and figures: colours, formats of numbers, fonts."""

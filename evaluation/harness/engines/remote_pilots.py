@@ -1,0 +1,138 @@
+"""Pilots that stand for those of an isolated policy: they ask its process, and check what it answers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from indoor_explorers.env import Briefing, InputError, View
+from indoor_explorers.env.errors import LONGEST, one_line
+from indoor_explorers.env.policies.view import message_numbers
+from indoor_explorers.env.simulation.rollout import Uav
+from indoor_explorers.evaluation.harness.engines.policy_handle import PolicyHandle
+from indoor_explorers.evaluation.harness.engines.policy_process import Shown
+from indoor_explorers.evaluation.harness.episodes.pilots import (
+    BatchFailed,
+    Decision,
+    Tallies,
+    any_briefing,
+    checked_action,
+)
+from indoor_explorers.evaluation.harness.episodes.tallies import PREFIX, mean_tallies
+from indoor_explorers.evaluation.harness.experiment.experiment import Job
+
+#: Seconds by which what a process tells of its decisions may exceed the time from the question to the answer.
+TOLERANCE = 0.01
+
+
+class RemotePilots:
+    """The pilots of an isolated policy: see :class:`~indoor_explorers.evaluation.harness.episodes.pilots.Pilots`.
+
+    All methods raise :class:`~.policy_handle.ProcessEnded` if the process ends, or answers what it must not.
+    """
+
+    def __init__(self, process: PolicyHandle, job: Job) -> None:
+        """Have the policy of a job made there.
+
+        Raises:
+            InputError: it cannot be made.
+
+        """
+        self._process = process
+        self._actions = 5
+        self.privileged = job.privileged
+        with self._checking():
+            told = process.load(job.policy)
+            if "refused" in told:
+                raise InputError(_line(told["refused"]))
+            self._failure = _line(told.get("failed", ""))
+
+    def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> dict[int, str]:
+        """Make the pilots of a new batch."""
+        if self._failure:
+            return dict.fromkeys(briefings, self._failure)
+        one = any_briefing(briefings)
+        self._actions = one.scenario.actions
+        uavs = [(episode, agent) for episode, told in briefings.items() for agent in range(len(told))]
+        self._process.views.begin(uavs, one.shape, writing=True, uncertain=one.scenario.uncertain)
+        with self._checking():
+            failed = self._process.ask("brief", dict(briefings))
+            return {_one_of(briefings, episode): _line(reason) for episode, reason in failed}
+
+    def decide(self, views: Mapping[Uav, View]) -> dict[Uav, Decision]:
+        """Ask for the decisions of all UAVs at once; there, one UAV is asked after the other unless in a batch."""
+        shown: list[Shown] = []
+        for uav, view in views.items():
+            self._process.views.write(uav, view)
+            shown.append(
+                (uav, view.cell, view.step, view.budget, view.mates, view.base_age, view.pose_std, view.heading)
+            )
+        if not shown:
+            return {}
+        with self._checking():
+            answers = self._process.ask("decide", shown)
+            if answers is None and len({episode for episode, _ in views}) > 1:
+                raise BatchFailed
+            pairs = zip(views, answers, strict=True)
+            decided = {uav: _decision(self._actions, *answer) for uav, answer in pairs if answer is not None}
+            told, measured = sum(each.seconds for each in decided.values()), self._process.seconds
+            if told > measured + TOLERANCE:
+                raise ValueError(f"expected decisions of at most {measured:.3g} s, got {told:.3g} s")
+            return decided
+
+    def tally(self, episodes: Collection[int]) -> dict[int, Tallies | str]:
+        """Return the statistics of episodes that have ended, or the reason of a failure."""
+        if self._failure:
+            return {}
+        with self._checking():
+            told = self._process.ask("tally", list(episodes))
+            return {_one_of(episodes, episode): _tallies(tallies) for episode, tallies in told}
+
+    def close(self) -> None:
+        """Have the policy deleted."""
+        self._process.ask("unload")
+
+    @contextmanager
+    def _checking(self) -> Iterator[None]:
+        """End the process if an answer is not what it has to be."""
+        try:
+            yield
+        except InputError:
+            raise
+        except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as error:
+            raise self._process.unreadable() from error
+
+
+def _one_of(episodes: Collection[int], episode: Any) -> int:
+    if episode not in episodes:
+        raise ValueError(f"expected one of {len(episodes)} episodes, got {episode!r}")
+    return int(episode)
+
+
+def _line(text: str) -> str:
+    return one_line(text, 3 * LONGEST)
+
+
+def _decision(
+    actions: int, seconds: float, action: object, message: Any, failure: str, done: object = False
+) -> Decision:
+    if failure:
+        return Decision(0.0, failure=_line(failure))
+    if not 0.0 <= seconds < math.inf:
+        raise ValueError(f"expected the seconds of a decision, got {seconds!r}")
+    try:
+        return Decision(float(seconds), checked_action(action, actions), message_numbers(message), done=done is True)
+    except InputError as error:
+        raise ValueError(str(error)) from error
+
+
+def _tallies(told: Any) -> Tallies | str:
+    """Return statistics, or why they cannot be used."""
+    if isinstance(told, str):
+        return _line(told)
+    try:
+        return mean_tallies([{name.removeprefix(PREFIX): value for name, value in told.items()}])
+    except InputError as error:
+        return str(error)

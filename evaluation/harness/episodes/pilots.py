@@ -1,0 +1,162 @@
+"""The pilots of a batch of episodes, and their decisions with the seconds that each took."""
+
+from __future__ import annotations
+
+import contextlib
+import operator
+from collections.abc import Collection, Mapping, Sequence
+from typing import NamedTuple, Protocol
+
+from indoor_explorers.env import Briefing, InputError, Pilot, Policy, View
+from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.policies.policy import is_action, no_action
+from indoor_explorers.env.policies.view import Message, message_numbers
+from indoor_explorers.env.simulation.rollout import Uav
+from indoor_explorers.evaluation.harness.episodes.failures import BREAKING, describe_error
+from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
+from indoor_explorers.evaluation.harness.episodes.tallies import mean_tallies
+from indoor_explorers.evaluation.harness.episodes.thinking_time import thinking_time
+
+#: The statistics of an episode by name.
+Tallies = dict[str, float | None]
+
+
+class BatchFailed(Exception):
+    """A policy failed while it decided for several episodes at once."""
+
+
+class Decision(NamedTuple):
+    """The decision of one UAV."""
+
+    seconds: float
+    action: int = int(Action.STAY)
+    message: Message = None
+    failure: str = ""
+    """Why there is none; empty if there is one."""
+    done: bool = False
+    """Whether the UAV would end its mission now."""
+
+
+class Pilots(Protocol):
+    """The pilots of a batch, wherever their policy is; what the policy raises becomes the reason of a failure."""
+
+    @property
+    def privileged(self) -> bool:
+        """Whether they are told the true map."""
+
+    def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> dict[int, str]:
+        """Make the pilots of a new batch, given the briefings of each episode; return reasons of failures."""
+
+    def decide(self, views: Mapping[Uav, View]) -> Mapping[Uav, Decision]:
+        """Return the decisions of some UAVs; those of an episode are left out after the first one that failed.
+
+        Raises:
+            BatchFailed: it is not known whose fault a failure is.
+
+        """
+
+    def tally(self, episodes: Collection[int]) -> dict[int, Tallies | str]:
+        """Return the statistics of episodes that have ended, or the reason of a failure, and delete all pilots."""
+
+
+class LocalPilots:
+    """Pilots in the process of their policy, each of whose calls the clock times: see :class:`Pilots`."""
+
+    def __init__(self, policy: Policy, clock: Clock) -> None:
+        self._policy, self._clock = policy, clock
+        self._pilots: dict[int, list[Pilot]] = {}
+        self._actions = 5
+
+    @property
+    def privileged(self) -> bool:
+        """Whether they are told the true map."""
+        return self._policy.privileged
+
+    def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> dict[int, str]:
+        """Make the pilots of a new batch."""
+        self.forget()
+        failures = {}
+        self._actions = any_briefing(briefings).scenario.actions
+        for episode, told in briefings.items():
+            try:
+                with self._clock:
+                    self._pilots[episode] = [self._policy.pilot(briefing) for briefing in told]
+            except BREAKING as error:
+                failures[episode] = describe_error(error)
+        return failures
+
+    def decide(self, views: Mapping[Uav, View]) -> dict[Uav, Decision]:
+        """Ask one UAV after the other, or all at once where the policy is batched."""
+        decided: dict[Uav, Decision] = {}
+        failed: set[int] = set()
+        for group in [list(views)] if self._policy.batched else [[uav] for uav in views]:
+            if group and group[0][0] not in failed:
+                for uav, decision in self._decide(group, [views[uav] for uav in group]):
+                    decided[uav] = decision
+                    if decision.failure:
+                        failed.add(uav[0])
+        return decided
+
+    def tally(self, episodes: Collection[int]) -> dict[int, Tallies | str]:
+        """Ask for statistics, and delete all pilots while the clock runs."""
+        told: dict[int, Tallies | str] = {}
+        for episode in episodes:
+            try:
+                with self._clock:
+                    told[episode] = mean_tallies([pilot.tally() for pilot in self._pilots[episode]])
+                    del self._pilots[episode]
+            except BREAKING as error:
+                told[episode] = describe_error(error)
+        self.forget()
+        return told
+
+    def forget(self) -> None:
+        """Delete the pilots; what they do then counts as a decision's time."""
+        with contextlib.suppress(*BREAKING), self._clock:
+            self._pilots.clear()
+
+    def _decide(self, group: Sequence[Uav], views: Sequence[View]) -> list[tuple[Uav, Decision]]:
+        """Ask some UAVs in one call."""
+        pilots = [self._pilots[episode][agent] for episode, agent in group]
+        try:
+            with self._clock:
+                start = thinking_time()
+                answers = list(self._policy.act(pilots, views))
+                share = (thinking_time() - start) / len(group)
+                if len(answers) != len(group):
+                    raise ValueError(f"act returned {len(answers)} actions for {len(group)} pilots")
+                decisions = [_decision(*each, share, self._actions) for each in zip(answers, pilots, strict=True)]
+        except BREAKING as error:
+            if len({episode for episode, _ in group}) > 1:
+                raise BatchFailed from error
+            return [(group[0], Decision(0.0, failure=describe_error(error)))]
+        return list(zip(group, decisions, strict=True))
+
+
+def any_briefing(briefings: Mapping[int, Sequence[Briefing]]) -> Briefing:
+    """Return one briefing of a batch: all are about one task, on maps of one shape."""
+    return next(briefing for told in briefings.values() for briefing in told)
+
+
+def _decision(answer: object, pilot: Pilot, seconds: float, actions: int) -> Decision:
+    """Return what a pilot has decided, as plain numbers that nobody can change any more."""
+    try:
+        return Decision(seconds, checked_action(answer, actions), message_numbers(pilot.message), done=bool(pilot.done))
+    except (Exception, SystemExit) as error:
+        return Decision(seconds, failure=describe_error(error))
+
+
+def checked_action(answer: object, count: int = 5) -> int:
+    """Return the action that an answer means: of a subclass of int its true value, whatever its methods say.
+
+    Raises:
+        InputError: it is none of ``count`` actions.
+
+    """
+    if type(answer) is int and 0 <= answer < count:  # nearly always; all else takes longer
+        return answer
+    if is_action(answer, count):
+        action = operator.index(answer)
+        if 0 <= action < count:
+            return action
+    raise InputError(no_action(answer, count))

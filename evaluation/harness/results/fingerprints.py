@@ -1,0 +1,53 @@
+"""Recomputes the fingerprints of stored scenarios, by which results are known to be about the same task."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from indoor_explorers.env.scenarios.scenario import hashed, task_facts
+from indoor_explorers.evaluation.harness.episodes.record import Record
+from indoor_explorers.evaluation.harness.episodes.stored_names import outside_names
+from indoor_explorers.evaluation.harness.results.damage import damaged
+
+#: Sources whose identity is that of their cells.
+OF_CELLS = ("files", "office")
+
+
+def refuse_other_fingerprints(
+    path: Path, scenarios: Mapping[str, Mapping[str, Any]], records: Iterable[Record]
+) -> None:
+    """Refuse a store with a scenario that has the fingerprint of another task.
+
+    Scenarios with code of plug-ins, or with map files that no episode was flown on, cannot be told.
+    """
+    flown: dict[str, dict[int, set[str]]] = {name: defaultdict(set) for name in scenarios}
+    for record in records:
+        flown[record.task.scenario][record.task.map_index].add(record.floorplan.digest)
+    for name, settings in scenarios.items():
+        found = _fingerprint(settings, flown[name])
+        if found not in (None, settings["fingerprint"]):
+            raise damaged(
+                path, f"scenario {name!r} has the fingerprint {settings['fingerprint']}, its settings and maps {found}"
+            )
+
+
+def comparable(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings that scenarios of one fingerprint have in common."""
+    maps = settings.get("map", {})
+    return task_facts(settings) | {"map": {"source": maps["source"]} if maps.get("source") in OF_CELLS else maps}
+
+
+def _fingerprint(settings: Mapping[str, Any], flown: Mapping[int, set[str]]) -> str | None:
+    """Return the fingerprint of stored settings and of the maps ``flown`` by index; None where it cannot be told."""
+    maps = settings["map"]
+    if outside_names(settings):
+        return None
+    if maps["source"] in OF_CELLS:
+        cells = ["/".join(sorted(flown[index])) for index, _ in enumerate(maps.get("paths", ["the office"]))]
+        if not all(cells):
+            return None
+        maps = {"source": maps["source"], "cells": cells}
+    return hashed(task_facts(settings) | {"map": maps})

@@ -1,0 +1,110 @@
+"""Whether results are those of a suite: recognised by settings, maps and seeds, however they were flown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from indoor_explorers.env import Scenario
+from indoor_explorers.env.maps.base import BaseMaps
+from indoor_explorers.env.scenarios.suites.catalogue import all_suites
+from indoor_explorers.env.scenarios.suites.suite import Part, Suite
+from indoor_explorers.evaluation.harness.episodes.record import Record
+from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
+from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, outside_names
+
+
+class SuiteTask(NamedTuple):
+    """A task of a suite, told by what is flown rather than by names and places of files."""
+
+    scenario: str
+    """The suite's name of the scenario."""
+    digest: str
+    """Digest of the map; empty where the seed makes it."""
+    seed: int
+
+
+@dataclass(frozen=True)
+class SuiteRun:
+    """The part of a suite that results are about, and how much of it every policy has flown."""
+
+    suite: Suite
+    part: Part
+    flown: frozenset[SuiteTask]
+    """The tasks that every policy flew."""
+
+    @property
+    def total(self) -> int:
+        """Number of tasks of the whole part."""
+        return self.suite.task_count(self.part)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every policy flew all of them."""
+        return len(self.flown) == self.total
+
+    @property
+    def phrases(self) -> list[str]:
+        """What results are about in two short phrases: suite with version and part, and how much of it."""
+        return [f"suite {self.suite.title}, {self.part} part", "complete" if self.complete else self._subset()]
+
+    def _subset(self) -> str:
+        scenarios = len({task.scenario for task in self.flown})
+        return (
+            f"a subset of it: {len(self.flown)} of {self.total} tasks, in {scenarios} of "
+            f"{len(self.suite.scenarios())} scenarios"
+        )
+
+
+def suite_run_of(
+    scenarios: Mapping[str, Mapping[str, Any]], records: Mapping[str, Iterable[Record]]
+) -> SuiteRun | None:
+    """Return which part of which suite results are about; None where any task is of none, or of another one.
+
+    Args:
+        scenarios: stored settings by the name of the scenario.
+        records: the episodes by policy.
+
+    """
+    for suite in all_suites():
+        names = {name: _name_in(suite, settings) for name, settings in scenarios.items()}
+        if names and all(names.values()):
+            found = [{_task(suite, names, record) for record in mine} for mine in records.values()]
+            for part in Part:
+                if found and all(found) and _are_of(suite, part, set().union(*found)):
+                    return SuiteRun(suite, part, frozenset(set.intersection(*found)))
+    return None
+
+
+def _name_in(suite: Suite, stored: Mapping[str, Any]) -> str:
+    """Return the name that a suite gives to a scenario, empty where it is none of it."""
+    if outside_names(stored, MODELS) or (suite.map is not None and not _is_generator(suite.map, stored["map"])):
+        return ""
+    settings = _settings(recorded_scenario(stored))
+    return next((each.name for each in suite.scenarios() if _settings(each) == settings), "")
+
+
+def _is_generator(maps: BaseMaps, stored: Mapping[str, Any]) -> bool:
+    """Tell whether stored settings are those of a generator; what older results lack is at its default."""
+    try:
+        return type(maps).model_validate(stored) == maps
+    except ValidationError:
+        return False
+
+
+def _settings(scenario: Scenario) -> dict[str, Any]:
+    """Return what makes a task beside its maps; one UAV has nobody to call."""
+    return scenario.model_dump(exclude={"name", "map", *(["radio"] if scenario.team == 1 else [])})
+
+
+def _task(suite: Suite, names: Mapping[str, str], record: Record) -> SuiteTask:
+    digest = record.floorplan.digest if suite.map is None else ""
+    return SuiteTask(names[record.task.scenario], digest, record.task.seed)
+
+
+def _are_of(suite: Suite, part: Part, tasks: set[SuiteTask]) -> bool:
+    digests = {each.digest for _, each in suite.maps(part)} if suite.map is None else {""}
+    return all(task.seed in suite.seeds(part) and task.digest in digests for task in tasks)

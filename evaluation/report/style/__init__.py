@@ -1,1 +1,0 @@
-"""Number formats, colours, the style of print figures, and packed arrays."""

@@ -1,0 +1,1 @@
+"""Commands that build on comparisons: benchmarks, ablations, the thesis, leaderboards, maps, trainings."""

@@ -1,0 +1,157 @@
+"""Leaderboards as tables of the terminal and as a Markdown page."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from indoor_explorers.env.errors import one_line
+from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
+from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
+from indoor_explorers.evaluation.drawing.formatting import (
+    counted,
+    decimals_for,
+    fixed,
+    interval,
+    percent,
+    with_interval,
+)
+from indoor_explorers.evaluation.exports.markdown import escaped
+from indoor_explorers.evaluation.statistics import CONFIDENCE, Estimate
+from indoor_explorers.evaluation.studies.leaderboard.board import Board, BoardRow
+
+#: What the columns mean, and what nobody has tested, below the tables.
+LEGEND = (
+    "Rank: 1 + the number of policies that are significantly better at the last threshold (sign-flip test of all pairs "
+    f"at once where both finish, p at most {1 - CONFIDENCE:.2f}, the maps of a building flipped together; who finishes "
+    "fewer tasks is not better, who finishes significantly more is), with = where it is shared. Policies that "
+    "know the map are not ranked. Times are mean steps [95 % interval]; an episode that never gets there counts as its "
+    "budget. Every episode was simulated again from its map, seed and actions."
+)
+NOT_FLOWN = "Not flown again (--fly): what policies are and what they know is as their folders say."
+#: Steps from which on times have no decimals.
+MANY = 100.0
+#: Characters of a command.
+LONGEST_COMMAND = 10_000
+#: The heading of commits and days, which the terminal leaves out.
+FLOWN = "flown at"
+
+
+@dataclass(frozen=True)
+class BoardTable:
+    """The table of one scenario as texts."""
+
+    title: str
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def legend(fly: int) -> str:
+    """Return what the columns mean, and whether policies flew ``fly`` of their episodes again."""
+    again = (
+        f"Policies were made again, and flew {counted(fly, 'episode')} of each scenario again with the same actions; "
+        "those that were not are named with the tables."
+    )
+    return f"{LEGEND} {again if fly else NOT_FLOWN}"
+
+
+def board_tables(board: Board) -> list[BoardTable]:
+    """Return a table for each scenario of a leaderboard."""
+    return [_table(board, comparison) for comparison in board.comparisons]
+
+
+def _table(board: Board, comparison: Comparison) -> BoardTable:
+    times = comparison.level.times
+    titles = [metric.upper() for metric in times]
+    headings = ("rank", "policy", *titles, f"{titles[-1]} / nearest", comparison.level.percent, "AUC")
+    rows = tuple(_row(comparison, row, times) for row in board.rows(comparison))
+    if len(board.flown) > 1:
+        headings += (FLOWN,)
+        rows = tuple((*cells, row.origin.flown) for cells, row in zip(rows, board.rows(comparison), strict=True))
+    tasks = len(next(iter(comparison.groups.values())))
+    maps = counted(comparison.map_count, "map")
+    if comparison.building_count < comparison.map_count:
+        maps += f" of {counted(comparison.building_count, 'building')}"
+    return BoardTable(f"{comparison.title}: {counted(tasks, 'task')} on {maps}", headings, rows)
+
+
+def _row(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> tuple[str, ...]:
+    policy = row.policy
+    return (
+        row.rank.text if row.rank else "",
+        marked(comparison.results, policy),
+        *(_steps(comparison.estimate(policy, metric)) for metric in times),
+        _ratio(row),
+        percent(comparison.reached(policy)),
+        fixed(comparison.estimate(policy, "auc").mean, 3),
+    )
+
+
+def _steps(time: Estimate) -> str:
+    return with_interval(time, decimals_for(time.mean) if time.mean < MANY else 0)
+
+
+def _ratio(row: BoardRow) -> str:
+    if row.to_baseline is None:
+        return ""
+    ratio = row.to_baseline.ratio.of_tasks
+    return f"{bounded(fixed(ratio.mean, 2), row.to_baseline.censoring.bound)} {interval(ratio, 2)}".strip()
+
+
+def markdown_page(boards: Sequence[Board]) -> str:
+    """Return the leaderboards as a Markdown page, with the commands that flew them."""
+    return "\n".join(_page(boards))
+
+
+def _page(boards: Sequence[Board]) -> Iterator[str]:
+    title = "Leaderboards" if len(boards) > 1 else f"Leaderboard: {escaped(boards[0].title)}"
+    yield from (
+        f"# {title}",
+        "",
+        legend(boards[0].fly),
+        "",
+        "This page is what `indoor-explorers leaderboard` writes.",
+        "",
+    )
+    for board in boards:
+        if len(boards) > 1:
+            yield from (f"## {escaped(board.title)}", "")
+        if board.about:
+            yield from (f"{escaped(board.about)}.".replace("..", "."), "")
+        for table in board_tables(board):
+            yield from (f"{'###' if len(boards) > 1 else '##'} {escaped(table.title)}", "")
+            yield from (_line(table.headings), _line(["---"] * len(table.headings)))
+            yield from (_line([_unbroken(escaped(text)) for text in row]) for row in table.rows)
+            yield ""
+        notes = [*footnotes(board.results, list(board.results.policies), times=False), *board.left_out]
+        yield from (f"{escaped(note)}\n" for note in (*notes, *board.results.map_notes))
+        origins = list(dict.fromkeys(board.origins.values()))
+        commands = dict.fromkeys(_portable(each) for origin in origins for each in origin.commands if each)
+        machines = dict.fromkeys(each for origin in origins for each in origin.machines)
+        when = f" at {board.flown[0]}" if len(board.flown) == 1 else ""
+        yield from (
+            f"Flown on {escaped('; '.join(machines))}{when} with",
+            "",
+            *(f"    {each}" for each in commands),
+            "",
+        )
+
+
+def _portable(command: str) -> str:
+    """Return a command on one line without the folders of the machine on which it was typed."""
+    try:
+        words = shlex.split(command)
+    except ValueError:  # its runs may say anything
+        return one_line(command, LONGEST_COMMAND)
+    places = [k for k, word in enumerate(words[:-1], 1) if word in ("--data", "--out")]
+    return one_line(shlex.join("DIR" if k in places else word for k, word in enumerate(words)), LONGEST_COMMAND)
+
+
+def _unbroken(text: str) -> str:
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"

@@ -1,1 +1,0 @@
-"""Information gain: frontier clusters, view gains, candidates."""

@@ -1,0 +1,51 @@
+"""A pilot that chooses its goal alone, from what teammates in contact have told and those out of contact may do."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Cell, Distances
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from indoor_explorers.planners.toolbox.navigation.teammates import message_of
+
+
+class IndependentPilot(GoalPilot):
+    """Choose places near this UAV, or nearest frontier cells where there are none, and send the goal to teammates."""
+
+    straight = True
+
+    def __init__(self, briefing: Briefing) -> None:
+        super().__init__(briefing)
+        self._lidar = float(briefing.lidar_range)
+        self._out_of_contact = OutOfContact(briefing)
+        self._out_of_range = 0
+
+    @abstractmethod
+    def chosen(self, view: View) -> Cell | None:
+        """Return the place to fly to; None if none is in range."""
+
+    def choose(self, view: View) -> Cell | None:
+        """Return the chosen place, or the nearest frontier cell if none is in range."""
+        goal = self.chosen(view)
+        if goal is None:
+            goal = self.nearest_frontier(view)
+            self._out_of_range += goal is not None
+        self.message = message_of(goal)
+        return goal
+
+    def tally(self) -> dict[str, float]:
+        """Return also the number of goals that were nearest frontiers because no place was in range."""
+        return {**super().tally(), "out_of_range": float(self._out_of_range)}
+
+    def points(self, cells: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Return the rows and columns of (K,) flat cells, (K, 2)."""
+        return np.stack(np.divmod(cells, self.paths.width), axis=1).astype(np.float64)
+
+    def left_by_others(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
+        """Return the factors on the value of (K,) flat cells, ``steps`` away, for teammates out of contact, (K,)."""
+        return self._out_of_contact.at_cells(view, cells, steps, self.steps_from)

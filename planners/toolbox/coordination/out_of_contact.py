@@ -1,0 +1,79 @@
+"""Factors on gains that leave cells to teammates out of contact: near silent ones, and in the sectors of unheard ones.
+
+Any planner can multiply its gains by these factors. No factor is 0: a teammate out of contact may have ended, and the
+cells left to it are explored when no others remain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Cell, Distances
+from indoor_explorers.env.policies.view import Briefing, Mate, View
+from indoor_explorers.planners.toolbox.coordination.sectors import Sectors
+from indoor_explorers.planners.toolbox.navigation.teammates import remembered, whereabouts
+
+#: Smallest factor of one silent teammate.
+LEAST = 1e-3
+#: Computes the steps (K,) from a cell to each of K places on the current map.
+StepsFrom = Callable[[Cell], Distances]
+#: Computes the steps (H, W) from a cell to all others on the map of a view.
+FieldFrom = Callable[[View, Cell], Distances]
+
+
+class OutOfContact:
+    """Compute the factors of one UAV for the teammates that it is out of contact with, during one episode.
+
+    A silent teammate is assumed to work around its last received cell or goal, and one that was never heard in its
+    sector of the map. Forgotten teammates have no influence.
+
+    Args:
+        briefing: Briefing of the UAV.
+        silence: Lidar ranges by which a silent teammate must be closer to a place for a factor of e^-1.
+        sector: Preference for the own sector while teammates were never heard; the factor on the opposite side is
+            e^(-2 sector).
+
+    """
+
+    def __init__(self, briefing: Briefing, *, silence: float = 0.3, sector: float = 3.0) -> None:
+        self._briefing = briefing
+        self._silence = silence * briefing.lidar_range
+        self._sector = sector
+        self._sectors: Sectors | None = None
+
+    def factors(
+        self, view: View, points: NDArray[np.float64], own_steps: Distances, steps_from: StepsFrom
+    ) -> NDArray[np.float64]:
+        """Return the factors of K places, (K,) in (0, 1], for all teammates out of contact.
+
+        ``points`` (K, 2) are the places' rows and columns, ``own_steps`` (K,) their path lengths from this UAV. The
+        first call must be made in the UAV's start cell.
+        """
+        left = self.left_by_unheard(view, points)
+        for mate in remembered(view, self._briefing):
+            if mate.age > 0:
+                left *= self._left_by_silent(mate, own_steps, steps_from)
+        return left
+
+    def at_cells(
+        self, view: View, cells: NDArray[np.int32], own_steps: Distances, field_from: FieldFrom
+    ) -> NDArray[np.float64]:
+        """Return the factors of (K,) flat cells, (K,) in (0, 1], as :meth:`factors` does."""
+        points = np.stack(np.divmod(cells, view.belief.shape[1]), axis=1).astype(np.float64)
+        return self.factors(view, points, own_steps, lambda cell: field_from(view, cell).ravel()[cells])
+
+    def left_by_unheard(self, view: View, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the factors of K places, (K,) in (0, 1], for teammates never heard, from the sectors alone."""
+        if self._sectors is None:
+            self._sectors = Sectors.of(self._briefing, view.cell)
+        unheard = self._briefing.team - 1 - len(view.mates)
+        if unheard == 0:
+            return np.ones(len(points))
+        return self._sectors.shares(points, self._briefing.agent, self._sector * unheard / (self._briefing.team - 1))
+
+    def _left_by_silent(self, mate: Mate, own_steps: Distances, steps_from: StepsFrom) -> NDArray[np.float64]:
+        ahead = np.maximum(0, own_steps - steps_from(whereabouts(mate)))
+        return np.asarray(np.maximum(LEAST, np.exp(-ahead / self._silence)))

@@ -1,0 +1,1 @@
+"""Frontiers: the known free cells beside unknown ones, in clusters."""

@@ -1,0 +1,1 @@
+"""Information gain: what a scan from a cell would newly show, and the candidates that are worth one."""

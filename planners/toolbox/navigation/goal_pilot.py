@@ -1,0 +1,141 @@
+"""A pilot that flies to goals; planners only choose them.
+
+Each step goes through the same states, whatever the planner::
+
+    observe -> [map grew] -> on_map_growth
+       |
+       +- no goal:           map grew?                         -> choose
+       +- is_spent(goal):    nothing left to see there         -> choose
+       +- overdue:           not reached in time; ban the goal -> choose
+       +- wants_replan:      and the UAV does not oscillate    -> choose
+       +- else:              keep the goal; new path if the map grew or the UAV left its path
+       |
+    next_action: blocked twice by a teammate? detour, other frontier, or retreat; else the next cell of the path
+
+If ``choose`` finds nothing, it is called once more without bans; and where maps can be wrong, with doubtful obstacles
+taken as unknown, as wrong ones may close a door. :class:`~.navigator.Navigator` follows the paths.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
+from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
+from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.search.frontiers import on_frontier
+from indoor_explorers.env.sensing.inverse_model import HIT
+from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
+
+#: How sure obstacles are that are doubted when nothing else is left, in log-odds: less sure ones first.
+DOUBTED = (4 * HIT, 16 * HIT, 64 * HIT)
+
+
+class GoalPilot(Pilot):
+    """Fly to goals that a subclass chooses.
+
+    A goal is kept until it is no longer a frontier cell. A UAV always sees its four neighbours, so a reached goal is
+    not a frontier cell any more; and as long as a frontier cell is reachable there is a goal. So every reachable cell
+    becomes known. A UAV that oscillates between two cells, as when two UAVs keep reacting to each other's goals, keeps
+    its goal.
+    """
+
+    straight: ClassVar[bool] = False
+    """Whether to fly the straightest shortest path (:mod:`~.straight_paths`)."""
+
+    def __init__(self, briefing: Briefing) -> None:
+        self.briefing = briefing
+        self.rng = briefing.rng
+        self.navigator = Navigator(briefing, straight=self.straight)
+        self.paths = self.navigator.paths
+        self.plans = 0
+        """Number of goals chosen so far."""
+
+    @abstractmethod
+    def choose(self, view: View) -> Cell | None:
+        """Return the frontier cell to fly to next, except :meth:`near_banned` ones; None if none is reachable."""
+
+    def on_map_growth(self, view: View) -> None:  # a hook that most planners leave empty
+        """Handle new knowledge of the map; called before any choice of a goal."""
+
+    def is_spent(self, view: View, goal: Cell) -> bool:
+        """Tell whether a goal is no longer useful: by default, if it is no frontier cell."""
+        return not on_frontier(view.belief, goal[0] * self.paths.width + goal[1])
+
+    def wants_replan(self, view: View) -> bool:
+        """Tell whether to choose again although the goal is still useful; called at every step."""
+        return False
+
+    @property
+    def goal(self) -> Cell | None:
+        """The current goal."""
+        return self.navigator.goal
+
+    @property
+    def map_grew(self) -> bool:
+        """Whether cells have become known since the last step."""
+        return self.navigator.map_grew
+
+    def act(self, view: View) -> int:
+        """Follow the path to the goal, and choose another goal if due."""
+        self.navigator.observe(view)
+        return self.proceed(view)
+
+    def proceed(self, view: View) -> int:
+        """Return the next move towards the goal, after :meth:`Navigator.observe`."""
+        navigator = self.navigator
+        if navigator.map_grew:
+            self.on_map_growth(view)
+        if self._choice_is_due(view):
+            self.choose_goal(view)
+        elif navigator.map_grew or navigator.is_off_path(view):
+            navigator.find_path(view)
+        return navigator.next_action(view)
+
+    def choose_goal(self, view: View) -> None:
+        """Choose a goal and a path to it; a banned goal if there is no other."""
+        self.plans += 1
+        goal = self.choose(view)
+        if goal is None and self.navigator.lift_bans():
+            goal = self.choose(view)
+        if goal is None and view.log_odds is not None:
+            goal = self._beside_doubtful(view, view.log_odds)
+        self.navigator.set_goal(view, goal)
+        self.done = goal is None
+
+    def _beside_doubtful(self, view: View, log_odds: NDArray[np.float32]) -> Cell | None:
+        """Return a goal beside an obstacle that few readings speak for; None if there is none."""
+        for most in DOUBTED:
+            belief = np.where((view.belief == OCCUPIED) & (log_odds <= most), UNKNOWN, view.belief)
+            goal = self.choose(view._replace(belief=belief))
+            if goal is not None:
+                return goal
+        return None
+
+    def tally(self) -> dict[str, float]:
+        """Return the number of goals given up because teammates were in the way, and of goals chosen."""
+        return {"goals_given_up": float(self.navigator.given_up), "plans": float(self.plans)}
+
+    def steps_from(self, view: View, cell: Cell) -> Distances:
+        """Return the (H, W) steps from a cell through known free cells; those from the UAV's cell are cached."""
+        return self.navigator.steps_from(view, cell)
+
+    def near_banned(self, view: View, cells: NDArray[np.int32]) -> Mask:
+        """Return which of (K,) flat cells are too close to a banned goal, (K,) bool."""
+        return self.navigator.near_banned(view, cells)
+
+    def nearest_frontier(self, view: View) -> Cell | None:
+        """Return the frontier cell with the shortest known path, drawn at random among equals; None if unreachable."""
+        return self.navigator.nearest_frontier(view)
+
+    def _choice_is_due(self, view: View) -> bool:
+        if self.goal is None:
+            return self.map_grew or view.log_odds is not None
+        if self.is_spent(view, self.goal) or self.navigator.is_overdue(view):
+            return True
+        return self.navigator.may_replan and self.wants_replan(view)

@@ -1,0 +1,80 @@
+"""Outlook: which frontier clusters probably lead to something, and which can wait, from estimated pockets.
+
+A UAV that aims at 99 % may leave 1 % unknown. Clusters that cost most steps for each cell that they probably hide are
+deferred, as long as all deferred ones together probably hide no more than what may stay unknown of the cells found so
+far. What may stay unknown of the whole map would be used up early, and be missing later.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env.grid.arrays import Distances, Mask
+from indoor_explorers.env.policies.view import Briefing
+from indoor_explorers.env.provenance import recorded_maps
+from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED, PocketEstimates
+from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
+
+
+class EstimateUser:
+    """What a policy that uses the estimates tells of them."""
+
+    def provenance(self) -> dict[str, str]:
+        """Return a hash of the estimates' weights."""
+        return {"pocket_weights": hashlib.sha256(SHIPPED.read_bytes()).hexdigest()[:16]}
+
+    def seen_maps(self) -> dict[str, list[str]]:
+        """Return the maps that the estimates were learned from."""
+        return recorded_maps(SHIPPED.with_suffix(".json"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutlookParameters:
+    """Parameters of the outlook."""
+
+    skip: float = 0.75
+    """Most cells that deferred clusters may hide together, as a share of those that may stay unknown."""
+    risk: float = 0.1
+    """Largest probability that a deferred cluster hides more than a quarter of them; coming back for it is dear."""
+    visit: float = 3.0
+    """Steps that a visit costs besides the way to the cluster, in lidar ranges."""
+    near: int = 2
+    """Steps within which a cluster is never deferred."""
+    aim: float = 0.99
+    """Coverage to reach as soon as possible; the scenario's goal if that is lower."""
+
+
+class Outlook(NamedTuple):
+    """What to expect of K clusters."""
+
+    deferred: Mask
+    """(K,) bool, whether the cluster can wait until no others are left."""
+    chances: NDArray[np.float64]
+    """(K,) probability that any unknown free cell is behind it."""
+
+
+class ClusterJudge:
+    """Tell the outlook of one UAV's clusters from what is estimated behind them."""
+
+    def __init__(self, briefing: Briefing, parameters: OutlookParameters) -> None:
+        self._parameters = parameters
+        self._visit = parameters.visit * briefing.lidar_range
+        self._share = parameters.skip * (1.0 - min(parameters.aim, briefing.scenario.goal))
+
+    def outlook(self, estimates: PocketEstimates, known: int, away: Distances) -> Outlook:
+        """Return the outlook of K clusters.
+
+        ``known`` is the number of known free cells, and ``away`` (K,) are the steps from the UAV.
+        """
+        allowance = self._share * known
+        large = int(np.searchsorted(THRESHOLDS, allowance / 4.0, side="right")) - 1
+        safe = np.flatnonzero(estimates.tails[:, large] <= self._parameters.risk)
+        order = safe[np.argsort(estimates.sizes[safe] / (self._visit + away[safe]), kind="stable")]
+        deferred = np.zeros(len(away), np.bool_)
+        deferred[order[np.cumsum(estimates.sizes[order]) <= allowance]] = True
+        return Outlook(deferred & (away > self._parameters.near), estimates.tails[:, 0])

@@ -1,0 +1,55 @@
+"""Goals: whatever a planner changes its mind to, its UAV gets somewhere."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from indoor_explorers.env import FREE, OCCUPIED, PRESETS, UNKNOWN, Action, make_policy
+from indoor_explorers.env.grid.arrays import Cell
+from indoor_explorers.env.policies.policy import Pilot, Policy
+from indoor_explorers.env.policies.view import Briefing, View
+from indoor_explorers.env.sensing.inverse_model import HIT
+from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
+from tests.planners.flights import fly
+
+
+class Fickle(GoalPilot):
+    """Prefer the frontier on the other side at every step."""
+
+    def wants_replan(self, view: View) -> bool:
+        return True
+
+    def choose(self, view: View) -> Cell | None:
+        known = np.flatnonzero(view.belief[1] == 1)
+        ends = [end for end in ((1, int(known[0])), (1, int(known[-1]))) if not self.is_spent(view, end)]
+        return ends[view.step % len(ends)] if ends else None
+
+
+class FicklePolicy(Policy):
+    def pilot(self, briefing: Briefing) -> Pilot:
+        return Fickle(briefing)
+
+
+def test_who_keeps_changing_its_mind_gets_somewhere() -> None:
+    free = np.zeros((3, 30), np.bool_)
+    free[1, 1:-1] = True
+    flight = fly(FicklePolicy(), free, spawns=[(1, 15)])
+    assert flight.complete
+    assert 2 <= flight.longest_dither <= 6
+
+
+@pytest.mark.parametrize(("readings", "goes"), [(None, False), (2, True), (60, True), (70, False)])
+def test_obstacles_that_few_readings_speak_for_are_looked_at_where_nothing_else_is_left(readings, goes) -> None:
+    belief = np.full((3, 9), OCCUPIED)
+    belief[1, 1:4], belief[1, 5:8] = FREE, UNKNOWN  # and an obstacle between
+    log_odds = None if readings is None else np.where(belief == OCCUPIED, np.float32(100.0) * HIT, -HIT)
+    if log_odds is not None:
+        log_odds[1, 4] = readings * HIT
+    scenario = PRESETS["thesis-open"]
+    briefing = Briefing(agent=0, team=1, shape=(3, 9), lidar_range=3.0, scenario=scenario, rng=np.random.default_rng(0))
+    pilot = make_policy("frontier-nearest").pilot(briefing)
+    legal = np.array([False, False, False, True, True])
+    view = View(belief, (1, 1), legal, 0, 100, (), belief == FREE, log_odds=log_odds)
+    assert pilot.act(view) == (Action.RIGHT if goes else Action.STAY)
+    assert pilot.done == (not goes)
