@@ -99,7 +99,7 @@ def _tell(line: str) -> None:
 
 
 def chosen_examples(examples: dict[str, NDArray[Any]], learn_from: str) -> dict[str, NDArray[Any]]:
-    """Return the examples of real maps, of generated ones, or of both."""
+    """Return the examples, each array (K, ...), of real maps, of generated ones, or of both."""
     if learn_from == "both":
         return examples
     chosen = examples["real"] == (learn_from == "real")

@@ -38,7 +38,10 @@ class ThesisWeights(NamedTuple):
 
 
 def weights_from(arrays: Mapping[str, NDArray[Any]], view: tuple[int, int]) -> ThesisWeights:
-    """Arrange a torch network's arrays for acting; ``view`` are the rows and columns after its convolutions."""
+    """Arrange a torch network's arrays (outputs, inputs, ...) for acting.
+
+    ``view`` are the rows and columns after its convolutions.
+    """
     found = []
     for layer in ("convolutions.0", "convolutions.1", "convolutions.2", "first", "second", "value", "advantage"):
         weight, bias = arrays[f"{layer}.weight"], arrays[f"{layer}.bias"]

@@ -29,7 +29,7 @@ class TrainedNetwork(NamedTuple):
 
 
 def write_weights(path: Path, arrays: Mapping[str, NDArray[Any]], image_format: ImageFormat) -> None:
-    """Write a network's arrays in half precision, rounded to three digits."""
+    """Write a network's arrays, shaped as ``image_format.shapes()``, in half precision, rounded to three digits."""
     write_weights_file(path, arrays, image_format._asdict(), half=True)
 
 

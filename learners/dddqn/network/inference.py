@@ -67,7 +67,7 @@ def shapes(layout: ObservationLayout, config: NetworkConfig) -> dict[str, tuple[
 def weights_from(
     arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config: NetworkConfig
 ) -> NetworkWeights:
-    """Arrange the arrays of :func:`shapes` for acting."""
+    """Arrange the arrays of :func:`shapes`, (outputs, inputs) or (outputs,), for acting."""
     matrices = ("think", "value", "advantage", "move_hidden", "move_out")
     names = ["look.weight", "look.bias", "look_norm.weight", "look_norm.bias"]
     for name in matrices:

@@ -41,7 +41,10 @@ def tabulate(belief: np.ndarray, unknown: np.ndarray, free: np.ndarray) -> None:
 
 @leaf(entry=False)
 def within(table: np.ndarray, top: int, left: int, bottom: int, right: int) -> int:
-    """Return the sum over rows top..bottom - 1 and columns left..right - 1, clipped to the map."""
+    """Return the sum over rows top..bottom - 1 and columns left..right - 1, clipped to the map.
+
+    ``table`` (H + 1, W + 1) is the summed-area table.
+    """
     height, width = table.shape[0] - 1, table.shape[1] - 1
     top, bottom = min(max(top, 0), height), min(max(bottom, 0), height)
     left, right = min(max(left, 0), width), min(max(right, 0), width)

@@ -56,7 +56,7 @@ def _arranged(hidden: NDArray[Any], hidden_bias: NDArray[Any], out: NDArray[Any]
 
 
 def prior_from(arrays: Mapping[str, NDArray[Any]]) -> MapPrior:
-    """Return the prior with the arrays of a weights file, named as in :func:`prior_arrays`; empty without arrays."""
+    """Return the prior with the arrays of a weights file, as :func:`prior_shapes` has them; empty without arrays."""
     if not arrays:
         return no_prior()
     return _arranged(arrays["prior.hidden"], arrays["prior.hidden_bias"], arrays["prior.out"], arrays["prior.out_bias"])

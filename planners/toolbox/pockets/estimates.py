@@ -111,7 +111,10 @@ class PocketEstimator:
 
 @kernel()
 def _are_alike(coarse: np.ndarray, before: np.ndarray, numbers: np.ndarray, most: int) -> np.ndarray:
-    """Return which coarse pictures, (K,), differ by at most so many cells from those before of the given numbers."""
+    """Return which coarse pictures (K, layers, SIDE, SIDE) differ by at most ``most`` cells from previous ones, (K,).
+
+    ``numbers`` (K,) are the places of the previous pictures in ``before``, -1 where there is none.
+    """
     alike = np.zeros(numbers.shape[0], np.bool_)
     for k in range(numbers.shape[0]):
         if numbers[k] >= 0:
