@@ -32,23 +32,6 @@ _KEEN = {
 #: The empty room: steps cost more until 90 % are known.
 _OPEN = _KEEN | {"total_steps": 1_000_000, "reward_early_step": -0.25, "evaluation_every": 96_000}
 
-#: Buildings of any size: candidates instead of tours.
-_GENERAL = _KEEN | {
-    "also": ["small-rooms", "small-cave", "small-maze"],
-    "team": 1,
-    "scale_rewards": True,
-    "observation.progress": True,
-    "observation.tours": False,
-    "observation.prospects": True,
-    "total_steps": 1_000_000,
-    "return_steps": 8,
-    "gamma_first": 0.97,
-    "gamma_last": 0.985,
-    "network.tour_pull": 1.5,
-    "evaluation_every": 96_000,
-    "evaluation_episodes": 40,
-}
-
 PRESETS: dict[str, Preset] = {
     "thesis-open": Preset("thesis-open", _OPEN, 1),
     #: Some 10,000 episodes with a quarter of the updates; these weights do not ship.
@@ -65,7 +48,8 @@ PRESETS: dict[str, Preset] = {
         1,
     ),
     "thesis-obstacles": Preset("thesis-obstacles", _KEEN | {"observation.tour_width": 24, "total_steps": 3_000_000}, 1),
-    #: Moves of teams; sooner at 90 % and later at 99 % than ``thesis-obstacles``, which ``dddqn`` flies instead.
+    #: Moves of teams; sooner at 90 % and later at 99 % than ``thesis-obstacles``, which ``dddqn`` flies instead
+    #: (DDDQN.md has the figures).
     "thesis-team": Preset(
         "thesis-team-4",
         _KEEN
@@ -91,8 +75,6 @@ PRESETS: dict[str, Preset] = {
         },
         1,
     ),
-    #: Moves on maps of any size; ``dddqn`` flies to places there instead.
-    "general": Preset("small-offices", _GENERAL, 1),
     "thesis-open-map": Preset("thesis-open", _MAP_ALONE | {"total_steps": 3_000_000}, 1),
     "thesis-obstacles-map": Preset("thesis-obstacles", _MAP_ALONE | {"total_steps": 5_000_000}, 1),
 }

@@ -38,7 +38,7 @@ class Batch(NamedTuple):
 
 
 def batch_of(choices: Choices, some: NDArray[np.int64]) -> Batch:
-    """Return some of the choices, by their numbers."""
+    """Return the choices with the numbers ``some`` (B,)."""
     tensors = (torch.from_numpy(choices.arrays[name][some]) for name in Batch._fields)
     return Batch(*(each if each.dtype is torch.bool else each.float() for each in tensors))
 

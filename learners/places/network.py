@@ -7,24 +7,23 @@ matter, nor does their number.
 
 from __future__ import annotations
 
-import json
-from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.learners.places.scene import COMMON, PLACE, Scene
 from indoor_explorers.planners.toolbox.networks.layers import linear, relu
-from indoor_explorers.planners.toolbox.networks.tensors import read_tensors, write_tensors
+from indoor_explorers.planners.toolbox.networks.weights_file import (
+    read_once,
+    read_weights_file,
+    write_weights_file,
+)
 
 #: Width of every hidden layer.
 HIDDEN = 64
-#: Name of the metadata entry with what the weights need to be flown.
-ABOUT = "about"
 
 
 class NetworkWeights(NamedTuple):
@@ -98,24 +97,20 @@ def without_network(loaded: Loaded) -> Loaded:
 
 def write_weights(path: Path, loaded: Loaded) -> None:
     """Write weights with what they need to be flown."""
-    about = {"prior": loaded.prior, "guess": loaded.guess, "others": loaded.others}
-    write_tensors(path, loaded.weights._asdict(), {ABOUT: json.dumps(about)})
+    about = {name: value for name, value in loaded._asdict().items() if name != "weights"}
+    write_weights_file(path, loaded.weights._asdict(), about)
 
 
+@read_once
 def load_weights(path: Path) -> Loaded:
     """Return the content of a weights file; a process reads the file once, and again when it changes.
 
-    Raises :class:`InputError` where it is missing or holds another network.
+    Raises:
+        InputError: the file is missing or holds another network.
+
     """
-    return _read_once(path, path.stat().st_mtime_ns if path.is_file() else 0)
-
-
-@lru_cache(maxsize=8)
-def _read_once(path: Path, changed: int) -> Loaded:
-    expected = shapes()
-    found, metadata = read_tensors(path, sum(4 * int(np.prod(shape)) for shape in expected.values()) + 10_000)
-    if {name: array.shape for name, array in found.items()} != expected or ABOUT not in metadata:
-        raise InputError(f"{path}: expected a network that chooses places, got another; give weights that it trained")
-    about = json.loads(metadata[ABOUT])
-    weights = NetworkWeights(**{name: np.ascontiguousarray(found[name], np.float32) for name in expected})
-    return Loaded(weights, float(about["prior"]), bool(about["guess"]), bool(about["others"]))
+    file = read_weights_file(path, "dddqn-places")
+    prior, guess, others = file.described(
+        lambda about: (float(about["prior"]), bool(about["guess"]), bool(about["others"]))
+    )
+    return Loaded(NetworkWeights(**file.checked(shapes())), prior, guess, others)

@@ -1,4 +1,4 @@
-"""The rounds of a training: what its folder has is not made again."""
+"""The rounds of a training, resumable from its folder."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Training:
     workers: int
 
     def weights(self, number: int) -> Path:
-        """Return the path of the network after so many rounds."""
+        """Return the path of the network after ``number`` rounds."""
         return self.folder / f"round-{number}.safetensors"
 
     def run(self, tell: Callable[[str], None]) -> Iterator[dict[str, Any]]:

@@ -64,7 +64,10 @@ def minimise(
     loss: Callable[[NDArray[np.int64]], Tensor],
     decay: float = 0.0,
 ) -> float:
-    """Minimise a loss over some choices; return its mean over the last pass."""
+    """Minimise a loss over the choices with the numbers ``some`` (N,); return its mean over the last pass.
+
+    ``loss`` gets the numbers (B,) of a batch and returns a scalar.
+    """
     optimiser = torch.optim.AdamW(network.parameters(), lr=rate, weight_decay=decay)
     order = list(_batches(some, passes))
     schedule = torch.optim.lr_scheduler.LinearLR(optimiser, 1.0, 0.05, max(1, len(order)))
@@ -125,6 +128,6 @@ def learn_choices(network: AdvantageNet, choices: Choices, worth: NDArray[np.flo
 
 
 def explained(choices: Choices, values: NDArray[np.float32]) -> float:
-    """Return the share of the variance of the returns that the values explain."""
+    """Return the share of the variance of the returns that the values (C,) explain."""
     returns = advantages(choices, np.zeros_like(values), 1.0)
     return float(1.0 - np.var(returns - values) / np.var(returns))

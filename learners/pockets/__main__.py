@@ -24,7 +24,7 @@ from indoor_explorers.learners.pockets.maps import TrainingMaps, map_files
 from indoor_explorers.learners.pockets.model import arrays
 from indoor_explorers.learners.pockets.train import train
 from indoor_explorers.learners.pockets.validation import as_table, judge
-from indoor_explorers.planners.toolbox.networks.tensors import write_tensors
+from indoor_explorers.planners.toolbox.networks.weights_file import write_weights_file
 
 #: The file of the weights; a JSON file of the same name says how they were made.
 NAME = "pockets"
@@ -69,7 +69,7 @@ def _train(asked: argparse.Namespace) -> None:
     for network, epoch in train(examples, epochs=asked.epochs, seed=asked.seed):
         _tell(", ".join(f"{name} {value:.4g}" for name, value in epoch.items()))
         losses.append(epoch)
-        write_tensors(asked.out / f"{NAME}.safetensors", arrays(network))
+        write_weights_file(asked.out / f"{NAME}.safetensors", arrays(network), {})
     about: dict[str, Any] = {
         "command": " ".join(
             (
@@ -99,7 +99,7 @@ def _tell(line: str) -> None:
 
 
 def chosen_examples(examples: dict[str, NDArray[Any]], learn_from: str) -> dict[str, NDArray[Any]]:
-    """Return the examples of real maps, of generated ones, or of both."""
+    """Return the examples, each array (K, ...), of real maps, of generated ones, or of both."""
     if learn_from == "both":
         return examples
     chosen = examples["real"] == (learn_from == "real")

@@ -32,7 +32,7 @@ ENOUGH = 0.999
 
 
 def chosen(clusters: Clusters, numbers: NDArray[np.int64]) -> Clusters:
-    """Return some of the clusters."""
+    """Return the clusters with the numbers ``numbers`` (K,)."""
     parts = [clusters.cells[clusters.ends[k] : clusters.ends[k + 1]] for k in numbers]
     cells = np.concatenate(parts) if parts else clusters.cells[:0]
     return Clusters(cells, np.cumsum([0, *map(len, parts)]))
@@ -67,7 +67,7 @@ def examples_of(plan: Floorplan, seed: int, lidar_range: float | None = None) ->
 
 
 def _snapshot(world: World, plan: Floorplan, lidar_range: float, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
-    """Return some clusters of the moment."""
+    """Return the examples of up to ``CLUSTERS`` reachable clusters of this step, each array (K, ...)."""
     view = world.view(0, 0)
     belief = np.array(view.belief)
     clusters = frontier_clusters(belief, lidar_range)
@@ -95,7 +95,7 @@ def write_examples(maps: TrainingMaps, path: Path, seed: int) -> None:
 
 
 def read_examples(paths: list[Path]) -> dict[str, NDArray[Any]]:
-    """Return the examples of some files."""
+    """Return the examples of some files, each array (K, ...): see :func:`examples_of`."""
     parts: dict[str, list[NDArray[Any]]] = {}
     for path in paths:
         with np.load(path) as found:

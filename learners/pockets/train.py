@@ -21,7 +21,10 @@ DEPTH = 0.05
 
 
 def loss(outputs: Tensor, sizes: Tensor, depths: Tensor) -> Tensor:
-    """Return the mean cross-entropy of the thresholds, and the error of the depth where there is a pocket."""
+    """Return the mean cross-entropy of the thresholds plus the error of the depth where there is a pocket, a scalar.
+
+    ``outputs`` (B, OUTPUTS) are the network's; ``sizes`` (B,) and ``depths`` (B,) are the true ones.
+    """
     targets = (sizes[:, None] > torch.tensor(THRESHOLDS, device=sizes.device)).float()
     entropy = functional.binary_cross_entropy_with_logits(outputs[:, :-1], targets)
     there = (sizes > 0).float()
@@ -30,7 +33,10 @@ def loss(outputs: Tensor, sizes: Tensor, depths: Tensor) -> Tensor:
 
 
 def batches(examples: Mapping[str, NDArray[Any]], rng: np.random.Generator) -> Iterator[list[Tensor]]:
-    """Yield the examples once, in random order, each batch turned and mirrored at random."""
+    """Yield the examples once, in random order, each batch turned and mirrored at random.
+
+    A batch is ``fine`` and ``coarse`` (B, layers, SIDE, SIDE) uint8, ``numbers`` (B, 2), ``sizes`` and ``depths`` (B,).
+    """
     order = rng.permutation(len(examples["sizes"]))
     for first in range(0, len(order) - BATCH + 1, BATCH):
         some = np.sort(order[first : first + BATCH])
@@ -45,7 +51,7 @@ def batches(examples: Mapping[str, NDArray[Any]], rng: np.random.Generator) -> I
 def train(
     examples: Mapping[str, NDArray[Any]], *, epochs: int, seed: int
 ) -> Iterator[tuple[PocketNet, dict[str, float]]]:
-    """Train a network; yield it after each epoch with that epoch's mean loss."""
+    """Train a network on examples (K, ...); yield it after each epoch with that epoch's mean loss."""
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
     network = PocketNet()

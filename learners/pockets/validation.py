@@ -37,7 +37,10 @@ class Judged(NamedTuple):
 
 
 def auc(positive: NDArray[np.bool_], scores: NDArray[np.float64]) -> float:
-    """Return the chance that a positive case has a larger score than a negative one, ties half; nan without both."""
+    """Return the chance that a positive case has a larger score than a negative one, ties half; nan without both.
+
+    ``positive`` (K,) bool and ``scores`` (K,) are those of K cases.
+    """
     from scipy.stats import rankdata
 
     count = int(positive.sum())
@@ -48,7 +51,7 @@ def auc(positive: NDArray[np.bool_], scores: NDArray[np.float64]) -> float:
 
 
 def judged(building: str, examples: Mapping[str, NDArray[Any]], estimates: PocketEstimates) -> Judged:
-    """Compare estimates with what was behind the clusters."""
+    """Compare the estimates for K clusters with what was behind them: ``examples`` holds their ``sizes`` (K,)."""
     columns = [THRESHOLDS.index(limit) for limit in JUDGED]
     larger = examples["sizes"][:, None] > np.array(THRESHOLDS)
     chance = np.clip(estimates.tails, 1e-6, 1.0 - 1e-6)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.planners.toolbox.networks.layers import convolved, linear, relu
+from indoor_explorers.planners.toolbox.networks.layers import as_layer, convolved, linear, relu
 
 Array = NDArray[np.float32]
 
@@ -38,14 +38,16 @@ class ThesisWeights(NamedTuple):
 
 
 def weights_from(arrays: Mapping[str, NDArray[Any]], view: tuple[int, int]) -> ThesisWeights:
-    """Arrange a torch network's arrays for acting; ``view`` are the rows and columns after its convolutions."""
+    """Arrange a torch network's arrays (outputs, inputs, ...) for acting.
+
+    ``view`` are the rows and columns after its convolutions.
+    """
     found = []
     for layer in ("convolutions.0", "convolutions.1", "convolutions.2", "first", "second", "value", "advantage"):
         weight, bias = arrays[f"{layer}.weight"], arrays[f"{layer}.bias"]
         if layer == "first":  # torch orders its inputs by filter, we order them by cell
             weight = weight.reshape(len(weight), -1, *view).transpose(0, 2, 3, 1).reshape(len(weight), -1)
-        weight = weight.transpose(2, 3, 1, 0) if weight.ndim == 4 else weight.T
-        found += [np.ascontiguousarray(weight, np.float32), np.ascontiguousarray(bias, np.float32)]
+        found += [as_layer(weight), as_layer(bias)]
     return ThesisWeights(*found)
 
 

@@ -33,7 +33,7 @@ class ThesisLearner:
         self.optimiser = torch.optim.Adam(parameters, lr=rate, eps=ADAM_EPSILON, fused=True)
 
     def start_from(self, arrays: dict[str, NDArray[np.float32]]) -> None:
-        """Load the weights of another training into both networks."""
+        """Load the weights of another training, with the shapes of the network's format, into both networks."""
         state = {name: torch.from_numpy(array) for name, array in arrays.items()}
         self.online.load_state_dict(state)
         self.target.load_state_dict(state)

@@ -42,7 +42,7 @@ class ThesisNetwork(nn.Module):
                     nn.init.xavier_uniform_(layer.weight)
 
     def forward(self, image_BKHW: Tensor) -> Tensor:
-        """Return q_BA for images of grey levels, float32."""
+        """Return q_BA (B, 4) for images (B, K, H, W) of grey levels, both float32."""
         x = image_BKHW
         for layer in self.convolutions:
             x = torch.relu(layer(x))
@@ -52,7 +52,10 @@ class ThesisNetwork(nn.Module):
 
 
 def duel(value_B1: Tensor, advantage_BA: Tensor, mean: Literal["batch", "actions"]) -> Tensor:
-    """Return q_BA = V + A - mean A: over the actions (Wang et al. 2016, eq. 9), or over the whole batch (a mistake)."""
+    """Return q_BA (B, 4) = V (B, 1) + A (B, 4) - mean A.
+
+    The mean is over the actions (Wang et al. 2016, eq. 9), or over the whole batch (a mistake).
+    """
     if mean == "batch":
         return value_B1 + advantage_BA - advantage_BA.mean()
     return value_B1 + advantage_BA - advantage_BA.mean(dim=1, keepdim=True)

@@ -46,7 +46,7 @@ class ImageFlight:
         self._look_anew(self.columns_of(np.arange(episodes)))
 
     def columns_of(self, episodes: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the columns of these episodes' UAVs that the network flies."""
+        """Return the columns (C,) of the UAVs that the network flies in ``episodes`` (E,)."""
         return np.asarray((episodes[:, None] * self.world.scenario.team + self.pilots).ravel())
 
     def _look_anew(self, columns: NDArray[np.int64]) -> None:
@@ -81,7 +81,7 @@ class ImageFlight:
         return seen
 
     def restart(self, episodes: NDArray[np.int64]) -> None:
-        """Start new episodes in place of these."""
+        """Start new episodes in place of ``episodes`` (E,)."""
         for episode in episodes.tolist():
             begin(self.world, episode, self._next_seed())
         self._look_anew(self.columns_of(episodes))

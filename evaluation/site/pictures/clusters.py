@@ -22,7 +22,12 @@ from indoor_explorers.learners.places.scene import Observer
 from indoor_explorers.learners.pockets.examples import examples_of
 from indoor_explorers.learners.pockets.validation import JUDGED, LIDAR_RANGE
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters
-from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimator, estimates_from, load_weights
+from indoor_explorers.planners.toolbox.pockets.estimates import (
+    SHIPPED,
+    PocketEstimator,
+    estimates_from,
+    load_weights,
+)
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS, outputs
 
@@ -151,7 +156,7 @@ def _reliability(axes: Any) -> None:
     fine, coarse, numbers, sizes = (
         np.concatenate([flight[name] for flight in flights]) for name in ("fine", "coarse", "numbers", "sizes")
     )
-    tails = estimates_from(outputs(fine, coarse, numbers, load_weights())).tails
+    tails = estimates_from(outputs(fine, coarse, numbers, load_weights(SHIPPED))).tails
     axes.plot([0, 1], [0, 1], color="#888888", linewidth=0.8)
     for limit, (colour, marker) in zip(JUDGED, CURVES, strict=True):
         chance = tails[:, THRESHOLDS.index(limit)]

@@ -57,11 +57,11 @@ class SumTree:
         return self._tree[leaves : leaves + self.size]
 
     def write(self, places: NDArray[np.int64], values: NDArray[np.float64]) -> None:
-        """Set the priorities of some places; if a place occurs twice, its last value counts."""
+        """Set the priorities ``values`` (K,) of ``places`` (K,); if a place occurs twice, its last value counts."""
         _write(self._tree, places, values)
 
     def draw(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
-        """Draw ``count`` places by stratified sampling: one from each of ``count`` equal parts of the total."""
+        """Draw places (count,) by stratified sampling: one from each of ``count`` equal parts of the total."""
         lots = (np.arange(count) + rng.random(count)) * (self.total / count)
         places = np.empty(count, np.int64)
         _find(self._tree, lots, places)

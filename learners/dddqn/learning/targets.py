@@ -46,12 +46,12 @@ def look_forward(
 
 
 def masked(q_BA: Tensor, blocked_BA: Tensor | None) -> Tensor:
-    """Return q_BA with blocked moves set to the dtype's minimum; unchanged if ``blocked_BA`` is None."""
+    """Return q_BA (B, 4) with blocked moves set to the dtype's minimum; unchanged if ``blocked_BA`` is None."""
     return q_BA if blocked_BA is None else q_BA.masked_fill(blocked_BA, torch.finfo(q_BA.dtype).min)
 
 
 def q_target(return_B: Tensor, discount_B: Tensor, rank_BA: Tensor, target_BA: Tensor) -> Tensor:
-    """Return target_B = R + discount * Q_target(s', a'), where a' is the move of highest ``rank_BA`` in s'.
+    """Return target_B (B,) = R + discount * Q_target(s', a'), where a' is the move of highest ``rank_BA`` in s'.
 
     The ranks are the values of the online network (double Q-learning: van Hasselt, Guez and Silver 2016, eq. 4) or of
     the target network (Mnih et al. 2015). ``discount_B`` is 0 after a terminal reward; the target then is R.

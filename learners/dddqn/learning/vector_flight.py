@@ -92,7 +92,7 @@ class VectorFlight:
         )
 
     def observe(self, columns: NDArray[np.int64]) -> None:
-        """Compute ``scene``, ``scenes`` and ``moves`` of some columns; call it once per step."""
+        """Compute ``scene``, ``scenes`` and ``moves`` of ``columns`` (K,); call it once per step."""
         observe(self._known(), self.memory, columns, self._context, self.scene, self.moves)
         self.scenes[columns] = stacked(self.scene[columns], self.scenes[columns], self.age[columns] == 0)
 
@@ -103,7 +103,7 @@ class VectorFlight:
         return self.world.state.reward.ravel()
 
     def restart(self, episodes: NDArray[np.int64]) -> None:
-        """Start new episodes in place of these."""
+        """Start new episodes in place of ``episodes`` (E,)."""
         if len(episodes) == 0:
             return
         team = self.world.scenario.team

@@ -17,7 +17,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
 from indoor_explorers.learners.dddqn.observation.layout import ObservationLayout, search_costs, tour_costs
-from indoor_explorers.planners.toolbox.networks.layers import linear, relu
+from indoor_explorers.planners.toolbox.networks.layers import as_layer, linear, relu
 
 Array = NDArray[np.float32]
 
@@ -67,7 +67,7 @@ def shapes(layout: ObservationLayout, config: NetworkConfig) -> dict[str, tuple[
 def weights_from(
     arrays: Mapping[str, NDArray[Any]], layout: ObservationLayout, config: NetworkConfig
 ) -> NetworkWeights:
-    """Arrange the arrays of :func:`shapes` for acting."""
+    """Arrange the arrays of :func:`shapes`, (outputs, inputs) or (outputs,), for acting."""
     matrices = ("think", "value", "advantage", "move_hidden", "move_out")
     names = ["look.weight", "look.bias", "look_norm.weight", "look_norm.bias"]
     for name in matrices:
@@ -75,7 +75,7 @@ def weights_from(
         names += [f"{name}_norm.weight", f"{name}_norm.bias"] * (name == "think")
     there = shapes(layout, config)
     empty = {name: np.zeros((0, 0) if name == "value.weight" else 0, np.float32) for name in names if name not in there}
-    found: list[Any] = [np.ascontiguousarray({**arrays, **empty}[name].T, np.float32) for name in names]
+    found: list[Any] = [as_layer({**arrays, **empty}[name]) for name in names]
     return NetworkWeights._make([*found, _tours(arrays, layout, config), config.layer_norm, config.dueling])
 
 

@@ -39,7 +39,7 @@ class NoisyLinear(nn.Linear):
         self.noise_out.copy_(noise[self.in_features :])
 
     def forward(self, x: Tensor) -> Tensor:
-        """Return x W + b, with noise in W and b in training mode."""
+        """Return x W + b (B, outputs) for x (B, inputs), with noise in W and b in training mode."""
         if not self.training:
             return super().forward(x)
         weight = torch.addcmul(self.weight, self.weight_sigma, torch.outer(self.noise_out, self.noise_in))
@@ -96,7 +96,7 @@ class DuelingNetwork(nn.Module):
 
 
 def duel(value_B1: Tensor, advantage_BA: Tensor) -> Tensor:
-    """Return q_BA = V + A - mean over the actions of A (Wang et al. 2016, eq. 9)."""
+    """Return q_BA (B, 4) = V (B, 1) + A (B, 4) - mean over the actions of A (Wang et al. 2016, eq. 9)."""
     return value_B1 + advantage_BA - advantage_BA.mean(dim=1, keepdim=True)
 
 
@@ -108,6 +108,6 @@ def new_network(layout: ObservationLayout, config: NetworkConfig, seed: int) -> 
 
 
 def arrays(network: DuelingNetwork) -> dict[str, NDArray[np.float32]]:
-    """Return the arrays for acting by name: every weight, without the noise."""
+    """Return the arrays for acting by name, shaped as in ``inference.shapes``: every weight, without the noise."""
     state = network.state_dict().items()
     return {name: value.float().cpu().numpy().copy() for name, value in state if not name.endswith("_sigma")}

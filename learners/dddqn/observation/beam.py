@@ -238,7 +238,8 @@ def follow_tour(
 ) -> Tour:
     """Evaluate an earlier tour for a UAV in cell ``at``; the result is not finished if the tour cannot be flown.
 
-    ``path`` holds its cells from the next one on, -1 after the last.
+    ``path`` (L,) holds its cells from the next one on, -1 after the last. ``unseen`` (4,) uint64 is the bit set of the
+    cells to view, ``views`` (R, 4) uint64 and ``passages`` (R, 4) are those of the memory.
     """
     a, b, c, d = unseen[0], unseen[1], unseen[2], unseen[3]
     delay, halfway = 0.0, 0

@@ -23,11 +23,10 @@ from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.grid.compiled import leaf
 from indoor_explorers.env.search.bfs import flood
 from indoor_explorers.env.search.frontiers import touches_unknown
-from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND, PROSPECT, PROSPECTS
 from indoor_explorers.learners.dddqn.observation.map_image import HALF_DISTANCE
-from indoor_explorers.learners.dddqn.observation.memory import ObservationMemory
 from indoor_explorers.learners.dddqn.observation.scales import REFERENCE_RANGE, Scratch, Sensor
+from indoor_explorers.learners.dddqn.observation.uav import Uav
 
 #: For each kind: exponent of the view gain, and discount rate of the path length per lidar range.
 POWERS, RATES = (1.0, 0.5), (1.5, 0.8)
@@ -123,21 +122,19 @@ def _write(
 
 @leaf(entry=False)
 def look_for_candidates(
-    known: Known,
-    memory: ObservationMemory,
-    i: int,
+    uav: Uav,
     sensor: Sensor,
     scratch: Scratch,
     candidates: CandidateScratch,
     out: np.ndarray,
 ) -> None:
-    """Write the candidate features of UAV ``i``'s four moves into ``out`` (4, 10).
+    """Write the candidate features of a UAV's four moves into ``out`` (4, 10).
 
-    The gains must be flooded before. ``memory.prospect``, the best candidates, is updated.
+    The gains must be flooded before. ``uav.prospect``, the best candidates, is updated.
     """
-    belief, gain, weight, kept = known.belief[i], memory.gain[i], memory.weight[i], memory.prospect[i]
+    belief, gain, weight, kept = uav.belief, uav.gain, uav.weight, uav.prospect
     width, lidar_range = belief.shape[1], REFERENCE_RANGE / sensor.rate
-    _spread_theirs(belief, known.mates[i], known.ages[i], HEARD * lidar_range, scratch.queue, candidates.theirs)
+    _spread_theirs(belief, uav.mates, uav.ages, HEARD * lidar_range, scratch.queue, candidates.theirs)
     candidates.worth[:] = 0.0
     for row in range(belief.shape[0]):
         for col in range(width):

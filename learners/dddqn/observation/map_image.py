@@ -12,10 +12,9 @@ from indoor_explorers.env.grid.cells import FREE, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.grid.compiled import leaf
 from indoor_explorers.env.search.bfs import flood
 from indoor_explorers.env.search.frontiers import touches_unknown
-from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import IDENTITIES, ObservationLayout
-from indoor_explorers.learners.dddqn.observation.memory import ObservationMemory
 from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor
+from indoor_explorers.learners.dddqn.observation.uav import Uav
 
 #: Indices of the layers in :data:`indoor_explorers.learners.dddqn.observation.config.LAYERS`.
 _UNKNOWN, _FREE, _CHANCE, _VISITS, _FRONTIER, _DISTANCE, _MATES, _MATES_PAST = range(8)
@@ -41,7 +40,10 @@ def tabulate(belief: np.ndarray, unknown: np.ndarray, free: np.ndarray) -> None:
 
 @leaf(entry=False)
 def within(table: np.ndarray, top: int, left: int, bottom: int, right: int) -> int:
-    """Return the sum over rows top..bottom - 1 and columns left..right - 1, clipped to the map."""
+    """Return the sum over rows top..bottom - 1 and columns left..right - 1, clipped to the map.
+
+    ``table`` (H + 1, W + 1) is the summed-area table.
+    """
     height, width = table.shape[0] - 1, table.shape[1] - 1
     top, bottom = min(max(top, 0), height), min(max(bottom, 0), height)
     left, right = min(max(left, 0), width), min(max(right, 0), width)
@@ -130,16 +132,14 @@ def _show_mates(
 
 @leaf(entry=False)
 def _write_fine(
-    known: Known,
-    memory: ObservationMemory,
-    i: int,
+    uav: Uav,
     sensor: Sensor,
     scratch: Scratch,
     layout: ObservationLayout,
     out: np.ndarray,
 ) -> None:
     """Write the layers of the fine map, except those of teammates."""
-    row, col, side, size = known.cell[i, 0], known.cell[i, 1], sensor.scale, layout.crop * layout.crop
+    row, col, side, size = uav.row, uav.col, sensor.scale, layout.crop * layout.crop
     for layer in range(_MATES):
         at = layout.layers[layer]
         if at < 0:
@@ -150,14 +150,14 @@ def _write_fine(
         elif layer == _FREE:
             _pool(scratch.free, row, col, layout.crop, side, pixels)
         elif layer == _CHANCE:
-            _pool_layer(memory.chance[i], row, col, layout.crop, side, True, pixels)
+            _pool_layer(uav.chance, row, col, layout.crop, side, True, pixels)
         else:
             if layer == _VISITS:
-                _show_visits(memory.visits[i], scratch.layer)
+                _show_visits(uav.visits, scratch.layer)
             elif layer == _FRONTIER:
-                _show_frontier(known.belief[i], scratch.layer)
+                _show_frontier(uav.belief, scratch.layer)
             else:
-                _show_distance(known.belief[i], sensor.rate, scratch)
+                _show_distance(uav.belief, sensor.rate, scratch)
             _pool_layer(scratch.layer, row, col, layout.crop, side, False, pixels)
 
 
@@ -177,18 +177,16 @@ def _write_sides(row: int, col: int, table: np.ndarray, disc: float, out: np.nda
 
 @leaf(entry=False)
 def write_map_image(
-    known: Known,
-    memory: ObservationMemory,
-    i: int,
+    uav: Uav,
     sensor: Sensor,
     scratch: Scratch,
     layout: ObservationLayout,
     out: np.ndarray,
 ) -> None:
-    """Write the map image (S,) uint8 of UAV ``i``; the summed-area tables must be filled."""
-    row, col, mates, ages = known.cell[i, 0], known.cell[i, 1], known.mates[i], known.ages[i]
+    """Write the map image (S,) uint8 of a UAV; the summed-area tables must be filled."""
+    row, col, mates, ages = uav.row, uav.col, uav.mates, uav.ages
     fine, coarse = layout.crop * layout.crop, layout.coarse * layout.coarse
-    _write_fine(known, memory, i, sensor, scratch, layout, out)
+    _write_fine(uav, sensor, scratch, layout, out)
     for past in range(2):
         at = layout.layers[_MATES + past]
         if at >= 0:
@@ -203,9 +201,9 @@ def write_map_image(
         _write_sides(row, col, scratch.unknown, sensor.disc, out[layout.sides_at : layout.sides_at + 4])
     if layout.identity_at >= 0:
         out[layout.identity_at : layout.identity_at + IDENTITIES] = 0
-        out[layout.identity_at + known.agent[i] % IDENTITIES] = 255
+        out[layout.identity_at + uav.agent % IDENTITIES] = 255
     if layout.progress_at >= 0:
-        share, wait = 1.0 - scratch.unknown[-1, -1] / known.belief[i].size, float(memory.idle[i]) * sensor.rate
+        share, wait = 1.0 - scratch.unknown[-1, -1] / uav.belief.size, float(uav.idle[0]) * sensor.rate
         out[layout.progress_at] = int(255.0 * share + 0.5)
-        out[layout.progress_at + 1] = int(255.0 * min(known.flown[i], 1.0) + 0.5)
+        out[layout.progress_at + 1] = int(255.0 * min(uav.flown, 1.0) + 0.5)
         out[layout.progress_at + 2] = int(255.0 * wait / (wait + HALF_DISTANCE) + 0.5)

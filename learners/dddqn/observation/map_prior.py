@@ -56,10 +56,19 @@ def _arranged(hidden: NDArray[Any], hidden_bias: NDArray[Any], out: NDArray[Any]
 
 
 def prior_from(arrays: Mapping[str, NDArray[Any]]) -> MapPrior:
-    """Return the prior with the arrays of a weights file, named as in :func:`prior_arrays`; empty without arrays."""
+    """Return the prior with the arrays of a weights file, as :func:`prior_shapes` has them; empty without arrays."""
     if not arrays:
         return no_prior()
     return _arranged(arrays["prior.hidden"], arrays["prior.hidden_bias"], arrays["prior.out"], arrays["prior.out_bias"])
+
+
+def prior_shapes(arrays: Mapping[str, NDArray[Any]]) -> dict[str, tuple[int, ...]]:
+    """Return names and shapes of the prior's arrays in a weights file; none if it has no prior."""
+    if not any(name.startswith("prior.") for name in arrays):
+        return {}
+    units = arrays["prior.hidden_bias"].size if "prior.hidden_bias" in arrays else UNITS
+    sizes = {"hidden": (INPUTS, units), "hidden_bias": (units,), "out": (units,), "out_bias": (1,)}
+    return {f"prior.{name}": size for name, size in sizes.items()}
 
 
 def prior_arrays(prior: MapPrior) -> dict[str, Array]:

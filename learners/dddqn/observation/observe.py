@@ -38,6 +38,7 @@ from indoor_explorers.learners.dddqn.observation.memory import SPENT, Observatio
 from indoor_explorers.learners.dddqn.observation.optimistic_map import assume_obstacles
 from indoor_explorers.learners.dddqn.observation.scales import Scratch, Sensor, scratch, sensor
 from indoor_explorers.learners.dddqn.observation.tours import TourScratch, look_for_tours, new_tour_scratch
+from indoor_explorers.learners.dddqn.observation.uav import Uav, uav_of
 from indoor_explorers.learners.dddqn.observation.view_gain import (
     AROUND,
     flood_gains,
@@ -75,95 +76,76 @@ def observation_context(
 
 
 @leaf(entry=False)
-def _remember(
-    belief: np.ndarray, row: int, col: int, sensor: Sensor, scratch: Scratch, memory: ObservationMemory, i: int
-) -> int:
-    """Count the gain and the visit, and reset the visits after a gain; return the number of boxes of newly known cells.
+def _remember(uav: Uav, context: ObservationContext) -> None:
+    """Count the gain and the visit, reset the visits after a gain, and renew what depends on newly known cells.
 
     Only cells that the UAV's own lidar discovered are a gain.
     """
-    noted, visits = memory.noted[i], memory.visits[i]
-    gain = discovered(belief, row, col, sensor.lidar, scratch.scan, noted)
-    memory.gained[i] += gain
-    memory.idle[i] = 0 if gain > 0 else memory.idle[i] + 1
+    lidar, work = context.sensor, context.scratch
+    gain = discovered(uav.belief, uav.row, uav.col, lidar.lidar, work.scan, uav.noted)
+    uav.gained[0] += gain
+    uav.idle[0] = 0 if gain > 0 else uav.idle[0] + 1
     if gain > 0:
-        visits[:] = 0
-    visits[row, col] = min(visits[row, col] + 1, 255)
-    return note(belief, noted, scratch.boxes)
+        uav.visits[:] = 0
+    uav.visits[uav.row, uav.col] = min(uav.visits[uav.row, uav.col] + 1, 255)
+    for n in range(note(uav.belief, uav.noted, work.boxes)):
+        write_chances(uav.belief, context.prior, work.patch, work.boxes[n], uav.chance)
+        forget_gains(uav.gain, work.boxes[n], lidar.reach + AROUND)
+    uav.gain[uav.row, uav.col] = SPENT
 
 
 @inner()
-def _give_way(memory: ObservationMemory, i: int, row: int, col: int, agent: int) -> None:
+def _give_way(uav: Uav) -> None:
     """Mark the target of a move that a teammate blocked as blocked for some observations.
 
     The time grows with each encounter and with the UAV's number, so that two UAVs that meet do not mirror each other's
     moves for ever.
     """
-    memory.looks[i] += 1
-    memory.pushes[i] = 0 if memory.idle[i] == 0 else memory.pushes[i]
-    width = memory.barred.shape[2]
-    if memory.aimed[i] >= 0 and memory.aimed[i] != row * width + col:
-        memory.pushes[i] += 1
-        r, c = divmod(memory.aimed[i], width)
-        memory.barred[i, r, c] = memory.looks[i] + (PATIENCE + agent) * min(memory.pushes[i], GROWTH)
+    uav.looks[0] += 1
+    uav.pushes[0] = 0 if uav.idle[0] == 0 else uav.pushes[0]
+    width = uav.barred.shape[1]
+    if uav.aimed[0] >= 0 and uav.aimed[0] != uav.row * width + uav.col:
+        uav.pushes[0] += 1
+        r, c = divmod(uav.aimed[0], width)
+        uav.barred[r, c] = uav.looks[0] + (PATIENCE + uav.agent) * min(uav.pushes[0], GROWTH)
 
 
-@inner()
-def _write_moves(
-    belief: np.ndarray,
-    row: int,
-    col: int,
-    memory: ObservationMemory,
-    i: int,
-    context: ObservationContext,
-    out: np.ndarray,
-) -> None:
+@leaf(entry=False)
+def _write_moves(uav: Uav, context: ObservationContext, out: np.ndarray) -> None:
     """Write the features of each move, except its tours and candidates."""
-    layout = context.layout
+    layout, belief = context.layout, uav.belief
+    uav.nearest[0] = flood_gains(belief, uav.row, uav.col, context.sensor, context.scratch, uav.gain, uav.weight)
     for k in range(4):
-        r, c = row + MOVES[k, 0], col + MOVES[k, 1]
+        r, c = uav.row + MOVES[k, 0], uav.col + MOVES[k, 1]
         out[k] = 0.0
         blocked = not (0 <= r < belief.shape[0] and 0 <= c < belief.shape[1] and belief[r, c] == FREE)
-        blocked = blocked or memory.barred[i, r, c] > memory.looks[i]
+        blocked = blocked or uav.barred[r, c] > uav.looks[0]
         context.scratch.blocked[k] = out[k, 0] = blocked
         if layout.gains_at >= 0:
             if blocked:
                 out[k, layout.gains_at + 1] = 1.0
             else:
-                here = gain_at(belief, r, c, context.sensor, context.scratch, memory.gain[i], memory.weight[i])
+                here = gain_at(belief, r, c, context.sensor, context.scratch, uav.gain, uav.weight)
                 write_gains(k, here, context.sensor, context.scratch, out[k, layout.gains_at :])
         if layout.visits_at >= 0 and not blocked:
-            out[k, layout.visits_at] = min(memory.visits[i, r, c], VISIT_CAP) / VISIT_CAP
+            out[k, layout.visits_at] = min(uav.visits[r, c], VISIT_CAP) / VISIT_CAP
 
 
 @inner()
-def _look_for_tours(
-    known: Known, memory: ObservationMemory, i: int, context: ObservationContext, moves: np.ndarray
-) -> None:
-    """Write the tours of each move."""
-    belief, chance, work = known.belief[i], memory.chance[i], context.scratch
-    views, passages = memory.views[i], memory.passages[i]
-    obstructed = assume_obstacles(belief, chance, work.layer)
-    lidar, reach, stale = context.sensor.lidar, context.sensor.reach + 1, context.tours.stale
-    update_views(work.layer, STRIDE, lidar, work.scan, reach, stale, memory.obstacles[i], views, passages)
-    out = moves[:, context.layout.tours_at :]
-    look_for_tours(known, memory, i, context.tours, obstructed, work.blocked, out)
+def _write_candidates(uav: Uav, context: ObservationContext, moves: np.ndarray) -> None:
+    """Write the candidates behind each move."""
+    out = moves[:, context.layout.prospects_at :]
+    look_for_candidates(uav, context.sensor, context.scratch, context.candidates, out)
 
 
 @leaf(entry=False)
-def _look_ahead(
-    known: Known, memory: ObservationMemory, i: int, context: ObservationContext, moves: np.ndarray
-) -> None:
-    """Write the features of each move; the summed-area tables must be filled."""
-    belief, row, col, layout = known.belief[i], known.cell[i, 0], known.cell[i, 1], context.layout
-    gain, weight = memory.gain[i], memory.weight[i]
-    memory.nearest[i] = flood_gains(belief, row, col, context.sensor, context.scratch, gain, weight)
-    _write_moves(belief, row, col, memory, i, context, moves)
-    if layout.prospects_at >= 0:
-        out = moves[:, layout.prospects_at :]
-        look_for_candidates(known, memory, i, context.sensor, context.scratch, context.candidates, out)
-    if layout.tours_at >= 0 and memory.views.shape[1] > 0:
-        _look_for_tours(known, memory, i, context, moves)
+def _write_tours(uav: Uav, context: ObservationContext, moves: np.ndarray) -> None:
+    """Write the tours behind each move."""
+    work, lidar = context.scratch, context.sensor
+    obstructed = assume_obstacles(uav.belief, uav.chance, work.layer)
+    stale, reach = context.tours.stale, lidar.reach + 1
+    update_views(work.layer, STRIDE, lidar.lidar, work.scan, reach, stale, uav.obstacles, uav.views, uav.passages)
+    look_for_tours(uav, context.tours, obstructed, work.blocked, moves[:, context.layout.tours_at :])
 
 
 @leaf(entry=False)
@@ -175,16 +157,17 @@ def _observe(
     scene: np.ndarray,
     moves: np.ndarray,
 ) -> None:
-    belief, row, col = known.belief[i], known.cell[i, 0], known.cell[i, 1]
-    for n in range(_remember(belief, row, col, context.sensor, context.scratch, memory, i)):
-        box = context.scratch.boxes[n]
-        write_chances(belief, context.prior, context.scratch.patch, box, memory.chance[i])
-        forget_gains(memory.gain[i], box, context.sensor.reach + AROUND)
-    memory.gain[i, row, col] = SPENT
-    _give_way(memory, i, row, col, known.agent[i])
-    tabulate(belief, context.scratch.unknown, context.scratch.free)
-    write_map_image(known, memory, i, context.sensor, context.scratch, context.layout, scene)
-    _look_ahead(known, memory, i, context, moves)
+    """Update the memory and compute the observation of UAV ``i``; each stage needs those before it."""
+    uav, layout, work = uav_of(known, memory, i), context.layout, context.scratch
+    _remember(uav, context)
+    _give_way(uav)
+    tabulate(uav.belief, work.unknown, work.free)
+    write_map_image(uav, context.sensor, work, layout, scene)
+    _write_moves(uav, context, moves)
+    if layout.prospects_at >= 0:
+        _write_candidates(uav, context, moves)
+    if layout.tours_at >= 0 and uav.views.shape[0] > 0:
+        _write_tours(uav, context, moves)
 
 
 @kernel()

@@ -18,9 +18,9 @@ from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.search.bitsets import ROOM, STRIDE, WORDS, board_size, remove
 from indoor_explorers.learners.dddqn.observation.beam import Aim, Beam, Tour, follow_tour, new_beam, shortest_tour
-from indoor_explorers.learners.dddqn.observation.known import Known
 from indoor_explorers.learners.dddqn.observation.layout import BEYOND, DELAYS, TOURS
-from indoor_explorers.learners.dddqn.observation.memory import LONGEST, ObservationMemory
+from indoor_explorers.learners.dddqn.observation.memory import LONGEST
+from indoor_explorers.learners.dddqn.observation.uav import Uav
 from indoor_explorers.planners.toolbox.information.optimistic_views import attainable
 
 #: Shares of the cells that tours leave unseen: at the goal (99 %) and at the mark (90 %).
@@ -116,12 +116,12 @@ def sectors(shape: tuple[int, int], scenario: Scenario) -> NDArray[np.int64]:
 
 
 @inner()
-def _is_a_mates(known: Known, i: int, r: int, c: int, sector: np.ndarray) -> bool:
+def _is_a_mates(uav: Uav, r: int, c: int, sector: np.ndarray) -> bool:
     """Tell whether (r, c) is left to a teammate: one closer when last heard, or one never heard, in its sector."""
-    owner, agent, ages, mates = sector[r, c], known.agent[i], known.ages[i], known.mates[i]
+    owner, agent, ages, mates = sector[r, c], uav.agent, uav.ages, uav.mates
     if owner >= 0 and owner != agent and ages[owner] < 0:
         return True
-    own = abs(known.cell[i, 0] - r) + abs(known.cell[i, 1] - c)
+    own = abs(uav.row - r) + abs(uav.col - c)
     for m in range(ages.shape[0]):
         if ages[m] >= 0 and abs(mates[m, 0] - r) + abs(mates[m, 1] - c) < own + (m < agent):
             return True
@@ -129,16 +129,16 @@ def _is_a_mates(known: Known, i: int, r: int, c: int, sector: np.ndarray) -> boo
 
 
 @leaf(entry=False)
-def _wanted(known: Known, i: int, chance: np.ndarray, sector: np.ndarray, out: np.ndarray, stage: int) -> int:
+def _wanted(uav: Uav, sector: np.ndarray, out: np.ndarray, stage: int) -> int:
     """Remove cells from ``out`` (4,) and return how many remain.
 
     Removes known cells; from stage 1 on also unlikely ones; at stage 2 also those left to teammates.
     """
-    belief = known.belief[i]
+    belief, chance = uav.belief, uav.chance
     for r in range(belief.shape[0]):
         for c in range(belief.shape[1]):
             left_out = belief[r, c] != UNKNOWN or (stage > 0 and chance[r, c] < LIKELY)
-            if left_out or (stage > 1 and _is_a_mates(known, i, r, c, sector)):
+            if left_out or (stage > 1 and _is_a_mates(uav, r, c, sector)):
                 remove(out, r * STRIDE + c)
     return board_size((out[0], out[1], out[2], out[3]))
 
@@ -153,13 +153,13 @@ def _free(belief: np.ndarray) -> int:
 
 
 @leaf(entry=False)
-def _choose_unseen(known: Known, i: int, chance: np.ndarray, scratch: TourScratch) -> tuple[int, float]:
+def _choose_unseen(uav: Uav, scratch: TourScratch) -> tuple[int, float]:
     """Write the cells that tours have to view; return their number and the estimated number of free cells in all."""
-    left, total, free, unseen = 0, 0.0, _free(known.belief[i]), scratch.unseen
+    left, total, free, unseen = 0, 0.0, _free(uav.belief), scratch.unseen
     for stage in (2, 1, 0):
         for w in range(WORDS):
             unseen[w] = scratch.attainable[w]
-        left = _wanted(known, i, chance, scratch.sector, unseen, stage)
+        left = _wanted(uav, scratch.sector, unseen, stage)
         total = float(free + left)
         if left > GOAL_REST * total + SLACK:
             break
@@ -243,23 +243,21 @@ def _write(goal: Tour, mark: Tour, least: np.ndarray, left: int, total: float, e
 
 @leaf(entry=False)
 def look_for_tours(
-    known: Known,
-    memory: ObservationMemory,
-    i: int,
+    uav: Uav,
     scratch: TourScratch,
     obstructed: bool,
     blocked: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Write the tour features of UAV ``i``'s four moves into ``out`` (4, 12).
+    """Write the tour features of a UAV's four moves into ``out`` (4, 12).
 
-    A ``blocked`` (4,) move has zeros, except that its steps beyond the shortest tours are 1. ``memory.views`` and
-    ``memory.passages`` must be up to date. ``memory.tour``, the best tours so far, is updated.
+    A ``blocked`` (4,) move has zeros, except that its steps beyond the shortest tours are 1. ``uav.views`` and
+    ``uav.passages`` must be up to date. ``uav.tour``, the best tours so far, is updated.
     """
-    views, passages, kept = memory.views[i], memory.passages[i], memory.tour[i]
-    at = known.cell[i, 0] * STRIDE + known.cell[i, 1]
+    views, passages, kept = uav.views, uav.passages, uav.tour
+    at = uav.row * STRIDE + uav.col
     attainable(at, views, passages, scratch.queue, scratch.steps, scratch.attainable)
-    left, total = _choose_unseen(known, i, memory.chance[i], scratch)
+    left, total = _choose_unseen(uav, scratch)
     rest, halfway = GOAL_REST * total + SLACK, HALFWAY_REST * total
     early, isolation = left > halfway, ISOLATION if obstructed else OPEN_ISOLATION
     goal_aim = Aim(rest if left > rest else 0.0, halfway, isolation)

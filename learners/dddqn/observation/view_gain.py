@@ -151,7 +151,8 @@ def flood_gains(
 def write_gains(move: int, here: int, sensor: Sensor, scratch: Scratch, out: np.ndarray) -> None:
     """Write the features :data:`~indoor_explorers.learners.dddqn.observation.layout.GAINS` of one legal move.
 
-    ``here`` is the gain of the next cell; the rest was computed by :func:`flood_gains`.
+    ``here`` is the gain of the next cell; the rest was computed by :func:`flood_gains`. ``out`` (6 or more,) float32
+    begins with these features.
     """
     ahead = scratch.ahead[move]
     distance = ahead[_NEAREST] * sensor.rate

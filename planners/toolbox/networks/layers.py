@@ -6,9 +6,21 @@ same, bit for bit, in any batch, process and engine, and need no torch.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.compiled import kernel
+
+
+def as_layer(array: NDArray[Any]) -> NDArray[np.float32]:
+    """Return a weight (outputs, inputs, ...) or a bias (outputs,) of torch as these layers take it.
+
+    Matrices are then (inputs, outputs), kernels of convolutions (rows, columns, inputs, filters).
+    """
+    axes = (*range(2, array.ndim), 1, 0) if array.ndim > 1 else (0,)
+    return np.ascontiguousarray(array.transpose(axes), np.float32)
 
 
 @kernel(entry=False)

@@ -6,7 +6,6 @@ unknown free cells are behind it, for several t. Planners and learners use the s
 
 from __future__ import annotations
 
-from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
-from indoor_explorers.planners.toolbox.networks.tensors import read_tensors
+from indoor_explorers.planners.toolbox.networks.weights_file import read_once, read_weights_file
 from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, SIDE, pictures
 from indoor_explorers.planners.toolbox.pockets.network import (
     OUTPUTS,
@@ -65,14 +64,15 @@ def estimates_from(found: NDArray[np.float32]) -> PocketEstimates:
     return PocketEstimates(tails, tails @ _MEAN, depths)
 
 
-@lru_cache(maxsize=4)
-def load_weights(path: Path = SHIPPED) -> NetworkWeights:
-    """Return the network's weights from a file.
+@read_once
+def load_weights(path: Path) -> NetworkWeights:
+    """Return the network's weights from a file; a process reads it once, and again when it changes.
 
-    Raises :class:`InputError` where it is missing or holds another network.
+    Raises:
+        InputError: the file is missing or holds another network.
+
     """
-    found, _ = read_tensors(path, sum(4 * int(np.prod(shape)) for shape in shapes().values()) + 10_000)
-    return weights_from(found)
+    return weights_from(read_weights_file(path, "the pocket network").checked(shapes()))
 
 
 class PocketEstimator:
@@ -111,7 +111,10 @@ class PocketEstimator:
 
 @kernel()
 def _are_alike(coarse: np.ndarray, before: np.ndarray, numbers: np.ndarray, most: int) -> np.ndarray:
-    """Return which coarse pictures, (K,), differ by at most so many cells from those before of the given numbers."""
+    """Return which coarse pictures (K, layers, SIDE, SIDE) differ by at most ``most`` cells from previous ones, (K,).
+
+    ``numbers`` (K,) are the places of the previous pictures in ``before``, -1 where there is none.
+    """
     alike = np.zeros(numbers.shape[0], np.bool_)
     for k in range(numbers.shape[0]):
         if numbers[k] >= 0:

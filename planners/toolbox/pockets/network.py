@@ -12,9 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel
-from indoor_explorers.planners.toolbox.networks.layers import convolved, linear, relu
+from indoor_explorers.planners.toolbox.networks.layers import as_layer, convolved, linear, relu
 from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, SIDE
 
 Array = NDArray[np.float32]
@@ -72,27 +71,15 @@ def shapes() -> dict[str, tuple[int, ...]]:
 
 
 def weights_from(arrays: Mapping[str, NDArray[Any]]) -> NetworkWeights:
-    """Return the weights in the order that they are used in.
-
-    Raises :class:`InputError` where an array is missing or has another shape.
-    """
-    for name, shape in shapes().items():
-        if name not in arrays or arrays[name].shape != shape:
-            got = arrays[name].shape if name in arrays else "none"
-            raise InputError(f"expected pocket weights with {name!r} of shape {shape}, got {got}; train them again")
-
-    def matrix(name: str) -> Array:
-        return np.ascontiguousarray(arrays[name].T, np.float32)
-
-    def convolution(name: str, stride: int) -> Convolution:
-        weight = np.ascontiguousarray(arrays[f"{name}.weight"].transpose(2, 3, 1, 0), np.float32)
-        return Convolution(weight, np.ascontiguousarray(arrays[f"{name}.bias"], np.float32), stride)
-
-    fine1, fine2, fine3, coarse1, coarse2, coarse3 = (
-        convolution(f"{name}{k}", STRIDES[k - 1]) for name in ("fine", "coarse") for k in (1, 2, 3)
+    """Arrange the arrays of :func:`shapes` for the compiled network."""
+    layers = {name: as_layer(arrays[name]) for name in shapes()}
+    convolutions = (
+        Convolution(layers[f"{name}{k}.weight"], layers[f"{name}{k}.bias"], stride)
+        for name in ("fine", "coarse")
+        for k, stride in enumerate(STRIDES, start=1)
     )
-    dense = (matrix(f"{name}.{part}") for name in ("hidden", "out") for part in ("weight", "bias"))
-    return NetworkWeights(fine1, fine2, fine3, coarse1, coarse2, coarse3, *dense)
+    dense = (layers[f"{name}.{part}"] for name in ("hidden", "out") for part in ("weight", "bias"))
+    return NetworkWeights._make([*convolutions, *dense])
 
 
 @kernel(entry=False)

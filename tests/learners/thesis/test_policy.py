@@ -1,6 +1,8 @@
 """The policy: its contract, its observation the training's, its errors in one line."""
 
+import json
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from safetensors.numpy import load_file, save_file
 from indoor_explorers.env import PRESETS, InputError, World, check_policy, make_policy
 from indoor_explorers.learners.thesis.policy import DddqnThesis
 from indoor_explorers.learners.thesis.vector_flight import ImageFlight
+from indoor_explorers.learners.thesis.weights import trained
 
 from .rooms import CENTRED, MENDED_FORMAT, THESIS, write_network
 
@@ -87,14 +90,24 @@ def test_files_that_are_no_such_weights_are_refused_in_one_line(tmp_path):
     with pytest.raises(InputError, match=r"none\.safetensors: expected a safetensors file, found none"):
         DddqnThesis(weights=str(tmp_path / "none.safetensors"))
     save_file(arrays, tmp_path / "bare.safetensors")
-    with pytest.raises(InputError, match="expected weights of the thesis's network, got others") as error:
+    with pytest.raises(InputError, match="expected weights of dddqn-thesis with its description") as error:
         DddqnThesis(weights=str(tmp_path / "bare.safetensors"))
     assert "\n" not in str(error.value)
-    metadata = {"eye": '{"height": 16, "width": 16, "frames": 2, "identity": false}'}
-    save_file(arrays, tmp_path / "other.safetensors", metadata)
-    with pytest.raises(InputError, match="expected the arrays of the thesis's network, got others"):
-        DddqnThesis(weights=str(tmp_path / "other.safetensors"))
-    with (tmp_path / "large.safetensors").open("wb") as file:
-        file.truncate(70_000_000)
-    with pytest.raises(InputError, match="expected weights of at most 64 MB, got 70 MB"):
-        DddqnThesis(weights=str(tmp_path / "large.safetensors"))
+    for name, changed, match in (
+        ("other", {"frames": 2}, r"with 'convolutions.0.weight' of shape \(32, 2, 8, 8\), got"),
+        ("small", {"height": 14}, "expected a map of at least 15 x 15 cells"),
+    ):
+        image_format = {"height": 16, "width": 16, "frames": 1, "identity": False} | changed
+        save_file(arrays, tmp_path / f"{name}.safetensors", {"eye": json.dumps(image_format)})
+        with pytest.raises(InputError, match=match) as error:
+            DddqnThesis(weights=str(tmp_path / f"{name}.safetensors"))
+        assert f"{name}.safetensors: expected" in str(error.value)
+
+
+def test_weights_of_version_0_2_0_are_read(tmp_path):
+    good = write_network(tmp_path / "good.safetensors", 1)
+    about = {"height": 16, "width": 16, "frames": 1, "identity": False}  # as in the file that ships
+    save_file(load_file(good), tmp_path / "former.safetensors", {"eye": json.dumps(about)})
+    found, former = trained(Path(good)), trained(tmp_path / "former.safetensors")
+    assert former.image_format == found.image_format
+    assert all(np.array_equal(a, b) for a, b in zip(former.weights, found.weights, strict=True))

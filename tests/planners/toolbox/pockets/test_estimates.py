@@ -9,6 +9,7 @@ import pytest
 from indoor_explorers.env import InputError
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
 from indoor_explorers.planners.toolbox.networks.tensors import write_tensors
+from indoor_explorers.planners.toolbox.networks.weights_file import write_weights_file
 from indoor_explorers.planners.toolbox.pockets import estimates
 from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED, PocketEstimator, estimates_from, load_weights
 from indoor_explorers.planners.toolbox.pockets.network import (
@@ -17,7 +18,6 @@ from indoor_explorers.planners.toolbox.pockets.network import (
     NetworkWeights,
     outputs,
     shapes,
-    weights_from,
 )
 
 
@@ -88,9 +88,10 @@ def test_shipped_weights_tell_how_they_were_made() -> None:
 
 def test_other_weights_are_refused(tmp_path: Path) -> None:
     arrays = {name: np.zeros(shape, np.float32) for name, shape in shapes().items()}
-    assert weights_from(arrays).out.shape[1] == OUTPUTS
-    write_tensors(tmp_path / "w.safetensors", arrays | {"out.bias": np.zeros(3, np.float32)})
-    with pytest.raises(InputError, match=r"expected pocket weights with 'out.bias' of shape \(19,\), got \(3,\)"):
+    write_tensors(tmp_path / "v0-2-0.safetensors", arrays)
+    assert load_weights(tmp_path / "v0-2-0.safetensors").out.shape[1] == OUTPUTS
+    write_weights_file(tmp_path / "w.safetensors", arrays | {"out.bias": np.zeros(3, np.float32)}, {})
+    with pytest.raises(InputError, match=r"of the pocket network with 'out.bias' of shape \(19,\), got .* \(3,\)"):
         load_weights(tmp_path / "w.safetensors")
     with pytest.raises(InputError, match="expected a safetensors file, found none"):
         load_weights(tmp_path / "none.safetensors")

@@ -1,0 +1,104 @@
+"""The networks that ship compute the same numbers, and fly the same moves, bit for bit, whatever reads their files."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from indoor_explorers.env import World, make_policy, scenario
+from indoor_explorers.env.simulation.rollout import ask_pilots, make_pilots, rollout
+from indoor_explorers.learners.dddqn.network.inference import q_values as dddqn_values
+from indoor_explorers.learners.dddqn.weights import load_weights as load_dddqn
+from indoor_explorers.learners.dddqn.weights import shipped
+from indoor_explorers.learners.places.network import load_weights as load_places
+from indoor_explorers.learners.places.network import values
+from indoor_explorers.learners.places.policy import SHIPPED as PLACES
+from indoor_explorers.learners.thesis.inference import q_values as thesis_values
+from indoor_explorers.learners.thesis.observation import LEVELS
+from indoor_explorers.learners.thesis.weights import SHIPPED as THESIS
+from indoor_explorers.learners.thesis.weights import trained
+from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED as POCKETS
+from indoor_explorers.planners.toolbox.pockets.estimates import load_weights as load_pockets
+from indoor_explorers.planners.toolbox.pockets.features import COARSE_LAYERS, FINE_LAYERS, SIDE
+from indoor_explorers.planners.toolbox.pockets.network import outputs
+from tests.learners.places.small import random_scene
+
+#: Digests of the outputs for random inputs, by weights.
+OUTPUTS = {
+    "thesis-open": "db65dbab349d0671",
+    "thesis-obstacles": "75db1754fefb3577",
+    "thesis-open-map": "7fc05c54915ff94c",
+    "thesis-obstacles-map": "f92959ac57855a97",
+    "places": "a6402e53dd6a5afe",
+    "pockets": "88392fe87dae3ed7",
+    "rewards-1-stuck-2": "5f8c4e4d9b3bce7b",
+}
+#: Policy, its parameters, scenario, and the digest of the cells of a short flight.
+FLIGHTS: tuple[tuple[str, dict[str, Any], str, str], ...] = (
+    ("dddqn", {}, "thesis-open", "2c816530726f0958"),
+    ("dddqn", {}, "thesis-obstacles", "270afbe8efd88ac7"),
+    ("dddqn", {}, "thesis-team-2", "d38e996e471b6517"),
+    ("dddqn", {"map_alone": True}, "thesis-open", "f4dd37d3bf2820da"),
+    ("dddqn", {"map_alone": True}, "thesis-obstacles", "0051a28d0211180f"),
+    ("dddqn-places", {}, "small-floors", "a5e3d421f9a5aeee"),
+    ("dddqn-thesis", {}, "thesis-obstacles", "b3d2c9d7dff038e7"),
+    ("frontier-predictive", {}, "small-floors", "79f57cf18dd0458b"),
+)
+
+
+def digest(array: NDArray[np.generic]) -> str:
+    return hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()[:16]
+
+
+def dddqn_outputs(name: str) -> NDArray[np.float32]:
+    loaded, rng, q = load_dddqn(shipped()[name]), np.random.default_rng(1), np.zeros((5, 4), np.float32)
+    scenes = rng.integers(0, 256, (5, loaded.layout.inputs)).astype(np.uint8)
+    dddqn_values(scenes, rng.random((5, 4, loaded.layout.features), np.float32), loaded.weights, q)
+    return q
+
+
+def thesis_outputs() -> NDArray[np.float32]:
+    q, images = np.zeros((5, 4), np.float32), np.random.default_rng(1).integers(0, 5, (5, 1, 16, 16)).astype(np.uint8)
+    thesis_values(images, LEVELS, trained(THESIS).weights, q)
+    return q
+
+
+def pocket_outputs() -> NDArray[np.float32]:
+    rng = np.random.default_rng(1)
+    fine = rng.integers(0, 2, (5, FINE_LAYERS, SIDE, SIDE)).astype(np.uint8)
+    coarse = rng.integers(0, 10, (5, COARSE_LAYERS, SIDE, SIDE)).astype(np.uint8)
+    return outputs(fine, coarse, rng.random((5, 2), np.float32), load_pockets(POCKETS))
+
+
+def found_outputs(name: str) -> NDArray[np.float32]:
+    match name:
+        case "places":
+            return values(random_scene(5), load_places(PLACES))
+        case "pockets":
+            return pocket_outputs()
+        case "rewards-1-stuck-2":
+            return thesis_outputs()
+        case _:
+            return dddqn_outputs(name)
+
+
+def flown(policy: str, name: str, **parameters: Any) -> NDArray[np.int64]:
+    world = World(scenario(name).for_evaluation().with_settings({"budget": 60, "on_collision": "block"}))
+    world.reset([7])
+    made = make_policy(policy, **parameters)
+    steps = rollout(world, ask_pilots(made, make_pilots(made, world), world))
+    return np.stack([np.array(world.state.cell, np.int64) for _ in steps])
+
+
+@pytest.mark.parametrize("name", OUTPUTS)
+def test_weights_give_the_values_that_they_always_gave(name: str) -> None:
+    assert digest(found_outputs(name)) == OUTPUTS[name]
+
+
+@pytest.mark.parametrize(("policy", "parameters", "name", "expected"), FLIGHTS)
+def test_networks_fly_as_they_always_flew(policy: str, parameters: dict[str, Any], name: str, expected: str) -> None:
+    assert digest(flown(policy, name, **parameters)) == expected
