@@ -1,4 +1,4 @@
-"""The planner of CONTRIBUTING.md, installed as a package of its own and found through its entry point."""
+"""The planner of its guide, installed as a package of its own and found through its entry point."""
 
 import os
 import re
@@ -14,9 +14,9 @@ BLOCK = re.compile(r"<!-- plugin: (\S+) -->\n```\w+\n(.*?)```", re.DOTALL)
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """The plug-in, built and installed from the text of CONTRIBUTING.md; returns the environment to run in."""
+    """The plug-in, built and installed from the text of the guide; returns the environment to run in."""
     source, site = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("site")
-    files = dict(BLOCK.findall((ROOT / "CONTRIBUTING.md").read_text()))
+    files = dict(BLOCK.findall((ROOT / "evaluation/site/pages/guides/planner.md").read_text()))
     assert set(files) == {"wall_follower.py", "pyproject.toml"}
     code = [line for line in files["wall_follower.py"].splitlines() if line.strip()]
     assert len(code) <= 40

@@ -17,6 +17,7 @@ from mkdocs.structure.files import File
 from indoor_explorers.evaluation.cli.command import make_console, print_line
 from indoor_explorers.evaluation.site.commands import broken
 from indoor_explorers.evaluation.site.gallery import example_report, gallery_page, pictures
+from indoor_explorers.evaluation.site.pictures.architecture import architecture_pictures
 from indoor_explorers.evaluation.site.pictures.concepts import concept_pictures
 from indoor_explorers.evaluation.site.pictures.dynamics import dynamics_pictures
 from indoor_explorers.evaluation.site.pictures.learners import learner_pictures
@@ -44,7 +45,7 @@ PAGES = "evaluation/site/pages"
 #: The pages that are documents of the repository.
 DOCUMENTS = {
     "README.md": "index.md",
-    "CONTRIBUTING.md": "guides/planner.md",
+    "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changes.md",
     "evaluation/site/concepts.md": "concepts.md",
     "evaluation/CLUSTER.md": "guides/cluster.md",
@@ -73,6 +74,7 @@ MADE = {
 #: What draws the pictures of the pages, by name.
 DRAWN = (
     pictures,
+    architecture_pictures,
     concept_pictures,
     dynamics_pictures,
     learner_pictures,

@@ -15,7 +15,7 @@ from indoor_explorers.evaluation.cli.parser import main
 from tests.evaluation import plugins
 
 PLUGINS = "tests.evaluation.plugins"
-CONTRIBUTING = Path(__file__).resolve().parents[3] / "CONTRIBUTING.md"
+GUIDE = Path(__file__).resolve().parents[3] / "evaluation" / "site" / "pages" / "guides" / "planner.md"
 
 
 def run(capsys, *words):
@@ -120,7 +120,7 @@ def test_the_page_fits_any_terminal(width, encoding, found):
 
 
 def test_the_page_in_the_documentation_has_today_s_checks():
-    text = CONTRIBUTING.read_text()
+    text = GUIDE.read_text()
     rows = re.findall(r"^ {6}\S (?:ok|FAILED|unknown) +(.+?) {2}", text, re.MULTILINE)
     assert rows == list(CHECKS)
     assert re.findall(r"^\| \*\*(.+?)\*\* \|", text, re.MULTILINE) == list(CHECKS)
