@@ -138,7 +138,8 @@ class Observer:
         others = [each[cells] for each in fields]
         rank = ranks(steps, others, [mate.agent < self._briefing.agent for mate in mates])
         views = np.asarray(self._gains.at(view.belief, cells), np.float64)
-        factors, kept = 0.5 ** rank.astype(np.float64), self._near_goal(cells)
+        kept = self._pilot.near_goal(self._pilot.goal, cells, max(1.0, SAME * self._range), np.maximum)
+        factors = 0.5 ** rank.astype(np.float64)
         found = _Candidates(cells, owner, steps / self._range, views, factors, kept)
         return self._scene(view, self._best(found, about.outlook), about, mates, fields)
 
@@ -160,14 +161,6 @@ class Observer:
         taken = found.factors[best] <= 0.5 * found.factors.max()
         rank = scores[best] - _DEFERRED_LATER * outlook.deferred[found.owner[best]] - _TAKEN_LATER * taken
         return found.at(best[np.argsort(-rank, kind="stable")[:MOST]])
-
-    def _near_goal(self, cells: NDArray[np.int32]) -> Mask:
-        goal = self._pilot.goal
-        if goal is None:
-            return np.zeros(len(cells), np.bool_)
-        rows, cols = np.divmod(cells, self._pilot.paths.width)
-        away = np.maximum(np.abs(rows - goal[0]), np.abs(cols - goal[1]))
-        return np.asarray(away <= max(1.0, SAME * self._range))
 
     def _scene(
         self, view: View, found: _Candidates, about: _Clusters, mates: list[Mate], fields: list[NDArray[np.int32]]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.policies.view import Briefing, Mate, View
+from indoor_explorers.env.policies.view import Mate, View
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of, remembered, told_goal
@@ -61,25 +61,15 @@ class Choices(NamedTuple):
 class GroupPilot(GoalPilot):
     """Choose again, together with the group, whenever the map has grown."""
 
-    def __init__(self, briefing: Briefing) -> None:
-        super().__init__(briefing)
-        self._due = False
+    replan_period: float = 0
 
     @abstractmethod
     def assigned(self, view: View, choices: Choices) -> int:
         """Return the index of the cluster that this UAV flies to; it can reach at least one of the K clusters."""
 
-    def on_map_growth(self, view: View) -> None:
-        """Request a new choice, since clusters may have changed."""
-        self._due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last choice."""
-        return self._due
-
     def choose(self, view: View) -> Cell | None:
         """Return the nearest cell of the cluster assigned to this UAV, or of its nearest cluster if unreachable."""
-        self._due, self.message = False, None
+        self.message = None
         choices = self.choices(view, self.members(view))
         own = choices.steps[choices.me]
         if not (own < UNREACHABLE).any():

@@ -115,20 +115,10 @@ class JointPilot(CandidatePilot):
         self._range = float(briefing.lidar_range)
         self._utility = Utility(parameters.power, parameters.rate, parameters.trust)
         self.out_of_contact = OutOfContact(briefing)
-        self._is_due = True
-        self._next_choice = 0
-
-    def on_map_growth(self, view: View) -> None:
-        """Request a new choice."""
-        self._is_due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last choice, and that choice is old enough."""
-        return self._is_due and view.step >= self._next_choice
+        self.replan_period = self.steps_in(parameters.period)
 
     def choose(self, view: View) -> Cell | None:
         """Return the place that this UAV gets in its turn."""
-        self._is_due, self._next_choice = False, view.step + max(1, round(self._parameters.period * self._range))
         members = self.members(view)
         me = next(k for k, member in enumerate(members) if member.agent == self.briefing.agent)
         problem = self.decision_problem(view, members)

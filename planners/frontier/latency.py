@@ -98,20 +98,10 @@ class LatencyPilot(GoalPilot):
         self._policy = policy
         self._range = briefing.lidar_range
         self._gains = WeightedGains(briefing.shape, self._range, policy.depth, policy.isolation)
-        self._is_due = True
-        self._next_order = 0
-
-    def on_map_growth(self, view: View) -> None:
-        """Request a new order of the clusters."""
-        self._is_due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last order, and that order is old enough."""
-        return self._is_due and view.step >= self._next_order
+        self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:
         """Return the first place of the order of lowest cost."""
-        self._is_due, self._next_order = False, view.step + round(KEEP * self._range)
         places = self._places(view)
         if len(places.cells) == 0:
             return None
@@ -154,7 +144,7 @@ class LatencyPilot(GoalPilot):
         cells, owner, steps, factors = cells[fine], owner[fine], steps[fine], factors[fine]
         gains = factors * outlook.chances[owner] * self._gains.at(view.belief, cells)
         scores = np.log(np.maximum(gains, 1e-9)) - self._policy.discount * steps / self._range
-        kept = self._near_goal(cells)
+        kept = self.near_goal(self.goal, cells, max(1.0, SAME * self._range), np.maximum)
         best = first_of_each(owner, scores + self._policy.hold * kept)
         best = best[np.argsort(-scores[best], kind="stable")][: self._policy.clusters]
         return Places(cells[best], steps[best], gains[best], kept[best])
@@ -169,10 +159,3 @@ class LatencyPilot(GoalPilot):
         worth = np.maximum(places.gains, 1e-9) ** self._policy.worth
         between = self.paths.matrix(view.belief, places.cells) / self._range
         return best_orders(places.steps / self._range, between, worth / worth.sum(), self._policy.latency)
-
-    def _near_goal(self, cells: NDArray[np.int32]) -> NDArray[np.bool_]:
-        if self.goal is None:
-            return np.zeros(len(cells), np.bool_)
-        rows, cols = np.divmod(cells, self.paths.width)
-        away = np.maximum(np.abs(rows - self.goal[0]), np.abs(cols - self.goal[1]))
-        return np.asarray(away <= max(1.0, SAME * self._range))

@@ -110,19 +110,10 @@ class PomdpPilot(IndependentPilot):
         self._horizon = max(2, round(policy.horizon * self._lidar))
         self._gains = WeightedGains(briefing.shape, self._lidar, DEPTH, policy.isolation)
         self._estimator = PocketEstimator(self._lidar)
-        self._is_due, self._next_choice = True, 0
-
-    def on_map_growth(self, view: View) -> None:
-        """Request a new plan."""
-        self._is_due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last plan, and that plan is old enough."""
-        return self._is_due and view.step >= self._next_choice
+        self.replan_period = self.steps_in(policy.period)
 
     def chosen(self, view: View) -> Cell | None:
         """Return the nearest cell of the cluster with the largest return."""
-        self._is_due, self._next_choice = False, view.step + max(1, round(self._policy.period * self._lidar))
         policy = self._policy
         clusters = frontier_clusters(view.belief, self._lidar)
         cells, steps = nearest_cells(self.steps_from(view, view.cell), clusters)
@@ -167,11 +158,7 @@ class PomdpPilot(IndependentPilot):
 
     def _bonus(self, cells: NDArray[np.int32]) -> Numbers:
         """Return ``1 + hold`` for (K,) flat cells near the current goal, else 1, (K,)."""
-        if self.goal is None:
-            return np.ones(len(cells))
-        rows, cols = np.divmod(cells, self.paths.width)
-        near = np.hypot(rows - self.goal[0], cols - self.goal[1]) <= SAME * self._lidar
-        return np.where(near, 1.0 + self._policy.hold, 1.0)
+        return np.where(self.near_goal(self.goal, cells, SAME * self._lidar), 1.0 + self._policy.hold, 1.0)
 
 
 class Window:

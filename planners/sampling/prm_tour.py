@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +66,9 @@ class PrmTour(ViewpointPolicy):
 
 
 class PrmTourPilot(ViewpointPilot):
-    """Keep milestones from roadmap to roadmap, and the stops of the tour."""
+    """Keep milestones from roadmap to roadmap, and the stops of the tour; fly to a stop until it has no gain left."""
+
+    replan_period = inf
 
     def __init__(self, briefing: Briefing, policy: PrmTour) -> None:
         super().__init__(briefing, policy)
@@ -75,10 +78,6 @@ class PrmTourPilot(ViewpointPilot):
         disc = np.pi * briefing.lidar_range**2
         self._least = max(1, int(policy.least * disc))
         self._rate = 0.0 if policy.as_published else policy.discount / briefing.lidar_range
-
-    def wants_replan(self, view: View) -> bool:
-        """Keep the first stop until it has no gain left."""
-        return False
 
     def viewpoint(self, view: View) -> Cell | None:
         """Return the first stop of the best tour."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +89,8 @@ class RrtFrontierPilot(ViewpointPilot):
         super().__init__(briefing, policy)
         self._policy = policy
         self._candidates = np.empty(0, np.int32)
+        if policy.as_published:
+            self.replan_period = inf  # the paper keeps its goal
         self.trees: list[Tree] = []
         """The trees that were grown since the map has changed, the local one first."""
 
@@ -98,14 +101,9 @@ class RrtFrontierPilot(ViewpointPilot):
 
     def on_map_growth(self, view: View) -> None:
         """Grow a local tree and add its candidates."""
-        super().on_map_growth(view)
         self.trees = []
         half = self._policy.local_ranges * self.briefing.lidar_range
         self._grow(view, half, self._policy.local_samples)
-
-    def wants_replan(self, view: View) -> bool:
-        """Compare the candidates again whenever the map has grown; the paper keeps its goal."""
-        return super().wants_replan(view) and not self._policy.as_published
 
     def is_spent(self, view: View, goal: Cell) -> bool:
         """Tell whether a goal is no frontier cell any more."""

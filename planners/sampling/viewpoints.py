@@ -102,26 +102,18 @@ class ViewpointPilot(GoalPilot):
     """
 
     straight = True
+    replan_period: float = 0
 
     def __init__(self, briefing: Briefing, policy: ViewpointPolicy) -> None:
         super().__init__(briefing)
         self.weights = policy
         self.gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
         self._out_of_contact = OutOfContact(briefing)
-        self._grown = False
         self._fallbacks = 0
 
     @abstractmethod
     def viewpoint(self, view: View) -> Cell | None:
         """Return the viewpoint to fly to next, except :meth:`near_banned` ones; None if none has a gain."""
-
-    def on_map_growth(self, view: View) -> None:
-        """Note that the map has grown since the last choice."""
-        self._grown = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Compare the viewpoints again whenever the map has grown."""
-        return self._grown
 
     def is_spent(self, view: View, goal: Cell) -> bool:
         """Tell whether the UAV has been at its goal, or the goal has no unknown cells in view any more."""
@@ -129,7 +121,6 @@ class ViewpointPilot(GoalPilot):
 
     def choose(self, view: View) -> Cell | None:
         """Return the viewpoint that the subclass chooses, or else the nearest frontier cell."""
-        self._grown = False
         goal = self.viewpoint(view)
         if goal is None:
             self._fallbacks += 1
@@ -181,11 +172,8 @@ class ViewpointPilot(GoalPilot):
 
     def _kept(self, cells: NDArray[np.int32]) -> Mask:
         """Return which of (K,) flat cells are at the current goal, (K,) bool."""
-        if self.goal is None:
-            return np.zeros(len(cells), np.bool_)
-        rows, cols = np.divmod(cells, self.paths.width)
-        away = np.maximum(np.abs(rows - self.goal[0]), np.abs(cols - self.goal[1]))
-        return np.asarray(away <= max(1.0, SAME_PLACE * self.briefing.lidar_range))
+        radius = max(1.0, SAME_PLACE * self.briefing.lidar_range)
+        return self.near_goal(self.goal, cells, radius, np.maximum)
 
     def _left(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
         """Return the factors on the gains for teammates, (K,) in [0, 1].

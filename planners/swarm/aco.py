@@ -153,7 +153,7 @@ class AntPilot(GoalPilot):
         self._gains = WeightedGains(briefing.shape, self._lidar, policy.depth, policy.isolation)
         self._pheromone = Pheromone(briefing.shape, self._lidar, policy.spread * self._lidar)
         self._out_of_contact = OutOfContact(briefing)
-        self._is_due, self._next_choice = True, 0
+        self.replan_period = self.steps_in(policy.period)
 
     def act(self, view: View) -> int:
         """Lay pheromone, then fly on or choose."""
@@ -166,17 +166,8 @@ class AntPilot(GoalPilot):
                 self._pheromone.lay(cell, policy.amount)
         return super().act(view)
 
-    def on_map_growth(self, view: View) -> None:
-        """Request a new choice."""
-        self._is_due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last choice, and that choice is old enough."""
-        return self._is_due and view.step >= self._next_choice
-
     def choose(self, view: View) -> Cell | None:
         """Return the nearest cell of the cluster that the transition rule picks."""
-        self._is_due, self._next_choice = False, view.step + max(1, round(self._policy.period * self._lidar))
         cells, steps = nearest_cells(self.steps_from(view, view.cell), frontier_clusters(view.belief, self._lidar))
         fine = (steps < UNREACHABLE) & ~self.near_banned(view, cells)
         cells, steps = cells[fine], steps[fine]
@@ -192,8 +183,5 @@ class AntPilot(GoalPilot):
         """Return what (K,) flat cells, ``steps`` away, are worth, without pheromone, (K,)."""
         left = self._out_of_contact.at_cells(view, cells, steps, self.steps_from)
         worth = left * np.sqrt(self._gains.at(view.belief, cells)) * np.exp(-self._policy.rate / self._lidar * steps)
-        if self.goal is not None:
-            rows, cols = np.divmod(cells, self.paths.width)
-            near = np.hypot(rows - self.goal[0], cols - self.goal[1]) <= SAME * self._lidar
-            worth = np.where(near, 1.0 + self._policy.hold, 1.0) * worth
-        return np.asarray(worth)
+        near = self.near_goal(self.goal, cells, SAME * self._lidar)
+        return np.asarray(np.where(near, 1.0 + self._policy.hold, 1.0) * worth)

@@ -138,7 +138,7 @@ class PsoPilot(CandidatePilot):
         self._swarm = Swarm(particles=policy.particles, rounds=policy.rounds)
         self._range = float(briefing.lidar_range)
         self._out_of_contact = OutOfContact(briefing, sector=policy.sector)
-        self._period = max(1, round(policy.period * self._range))
+        self._period = self.steps_in(policy.period)
         self._plan: tuple[float, ...] = NOWHERE
         self._planned_on = -1
 

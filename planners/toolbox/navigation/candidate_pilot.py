@@ -34,8 +34,5 @@ class CandidatePilot(GoalPilot):
 
     def hysteresis_bonus(self, goal: Cell | None, cells: NDArray[np.int32], hold: float) -> NDArray[np.float64]:
         """Return the factors on the utilities of (K,) flat cells: ``1 + hold`` near the UAV's goal, else 1, (K,)."""
-        if goal is None:
-            return np.ones(len(cells))
-        rows, cols = np.divmod(cells, self.paths.width)
-        away = np.hypot(rows - goal[0], cols - goal[1])
-        return np.where(away <= max(SAME_CELLS, SAME_RANGES * self.briefing.lidar_range), 1.0 + hold, 1.0)
+        radius = max(SAME_CELLS, SAME_RANGES * self.briefing.lidar_range)
+        return np.where(self.near_goal(goal, cells, radius), 1.0 + hold, 1.0)
