@@ -15,23 +15,16 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.policies.view import Mate, View
+from indoor_explorers.env.policies.view import View
+from indoor_explorers.planners.toolbox.coordination.group_members import GroupMember, group_of
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import message_of, remembered, told_goal
+from indoor_explorers.planners.toolbox.navigation.teammates import message_of, remembered
 
 #: Largest number of clusters considered: those nearest to any UAV of the group.
 CLUSTERS = 64
 #: Distance, in lidar ranges, within which a frontier cell replaces a goal that is no frontier cell any more.
 INHERITANCE = 0.5
-
-
-class GroupMember(NamedTuple):
-    """One UAV of the group."""
-
-    agent: int
-    cell: Cell
-    goal: Cell | None
 
 
 class Choices(NamedTuple):
@@ -84,7 +77,7 @@ class GroupPilot(GoalPilot):
     def members(self, view: View) -> list[GroupMember]:
         """Return this UAV and the remembered teammates, by number."""
         own = GroupMember(self.briefing.agent, view.cell, self.goal)
-        return sorted([own, *map(member_of, remembered(view, self.briefing))], key=lambda member: member.agent)
+        return group_of(own, remembered(view, self.briefing))
 
     def choices(self, view: View, members: list[GroupMember]) -> Choices:
         """Return the UAVs and clusters of this decision."""
@@ -109,8 +102,3 @@ class GroupPilot(GoalPilot):
             near = away[place] <= (INHERITANCE * self.briefing.lidar_range) ** 2
             held[np.searchsorted(clusters.ends, place, side="right") - 1] = near
         return held
-
-
-def member_of(mate: Mate) -> GroupMember:
-    """Return a teammate as a member, with its goal if that is recent."""
-    return GroupMember(mate.agent, mate.cell, told_goal(mate))

@@ -12,17 +12,22 @@ from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.frontier.joint import JointParameters, JointPilot
 from indoor_explorers.planners.sampling.memory import ViewpointMemory, tree_cells
 from indoor_explorers.planners.sampling.rrt_nbv import RrtNbvPilot, TreePolicy
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.trees import grow_tree
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints, few
+from indoor_explorers.planners.toolbox.coordination.sequence_chooser import SequenceChooser, SequenceParameters
+from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
 from indoor_explorers.planners.toolbox.parameters import at_least
 
 #: Half the side of the inner square around the UAV, in cells.
 NEAR_HALF = 6.0
+#: Largest distance of other viewpoints from a UAV of the group, in steps.
+NEAR = 6
+#: Steps after which a UAV chooses again if the map has grown, in lidar ranges.
+PERIOD = 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,31 +81,34 @@ class RrtAep(TreePolicy):
         return TurnsPilot(briefing, self) if self.take_turns else RrtAepPilot(briefing, self)
 
 
-class RrtAepPilot(JointPilot):
+class RrtAepPilot(CandidatePilot):
     """Choose among stored viewpoints, in turn with the linked teammates."""
 
+    straight = True
+
     def __init__(self, briefing: Briefing, policy: RrtAep) -> None:
-        super().__init__(
-            briefing,
-            JointParameters(
-                isolation=policy.isolation,
-                fade=policy.depth,
-                hold=policy.hold,
-                order=policy.order,
-                latency=policy.latency,
-            ),
+        super().__init__(briefing)
+        self._policy, self._range = policy, float(briefing.lidar_range)
+        self.replan_period = self.steps_in(PERIOD)
+        self._parameters = SequenceParameters(
+            isolation=policy.isolation,
+            fade=policy.depth,
+            hold=policy.hold,
+            order=policy.order,
+            latency=policy.latency,
         )
-        self._aep = policy
+        self.chooser = SequenceChooser(self, self._parameters, self.candidates)
+        """Chooses among the viewpoints."""
         self._memory = ViewpointMemory(briefing, policy)
         self._next_local = self._next_global = self._fallbacks = 0
 
     def choose(self, view: View) -> Cell | None:
         """Return the viewpoint that this UAV gets in its turn, or the nearest frontier cell if none has a gain."""
-        goal = super().choose(view)
+        goal = self.chooser.choose(view)
         if goal is None:
             self._fallbacks += 1
             goal = self.nearest_frontier(view)
-            self.message = message_of(goal)
+        self.message = message_of(goal)
         return goal
 
     def tally(self) -> dict[str, float]:
@@ -109,19 +117,20 @@ class RrtAepPilot(JointPilot):
 
     def candidates(self, view: View, fields: Distances) -> tuple[NDArray[np.int32], Mask]:
         """Return viewpoints with different views and others near a UAV, (K,), and which are the former ones, (K,)."""
+        policy = self._policy
         self._grow_trees(view)
         steps = fields.min(axis=0).ravel()
         cells, gains = self._memory.recalled(view, steps)
-        scores = np.log(gains) - self._aep.discount * steps[cells] / self._range
-        different = few(view.belief, cells, scores, self._range, 2 * self._aep.places, self._aep.places)
+        scores = np.log(gains) - policy.discount * steps[cells] / self._range
+        different = few(view.belief, cells, scores, self._range, 2 * policy.places, policy.places)
         values = np.sqrt(gains) * np.exp(-self._parameters.rate * steps[cells] / self._range)
-        near = np.setdiff1d(np.flatnonzero(steps[cells] <= self._parameters.near), different)
-        near = near[np.argsort(-values[near], kind="stable")[: self._aep.lookouts]]
+        near = np.setdiff1d(np.flatnonzero(steps[cells] <= NEAR), different)
+        near = near[np.argsort(-values[near], kind="stable")[: policy.lookouts]]
         return cells[np.concatenate([different, near])], np.arange(len(different) + len(near)) < len(different)
 
     def _grow_trees(self, view: View) -> None:
         """Grow the trees that are due: all of them if the goal has no gain left."""
-        memory, policy = self._memory, self._aep
+        memory, policy = self._memory, self._policy
         spent = self.goal is None or self.is_spent(view, self.goal)
         if spent or view.step >= self._next_local:
             near, half = (NEAR_HALF, policy.near_samples), policy.local_ranges * self._range
