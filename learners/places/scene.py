@@ -39,7 +39,9 @@ GUESS, OTHERS = slice(7, 18), slice(18, 31)
 COSTLIEST = 20.0
 #: What the shipped network was trained on: the parameters of ``frontier-predictive`` at that time, in full. They stay
 #: as they are when the planner is tuned, since the network knows no other inputs; a test tells where the two part.
-TRAINED_ON = PlaceParameters(depth=0.5, isolation=8.0, discount=2.4, latency=16.0, worth=0.8, hold=0.2, clusters=MOST)
+TRAINED_ON = PlaceParameters(
+    decay_length=0.5, isolation=8.0, discount_rate=2.4, latency=16.0, worth=0.8, switch_cost=0.2, clusters=MOST
+)
 #: Likewise, how it was told which clusters can wait,
 TRAINED_OUTLOOK = OutlookParameters(skip=0.75, risk=0.1, visit=3.0, near=2, aim=0.99)
 #: and the spacing of a cluster's cells, and the distance within which a cell is the last goal, in lidar ranges.
@@ -152,7 +154,7 @@ class Observer:
     def _best(self, found: _Candidates, outlook: Outlook) -> _Candidates:
         """Return one place for each cluster, the most promising ones first."""
         gains = found.factors * outlook.chances[found.owner] * found.views
-        scores = log_gains(gains) - TRAINED_ON.discount * found.steps
+        scores = log_gains(gains) - TRAINED_ON.discount_rate * found.steps
         best = self._found.best_of_each(found.owner, scores, found.kept)
         taken = found.factors[best] <= LEFT_TO_OTHERS * found.factors.max()
         rank = scores[best] - _DEFERRED_LATER * outlook.deferred[found.owner[best]] - _TAKEN_LATER * taken
@@ -253,7 +255,7 @@ def _orders(
         place[some] = positions / max(1, len(some) - 1)
         columns += [np.minimum(beyond / (1.0 + 0.25 * latency), 5.0), place]
         if weights is worth:
-            costs, least = beyond - TRAINED_ON.hold * found.kept, float(found_costs.min())
+            costs, least = beyond - TRAINED_ON.switch_cost * found.kept, float(found_costs.min())
             costs[~among] = np.inf
     return columns, costs, least
 

@@ -42,9 +42,9 @@ class Choices(NamedTuple):
     held: NDArray[np.bool_]
     """(N, K) whether the UAV is flying to it."""
 
-    def costs(self, hold: float) -> NDArray[np.float64]:
-        """Return the steps (N, K), reduced by ``hold`` for the cluster that a UAV is flying to."""
-        return self.steps - hold * self.held
+    def costs(self, switch_cost: float) -> NDArray[np.float64]:
+        """Return the steps (N, K), reduced by ``switch_cost`` steps for the cluster that a UAV is flying to."""
+        return self.steps - switch_cost * self.held
 
     def places(self) -> NDArray[np.int32]:
         """Return the flat cell of each cluster that is nearest to any UAV, (K,)."""

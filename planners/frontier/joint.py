@@ -10,25 +10,27 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.coordination.sequence_chooser import SequenceChooser, SequenceParameters
 from indoor_explorers.planners.toolbox.information.candidates import frontier_candidates, local_candidates
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import ReplanParameters, at_least
 
 
+@renamed(fade="decay_length", rate="discount_rate", hold="goal_bonus")
 @dataclass(frozen=True, kw_only=True)
-class FrontierJoint(SequenceParameters, Policy):
+class FrontierJoint(SequenceParameters, ReplanParameters, Policy):
     """Fly to the place with the best short sequence, minus the cost of all clusters that it leaves behind.
 
-    Places are the frontier clusters, each at its cell nearest to the group, and a few cells near each UAV with unknown
-    cells in view. The value of a sequence of up to three places is the sum of (remaining gain)^power e^(-rate t)
-    trust^k: the discounted gain of H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002, doi:10.1177/0278364902021010834, in
-    an orienteering problem in which each view counts once. This alone is greedy and leaves small pockets behind.
-    Therefore the score of a place is log(value) - order * cost, with the cost of the best order of the UAV's own
-    clusters that begins there, as in the travelling repairman problem (A. Blum et al., STOC 1994,
-    doi:10.1145/195058.195125).
+    Places are the frontier clusters, each at its cell nearest to the group, and a few cells near each UAV with
+    unknown cells in view. The value of a sequence of up to three places is the sum of (remaining gain)^power
+    e^(-discount_rate t) trust^k: the discounted gain of H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002,
+    doi:10.1177/0278364902021010834, in an orienteering problem in which each view counts once. This alone is greedy
+    and leaves small pockets behind. Therefore the score of a place is log(value) - order * cost, with the cost of
+    the best order of the UAV's own clusters that begins there, as in the travelling repairman problem (A. Blum et
+    al., STOC 1994, doi:10.1145/195058.195125).
 
     Linked UAVs choose in turn as in W. Burgard et al., IEEE T-RO 2005, doi:10.1109/TRO.2004.839232; cells in the views
     of a sequence are worth less to UAVs that choose later. Each UAV computes all turns before its own, from the map,
@@ -37,8 +39,6 @@ class FrontierJoint(SequenceParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    period: float = 0.1
-    """Steps after which a UAV chooses again if the map has grown, in lidar ranges."""
     clusters: int = 32
     """Most frontier clusters to choose from: the nearest to any UAV of the group."""
     lookouts: int = 8
@@ -81,7 +81,9 @@ class JointPilot(CandidatePilot):
         """
         policy, reach = self._policy, float(self.briefing.lidar_range)
         ahead = frontier_candidates(view.belief, fields, reach, policy.clusters)
-        around = local_candidates(view.belief, fields, reach, policy.near, policy.rate / reach, policy.lookouts)
+        around = local_candidates(
+            view.belief, fields, reach, policy.near, policy.discount_rate / reach, policy.lookouts
+        )
         around = np.setdiff1d(around, np.concatenate([ahead, self.paths.flat(self.visited)]))
         cells = np.concatenate([ahead, around]).astype(np.int32)
         return cells, np.arange(len(cells)) < len(ahead)

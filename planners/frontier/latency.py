@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.frontiers.cluster_places import (
     LEFT_TO_OTHERS,
@@ -29,16 +30,17 @@ from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 KEEP = 0.1
 
 
+@renamed(depth="decay_length", discount="discount_rate", hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
 class FrontierLatency(PlaceParameters, Policy):
     """Fly to the first cluster of the best order of all clusters.
 
-    The place of a cluster is its cell with the largest discounted gain ``g exp(-discount d / R)``, d its distance and R
-    the lidar range (H. H. Gonzalez-Banos and J.-C. Latombe, IJRR 2002, doi:10.1177/0278364902021010834, with g in
-    cells, near and isolated ones weighted more). The order of these places minimises a travelling repairman's cost:
-    the time at which the last one is reached, plus ``latency`` times the mean waiting time weighted by gains. It is
-    computed again when the map has changed; an order that begins elsewhere must save ``hold``. Paths are the
-    straightest of the shortest ones.
+    The place of a cluster is its cell with the largest discounted gain ``g exp(-discount_rate d / R)``, d its
+    distance and R the lidar range (H. H. Gonzalez-Banos and J.-C. Latombe, IJRR 2002,
+    doi:10.1177/0278364902021010834, with g in cells, near and isolated ones weighted more). The order of these
+    places minimises a travelling repairman's cost: the time at which the last one is reached, plus ``latency``
+    times the mean waiting time weighted by gains. It is computed again when the map has changed; an order that
+    begins elsewhere must save ``switch_cost``. Paths are the straightest of the shortest ones.
     """
 
     plans_for: ClassVar[str] = ALL_CELLS
@@ -78,7 +80,7 @@ class LatencyPilot(GoalPilot):
         places = self._places(view)
         if len(places.cells) == 0:
             return None
-        costs = self._orders(view, places)[0] - self._policy.hold * places.kept
+        costs = self._orders(view, places)[0] - self._policy.switch_cost * places.kept
         return divmod(int(places.cells[np.argmin(costs)]), self.paths.width)
 
     def order(self, view: View) -> list[Cell]:
@@ -110,7 +112,7 @@ class LatencyPilot(GoalPilot):
         own = factors > LEFT_TO_OTHERS * factors.max(initial=0.0)
         (_, _, cells, owner, steps), factors = found.those(own), factors[own]
         gains = factors * outlook.chances[owner] * self._found.views(view, cells)
-        scores = log_gains(gains) - self._policy.discount * steps / self._range
+        scores = log_gains(gains) - self._policy.discount_rate * steps / self._range
         kept = self._found.at_goal(cells)
         best = self._found.best_of_each(owner, scores, kept)
         best = best[np.argsort(-scores[best], kind="stable")][: self._policy.clusters]

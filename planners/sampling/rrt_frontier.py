@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_cells
 from indoor_explorers.planners.sampling.samples import box_around, merged, tree_samples
@@ -26,6 +27,7 @@ from indoor_explorers.planners.toolbox.parameters import at_least
 DOUBLINGS = 2
 
 
+@renamed()
 @dataclass(frozen=True, kw_only=True)
 class RrtFrontier(ViewpointPolicy):
     """Grow trees into unknown space and fly to one of the cells where their edges enter it.
@@ -46,8 +48,7 @@ class RrtFrontier(ViewpointPolicy):
     randomized trees", IROS 2017, doi:10.1109/IROS.2017.8202319.
     """
 
-    discount: float = 2.4
-    """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""
+    discount_rate: float = 2.4
     local_samples: int = 150
     """Samples for the local tree, which is grown near the UAV whenever the map has grown."""
     global_samples: int = 150

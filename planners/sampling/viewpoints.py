@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.sampling.covers import distinct
 from indoor_explorers.planners.sampling.samples import merged
@@ -20,7 +21,12 @@ from indoor_explorers.planners.toolbox.information.candidates import distances_b
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains, visible_sets
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, told_goal
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import (
+    DiscountParameters,
+    GainParameters,
+    SwitchCostParameters,
+    at_least,
+)
 from indoor_explorers.planners.toolbox.routing.min_latency import costs_of_first
 
 #: Distance, as a share of the lidar range, within which a viewpoint counts as the current goal.
@@ -71,26 +77,20 @@ def few(
     return np.asarray(order[distinct(visible_sets(belief, cells[order], lidar_range), OVERLAP, most)])
 
 
+@renamed(discount="discount_rate", depth="decay_length", hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
-class ViewpointPolicy(Policy):
+class ViewpointPolicy(GainParameters, DiscountParameters, SwitchCostParameters, Policy):
     """Parameters of all planners on viewpoints."""
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    discount: float = 1.5
-    """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""
-    isolation: float = 8.0
-    """Additional weight of an unknown cell if all 24 cells around it are known."""
-    depth: float = 0.5
-    """Distance at which an unknown cell has 1 / e of the weight, in lidar ranges."""
-    hold: float = 0.2
-    """Cost that another goal than the current one has to save, in lidar ranges."""
+    discount_rate: float = 1.5
     share: float = 0.5
     """Factor on a gain for each closer teammate."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "discount", "isolation", "hold", "share")
-        at_least(self, 0.01, "depth")
+        at_least(self, 0.0, "discount_rate", "isolation", "switch_cost", "share")
+        at_least(self, 0.01, "decay_length")
 
 
 class ViewpointPilot(GoalPilot):
@@ -107,7 +107,7 @@ class ViewpointPilot(GoalPilot):
     def __init__(self, briefing: Briefing, policy: ViewpointPolicy) -> None:
         super().__init__(briefing)
         self.weights = policy
-        self.gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
+        self.gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.decay_length, policy.isolation)
         self._out_of_contact = OutOfContact(briefing)
         self._fallbacks = 0
 
@@ -151,14 +151,14 @@ class ViewpointPilot(GoalPilot):
         if not len(viewpoints.cells):
             return None
         some = viewpoints.those(self._few(view, viewpoints))
-        costs = self._costs(view, some, latency) - self.weights.hold * self._kept(some.cells)
+        costs = self._costs(view, some, latency) - self.weights.switch_cost * self._kept(some.cells)
         return divmod(int(some.cells[np.argmin(costs)]), self.paths.width)
 
     def _few(self, view: View, viewpoints: Viewpoints) -> NDArray[np.int64]:
         """Return the indices of the best of (K,) viewpoints that are apart and have different views."""
         reach = self.briefing.lidar_range
-        scores = np.log(viewpoints.gains) - self.weights.discount * viewpoints.steps / reach
-        scores += self.weights.hold * self._kept(viewpoints.cells)
+        scores = np.log(viewpoints.gains) - self.weights.discount_rate * viewpoints.steps / reach
+        scores += self.weights.switch_cost * self._kept(viewpoints.cells)
         return few(view.belief, viewpoints.cells, scores, reach, CANDIDATES, STOPS)
 
     def _costs(self, view: View, viewpoints: Viewpoints, latency: float) -> NDArray[np.float64]:

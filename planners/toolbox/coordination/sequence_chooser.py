@@ -22,7 +22,12 @@ from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfC
 from indoor_explorers.planners.toolbox.information.candidates import UnknownWeight, candidate_views, distances_between
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import (
+    DiscountParameters,
+    GainParameters,
+    GoalBonusParameters,
+    at_least,
+)
 from indoor_explorers.planners.toolbox.routing.sequences import DecisionProblem, Utility, best_sequences, cost_of_rest
 
 #: Paths between places are searched up to this length in lidar ranges; longer ones are bounded by the path through a
@@ -41,25 +46,19 @@ Candidates = Callable[[View, Distances], tuple[NDArray[np.int32], Mask]]
 
 
 @dataclass(frozen=True, kw_only=True)
-class SequenceParameters:
+class SequenceParameters(GainParameters, DiscountParameters, GoalBonusParameters):
     """Parameters by which a :class:`SequenceChooser` compares places."""
 
-    isolation: float = 8.0
-    """Additional weight of an unknown cell whose 5x5 neighbourhood is known; pockets are finished while near."""
-    fade: float = 0.5
-    """Depth inside unknown space at which a cell has 1 / e of the weight, in lidar ranges."""
+    decay_length: float = 0.5
+    """Depth inside unknown space over which the weight of an unknown cell falls to 1 / e, in lidar ranges."""
     power: float = 0.5
     """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest place."""
-    rate: float = 0.8
-    """Discount rate of view gains per lidar range of flight."""
     trust: float = 0.5
     """Factor for every place that a UAV visits before, since the map may differ from expectation, 0 to 1."""
     order: float = 1.0
     """Weight of the cost of all clusters, per lidar range, against the logarithm of a sequence's value."""
     latency: float = 3.0
     """Weight of the mean waiting time relative to the length in that cost."""
-    hold: float = 0.2
-    """Bonus, as a share, for a place near the UAV's current goal."""
     certainty: float = 0.5
     """Share to which a linked teammate's second place counts as seen by it; its third place by the square; 0 to 1."""
     firsts: int = 8
@@ -68,8 +67,9 @@ class SequenceParameters:
     """Most clusters in that cost: those of the UAV's own clusters with the largest discounted gains."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "isolation", "power", "rate", "trust", "order", "latency", "hold", "certainty", "rest")
-        at_least(self, 1e-6, "fade")
+        at_least(self, 0.0, "isolation", "power", "discount_rate", "trust", "order", "latency")
+        at_least(self, 0.0, "goal_bonus", "certainty", "rest")
+        at_least(self, 1e-6, "decay_length")
         at_least(self, 1, "firsts")
 
 
@@ -90,7 +90,7 @@ class SequenceChooser:
     def __init__(self, pilot: CandidatePilot, parameters: SequenceParameters, candidates: Candidates) -> None:
         self._pilot, self._parameters, self._candidates = pilot, parameters, candidates
         self._range = float(pilot.briefing.lidar_range)
-        self._utility = Utility(parameters.power, parameters.rate, parameters.trust)
+        self._utility = Utility(parameters.power, parameters.discount_rate, parameters.trust)
         self.out_of_contact = OutOfContact(pilot.briefing)
         """The factors for teammates out of contact."""
 
@@ -110,14 +110,14 @@ class SequenceChooser:
 
     def first(self, problem: DecisionProblem, me: int, factors: NDArray[np.float64]) -> int:
         """Return the place that UAV ``me`` gets, after the turns of all UAVs with a better choice."""
-        left, waiting = problem.gains, list(range(len(problem.away)))
+        parameters, left, waiting = self._parameters, problem.gains, list(range(len(problem.away)))
         while True:
-            alone = problem.hysteresis * left**self._parameters.power * np.exp(-self._parameters.rate * problem.away)
+            alone = problem.hysteresis * left**parameters.power * np.exp(-parameters.discount_rate * problem.away)
             turn = waiting.pop(int(alone[waiting].max(axis=1).argmax()))
             sequence = self.sequence(problem, turn, factors * left, factors)
             if turn == me:
                 return int(sequence[0])
-            taken = self._parameters.certainty ** np.arange(len(sequence))[sequence >= 0]
+            taken = parameters.certainty ** np.arange(len(sequence))[sequence >= 0]
             left = left * np.prod(1.0 - taken * problem.shared[:, sequence[sequence >= 0]], axis=1)
 
     def sequence(
@@ -144,10 +144,11 @@ class SequenceChooser:
         cells, ahead = cells[fine], ahead[fine]
         steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64, order="C")
         gains, shared = candidate_views(
-            view.belief, cells, UnknownWeight(parameters.isolation, parameters.fade * reach), lidar_model(reach)
+            view.belief, cells, UnknownWeight(parameters.isolation, parameters.decay_length * reach), lidar_model(reach)
         )
         between = distances_between(view.belief, cells, steps, int(HOP_RANGES * reach) + 1)
-        hysteresis = np.stack([self._pilot.hysteresis_bonus(member.goal, cells, parameters.hold) for member in members])
+        bonus = self._pilot.hysteresis_bonus
+        hysteresis = np.stack([bonus(member.goal, cells, parameters.goal_bonus) for member in members])
         away = np.where(steps < UNREACHABLE, steps / reach, UNREACHABLE)
         return DecisionProblem(cells, ahead, away, between / reach, gains, shared, hysteresis)
 
@@ -164,7 +165,7 @@ class SequenceChooser:
         """Return the indices of clusters that no teammate is closer to: those with the largest discounted gains."""
         nearest = (problem.away[uav] < UNREACHABLE) & (problem.away[uav] <= problem.away.min(axis=0))
         own = np.flatnonzero(problem.ahead & nearest & (factors >= THEIRS * factors.max()))
-        worth = gains[own] ** self._parameters.power * np.exp(-self._parameters.rate * problem.away[uav, own])
+        worth = gains[own] ** self._parameters.power * np.exp(-self._parameters.discount_rate * problem.away[uav, own])
         return np.asarray(own[np.argsort(-worth, kind="stable")[: self._parameters.rest]])
 
     def _cost(

@@ -26,7 +26,12 @@ from indoor_explorers.planners.toolbox.frontiers.clusters import (
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import ranks
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import (
+    DiscountParameters,
+    GainParameters,
+    SwitchCostParameters,
+    at_least,
+)
 
 #: Spacing of the cells of a cluster that are considered, in lidar ranges.
 STRIDE = 0.3
@@ -41,27 +46,21 @@ LEAST = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlaceParameters:
+class PlaceParameters(GainParameters, DiscountParameters, SwitchCostParameters):
     """Parameters by which the places of clusters are found and ordered."""
 
-    depth: float = 0.5
-    """Distance at which an unknown cell has 1 / e of the weight of a near one, in lidar ranges."""
-    isolation: float = 8.0
-    """Additional weight of an unknown cell that is surrounded by known ones."""
-    discount: float = 2.4
+    discount_rate: float = 2.4
     """Discount rate of gains per lidar range of distance, in the choice of a cluster's cell."""
     latency: float = 16.0
     """Weight of the mean waiting time relative to the length of the order."""
     worth: float = 0.5
     """Exponent of gains as weights of waiting times; 0 weights all clusters equally."""
-    hold: float = 0.2
-    """Cost that an order with another first cluster has to save, in lidar ranges."""
     clusters: int = 12
     """Largest number of clusters in an order: those with the largest discounted gains."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "isolation", "discount", "latency", "worth", "hold")
-        at_least(self, 0.01, "depth")
+        at_least(self, 0.0, "isolation", "discount_rate", "latency", "worth", "switch_cost")
+        at_least(self, 0.01, "decay_length")
         at_least(self, 1, "clusters")
 
 
@@ -100,9 +99,9 @@ class ClusterPlaces:
     ) -> None:
         lidar = pilot.briefing.lidar_range
         self._pilot, self._lidar = pilot, lidar
-        self._gains = WeightedGains(pilot.briefing.shape, lidar, parameters.depth, parameters.isolation)
+        self._gains = WeightedGains(pilot.briefing.shape, lidar, parameters.decay_length, parameters.isolation)
         self._stride, self._same = stride * lidar, max(1.0, same * lidar)
-        self._hold = parameters.hold
+        self._switch_cost = parameters.switch_cost
 
     def found(self, view: View) -> PlaceCells:
         """Return the cells that the UAV could fly to."""
@@ -124,7 +123,7 @@ class ClusterPlaces:
 
     def best_of_each(self, owner: NDArray[np.int64], scores: NDArray[np.float64], at_goal: Mask) -> NDArray[np.int64]:
         """Return the index of the cell with the best score of each cluster, of (L,); the last goal has a bonus."""
-        return first_of_each(owner, scores + self._hold * at_goal)
+        return first_of_each(owner, scores + self._switch_cost * at_goal)
 
 
 def log_gains(gains: NDArray[np.float64]) -> NDArray[np.float64]:
