@@ -17,7 +17,7 @@ from indoor_explorers.planners.sampling.memory import ViewpointMemory, tree_cell
 from indoor_explorers.planners.sampling.rrt_nbv import RrtNbvPilot, TreePolicy
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.trees import grow_tree
-from indoor_explorers.planners.sampling.viewpoints import Viewpoints, few
+from indoor_explorers.planners.sampling.viewpoints import Viewpoints, diverse_subset
 from indoor_explorers.planners.toolbox.coordination.sequence_chooser import SequenceChooser, SequenceParameters
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
@@ -134,7 +134,7 @@ class RrtAepPilot(CandidatePilot):
         steps = fields.min(axis=0).ravel()
         cells, gains = self._memory.recalled(view, steps)
         scores = np.log(gains) - policy.discount_rate * steps[cells] / self._range
-        different = few(view.belief, cells, scores, self._range, 2 * policy.places, policy.places)
+        different = diverse_subset(view.belief, cells, scores, self._range, 2 * policy.places, policy.places)
         values = np.sqrt(gains) * np.exp(-self._parameters.discount_rate * steps[cells] / self._range)
         near = np.setdiff1d(np.flatnonzero(steps[cells] <= NEAR), different)
         near = near[np.argsort(-values[near], kind="stable")[: policy.lookouts]]

@@ -64,7 +64,7 @@ class Viewpoints(NamedTuple):
         return self.those(self.left > LEFT_TO_OTHERS * self.left.max(initial=0.0))
 
 
-def few(
+def diverse_subset(
     belief: Belief, cells: NDArray[np.int32], scores: NDArray[np.float64], lidar_range: float, tried: int, most: int
 ) -> NDArray[np.int64]:
     """Return the indices of the best of (K,) flat cells by their scores that are apart and have different views.
@@ -150,16 +150,16 @@ class ViewpointPilot(GoalPilot):
         viewpoints = viewpoints.unclaimed()
         if not len(viewpoints.cells):
             return None
-        some = viewpoints.those(self._few(view, viewpoints))
+        some = viewpoints.those(self._diverse(view, viewpoints))
         costs = self._costs(view, some, latency) - self.weights.switch_cost * self._kept(some.cells)
         return divmod(int(some.cells[np.argmin(costs)]), self.paths.width)
 
-    def _few(self, view: View, viewpoints: Viewpoints) -> NDArray[np.int64]:
+    def _diverse(self, view: View, viewpoints: Viewpoints) -> NDArray[np.int64]:
         """Return the indices of the best of (K,) viewpoints that are apart and have different views."""
         reach = self.briefing.lidar_range
         scores = np.log(viewpoints.gains) - self.weights.discount_rate * viewpoints.steps / reach
         scores += self.weights.switch_cost * self._kept(viewpoints.cells)
-        return few(view.belief, viewpoints.cells, scores, reach, CANDIDATES, STOPS)
+        return diverse_subset(view.belief, viewpoints.cells, scores, reach, CANDIDATES, STOPS)
 
     def _costs(self, view: View, viewpoints: Viewpoints, latency: float) -> NDArray[np.float64]:
         """Return, for each of (K,) viewpoints, the cost of the best order that begins there, in lidar ranges, (K,)."""

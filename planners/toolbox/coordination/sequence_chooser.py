@@ -109,7 +109,10 @@ class SequenceChooser:
         return group_of(GroupMember(self._pilot.briefing.agent, view.cell, self._pilot.goal), linked(view))
 
     def first(self, problem: DecisionProblem, me: int, factors: NDArray[np.float64]) -> int:
-        """Return the place that UAV ``me`` gets, after the turns of all UAVs with a better choice."""
+        """Return the index of the place that UAV ``me`` gets, after the turns of all UAVs with a better choice.
+
+        ``factors`` (K,) are those of the places for teammates out of contact.
+        """
         parameters, left, waiting = self._parameters, problem.gains, list(range(len(problem.away)))
         while True:
             alone = problem.hysteresis * left**parameters.power * np.exp(-parameters.discount_rate * problem.away)
@@ -123,7 +126,7 @@ class SequenceChooser:
     def sequence(
         self, problem: DecisionProblem, uav: int, gains: NDArray[np.float64], factors: NDArray[np.float64]
     ) -> NDArray[np.int64]:
-        """Return a UAV's sequence, (3,), -1 after its end, for the remaining gains (K,)."""
+        """Return a UAV's sequence, (3,) indices, -1 after its end, for what is left of (K,) ``gains``."""
         parameters = self._parameters
         values, sequences = best_sequences(problem, uav, gains, self._utility)
         values = not_taken(values, gains, factors * problem.gains)

@@ -104,7 +104,7 @@ class ClusterPlaces:
         self._switch_cost = parameters.switch_cost
 
     def found(self, view: View) -> PlaceCells:
-        """Return the cells that the UAV could fly to."""
+        """Return the L cells of K clusters that the UAV could fly to, as it sees the (H, W) belief of its view."""
         clusters = frontier_clusters(view.belief, self._lidar)
         field = self._pilot.steps_from(view, view.cell)
         nearest, away = nearest_cells(field, clusters)

@@ -85,7 +85,7 @@ STALE = -1.0
 
 @leaf(entry=False)
 def known_around(belief: np.ndarray, row: int, col: int) -> int:
-    """Count the cells around an unknown one that are known or off the map, at most ``AROUND``."""
+    """Count the cells around an unknown one of a (H, W) belief that are known or off the map, at most ``AROUND``."""
     height, width = belief.shape
     unknown = 0
     for r in range(max(0, row - NEIGHBOURHOOD), min(height, row + NEIGHBOURHOOD + 1)):

@@ -111,7 +111,10 @@ class PocketEstimator:
 
 @kernel()
 def _are_alike(coarse: np.ndarray, before: np.ndarray, numbers: np.ndarray, most: int) -> np.ndarray:
-    """Return which coarse pictures, (K,), differ by at most so many cells from those before of the given numbers."""
+    """Return which of K coarse pictures differ by at most ``most`` cells from the previous pictures, (K,) bool.
+
+    ``numbers`` (K,) are the indices in ``before``; -1 where there is no previous picture.
+    """
     alike = np.zeros(numbers.shape[0], np.bool_)
     for k in range(numbers.shape[0]):
         if numbers[k] >= 0:

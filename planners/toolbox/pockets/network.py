@@ -72,7 +72,7 @@ def shapes() -> dict[str, tuple[int, ...]]:
 
 
 def weights_from(arrays: Mapping[str, NDArray[Any]]) -> NetworkWeights:
-    """Return the weights in the order that they are used in.
+    """Return the weights in the order that they are used in; arrays have the shapes of :func:`shapes`.
 
     Raises :class:`InputError` where an array is missing or has another shape.
     """
