@@ -23,7 +23,7 @@ Names = Mapping[str, tuple[str, ...]]
 
 
 def renamed(**names: str | tuple[str, ...]) -> Callable[[type[T]], type[T]]:
-    """Return a decorator that makes the constructor of a dataclass accept old names of its parameters.
+    """Return a decorator that makes the constructor of a class accept old names of its parameters.
 
     A subclass that is a dataclass has a constructor of its own: it takes the old names of its base class if it is
     decorated too, if only by ``@renamed()``.

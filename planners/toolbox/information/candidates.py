@@ -20,11 +20,11 @@ Table = NDArray[np.float64]
 
 
 class UnknownWeight(NamedTuple):
-    """Parameters of the weight of an unknown cell: (1 + isolation k / 24) e^(-depth / fade)."""
+    """Parameters of the weight of an unknown cell: (1 + isolation k / 24) e^(-depth / decay_length)."""
 
     isolation: float
     """Weight of k, the number of cells in its 5x5 neighbourhood that are known or off the map."""
-    fade: float
+    decay_length: float
     """Length in cells; the depth is the cell's distance from known free space through unknown cells."""
 
 
@@ -53,7 +53,7 @@ def cell_weight(belief: np.ndarray, depth: np.ndarray, cell: int, weight: Unknow
     """Return the weight of a flat unknown cell of a (H, W) belief; ``depth`` (H, W) is filled by :func:`depths`."""
     row, col = divmod(cell, belief.shape[1])
     isolated = 1.0 + weight.isolation * known_around(belief, row, col) / AROUND
-    return float(isolated * np.exp(-depth[row, col] / weight.fade))
+    return float(isolated * np.exp(-depth[row, col] / weight.decay_length))
 
 
 @kernel(entry=False)
