@@ -76,6 +76,8 @@ def fly_missing(
     limits = None if how.workers == 0 else limits_for(1, how.decision_timeout, how.memory_limit)
     with PolicyLoader(limits) as loader:
         about = loader.facts(experiment.policies)
+        present = tuple(choice.by_present_names(about[choice.name]) for choice in experiment.policies)
+        experiment = experiment.model_copy(update={"policies": present})
         _refuse_unstartable(experiment)
         _make_folder(out)
         with Store(out / "results.db", fresh=how.fresh) as store:

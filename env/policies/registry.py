@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 
 from indoor_explorers.env.errors import InputError, PolicyError, described, did_you_mean
 from indoor_explorers.env.policies.policy import Policy
+from indoor_explorers.env.policies.renamed import renamed_parameters
 
 GROUP = "indoor_explorers.policies"
 OPENERS = "indoor_explorers.openers"
@@ -118,7 +119,7 @@ def _refuse_unknown(name: str, kind: Any, parameters: Mapping[str, Any]) -> None
     if any(each.kind is inspect.Parameter.VAR_KEYWORD for each in known.values()):
         return
     for parameter in parameters:
-        if parameter not in known:
+        if parameter not in known and parameter not in renamed_parameters(kind):
             hint = did_you_mean(parameter, known)
             raise InputError(f"policy {name!r} cannot be made: unknown parameter {parameter!r}{hint}")
 

@@ -7,9 +7,10 @@ import difflib
 import errno
 import shlex
 import sys
+import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO
 
 from indoor_explorers.env.errors import (
     LONGEST_LINE,
@@ -104,7 +105,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         name = given.pop("command")
         (command,) = [command for command in COMMANDS if command.name == name]
         kept = command.interrupted
-        return _start(command, given, shlex.join(["indoor-explorers", *words]))
+        with warnings.catch_warnings():
+            warnings.showwarning = _show_warning
+            return _start(command, given, shlex.join(["indoor-explorers", *words]))
     except (InputError, PolicyError, RunError) as error:
         if debugging():
             raise
@@ -121,6 +124,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         sys.stderr.write(f"indoor-explorers: interrupted; {kept}\n")
         return INTERRUPTED
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """Show a warning that is meant for users, such as of an old name, on one line; others with their place in code."""
+    text = f"{message}" if issubclass(category, FutureWarning) else f"{filename}:{lineno}: {message}"
+    sys.stderr.write(f"indoor-explorers: {one_line(text, LONGEST_LINE)}\n")
 
 
 def _start(command: Command[Any], given: dict[str, Any], typed: str) -> int:

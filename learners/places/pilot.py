@@ -27,19 +27,10 @@ class PlacesPilot(GoalPilot):
         super().__init__(briefing)
         self._loaded = loaded
         self._observer = Observer(self, guess=loaded.guess)
-        self._is_due, self._next = True, 0
-
-    def on_map_growth(self, view: View) -> None:
-        """Request a new choice."""
-        self._is_due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last choice, and that choice is old enough."""
-        return self._is_due and view.step >= self._next
+        self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:
         """Return the place of highest value."""
-        self._is_due, self._next = False, view.step + max(1, round(KEEP * self.briefing.lidar_range))
         scene = self._observer.observe(view)
         if scene is None:
             return None

@@ -13,16 +13,17 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.policies.view import Mate, View
-from indoor_explorers.planners.toolbox.frontiers.clusters import (
-    Clusters,
-    cluster_viewpoints,
-    first_of_each,
-    frontier_clusters,
-    nearest_cells,
+from indoor_explorers.planners.toolbox.frontiers.cluster_places import (
+    LEFT_TO_OTHERS,
+    ClusterPlaces,
+    PlaceParameters,
+    halved_by_mates,
+    log_gains,
+    waiting_weights,
 )
-from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import ranks, remembered
+from indoor_explorers.planners.toolbox.navigation.teammates import remembered
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, PocketEstimator
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, Outlook, OutlookParameters
@@ -36,12 +37,17 @@ PLACE, COMMON = 34, 10
 GUESS, OTHERS = slice(7, 18), slice(18, 31)
 #: Largest cost of a place beyond that of the best one, in lidar ranges.
 COSTLIEST = 20.0
-#: Weights of unknown cells, and the spacing of a cluster's cells: those of ``frontier-predictive``.
-DEPTH, ISOLATION, DISCOUNT, STRIDE, WORTH = 0.5, 8.0, 2.4, 0.3, 0.8
-#: Cost of another goal than the last one, and the distance within which a cell is that goal, in lidar ranges.
-HOLD, SAME = 0.2, 0.2
-#: Weights of the mean waiting time in the orders that are compared: of views, of expected cells, and none.
-LATENCY_OF_VIEWS, LATENCY_OF_SIZES = 16.0, 3.0
+#: What the shipped network was trained on: the parameters of ``frontier-predictive`` at that time, in full. They stay
+#: as they are when the planner is tuned, since the network knows no other inputs; a test tells where the two part.
+TRAINED_ON = PlaceParameters(
+    decay_length=0.5, isolation=8.0, discount_rate=2.4, latency=16.0, worth=0.8, switch_cost=0.2, clusters=MOST
+)
+#: Likewise, how it was told which clusters can wait,
+TRAINED_OUTLOOK = OutlookParameters(skip=0.75, risk=0.1, visit=3.0, near=2, aim=0.99)
+#: and the spacing of a cluster's cells, and the distance within which a cell is the last goal, in lidar ranges.
+TRAINED_STRIDE, TRAINED_SAME = 0.3, 0.2
+#: Weights of the mean waiting time in the orders that are compared, of views and of expected cells; a third has none.
+LATENCY_OF_VIEWS, LATENCY_OF_SIZES = TRAINED_ON.latency, 3.0
 #: Thresholds whose probabilities a place shows, by their numbers.
 TAILS = np.searchsorted(THRESHOLDS, [0, 3, 12, 48, 192])
 _DEFERRED_LATER, _TAKEN_LATER = 100.0, 1000.0
@@ -59,7 +65,7 @@ class Scene(NamedTuple):
     common: NDArray[np.float32]
     """(COMMON,) numbers about all of them."""
     costs: NDArray[np.float32]
-    """(K,) by how much the best order that begins there is dearer than the best one, to ``frontier-predictive``."""
+    """(K,) cost of the best order that begins there above the cheapest order, to ``frontier-predictive``."""
     owner: NDArray[np.int64]
     """(K,) numbers of their clusters."""
     steps: Numbers
@@ -69,7 +75,7 @@ class Scene(NamedTuple):
 
 
 class _Candidates(NamedTuple):
-    """The K places, as far as one place is concerned."""
+    """Quantities of each of K places by itself."""
 
     cells: NDArray[np.int32]
     owner: NDArray[np.int64]
@@ -117,30 +123,23 @@ class Observer:
     def __init__(self, pilot: GoalPilot, *, guess: bool = True) -> None:
         self._pilot, self._briefing = pilot, pilot.briefing
         self._range = float(pilot.briefing.lidar_range)
-        self._gains = WeightedGains(pilot.briefing.shape, self._range, DEPTH, ISOLATION)
+        self._found = ClusterPlaces(pilot, TRAINED_ON, stride=TRAINED_STRIDE, same=TRAINED_SAME)
         self._estimator = PocketEstimator(self._range) if guess else None
-        self._judge = ClusterJudge(pilot.briefing, OutlookParameters())
+        self._judge = ClusterJudge(pilot.briefing, TRAINED_OUTLOOK)
 
     def observe(self, view: View) -> Scene | None:
         """Return the places that a UAV can choose from; None if it can reach none."""
-        clusters = frontier_clusters(view.belief, self._range)
-        field = self._pilot.steps_from(view, view.cell)
-        nearest, away = nearest_cells(field, clusters)
-        cells, owner = cluster_viewpoints(clusters, nearest, STRIDE * self._range)
-        steps = field.ravel()[cells]
-        fine = (steps < UNREACHABLE) & ~self._pilot.near_banned(view, cells)
-        if not fine.any():
+        found = self._found.found(view)
+        if not len(found.cells):
             return None
-        about = self._expected(view, clusters, away)
+        about = self._expected(view, found.clusters, found.away)
         mates = remembered(view, self._briefing)
         fields = [self._pilot.steps_from(view, mate.cell).ravel() for mate in mates]
-        cells, owner, steps = cells[fine], owner[fine], steps[fine]
-        others = [each[cells] for each in fields]
-        rank = ranks(steps, others, [mate.agent < self._briefing.agent for mate in mates])
-        views = np.asarray(self._gains.at(view.belief, cells), np.float64)
-        factors, kept = 0.5 ** rank.astype(np.float64), self._near_goal(cells)
-        found = _Candidates(cells, owner, steps / self._range, views, factors, kept)
-        return self._scene(view, self._best(found, about.outlook), about, mates, fields)
+        others = [each[found.cells] for each in fields]
+        factors = halved_by_mates(found.steps, others, [mate.agent < self._briefing.agent for mate in mates])
+        views, kept = self._found.views(view, found.cells), self._found.at_goal(found.cells)
+        every = _Candidates(found.cells, found.owner, found.steps / self._range, views, factors, kept)
+        return self._scene(view, self._best(every, about.outlook), about, mates, fields)
 
     def _expected(self, view: View, clusters: Clusters, away: NDArray[np.int32]) -> _Clusters:
         known = int(np.count_nonzero(view.belief == FREE))
@@ -155,19 +154,11 @@ class Observer:
     def _best(self, found: _Candidates, outlook: Outlook) -> _Candidates:
         """Return one place for each cluster, the most promising ones first."""
         gains = found.factors * outlook.chances[found.owner] * found.views
-        scores = np.log(np.maximum(gains, 1e-9)) - DISCOUNT * found.steps
-        best = first_of_each(found.owner, scores + HOLD * found.kept)
-        taken = found.factors[best] <= 0.5 * found.factors.max()
+        scores = log_gains(gains) - TRAINED_ON.discount_rate * found.steps
+        best = self._found.best_of_each(found.owner, scores, found.kept)
+        taken = found.factors[best] <= LEFT_TO_OTHERS * found.factors.max()
         rank = scores[best] - _DEFERRED_LATER * outlook.deferred[found.owner[best]] - _TAKEN_LATER * taken
         return found.at(best[np.argsort(-rank, kind="stable")[:MOST]])
-
-    def _near_goal(self, cells: NDArray[np.int32]) -> Mask:
-        goal = self._pilot.goal
-        if goal is None:
-            return np.zeros(len(cells), np.bool_)
-        rows, cols = np.divmod(cells, self._pilot.paths.width)
-        away = np.maximum(np.abs(rows - goal[0]), np.abs(cols - goal[1]))
-        return np.asarray(away <= max(1.0, SAME * self._range))
 
     def _scene(
         self, view: View, found: _Candidates, about: _Clusters, mates: list[Mate], fields: list[NDArray[np.int32]]
@@ -242,7 +233,7 @@ def _orders(
     every = np.ones(len(found.cells), np.bool_)
     wanted = ~about.outlook.deferred[found.owner]
     wanted = wanted if wanted.any() else every
-    worth, sizes = np.maximum(gains, 1e-9) ** WORTH, np.maximum(about.estimates.sizes[found.owner], 1e-3)
+    worth, sizes = waiting_weights(gains, TRAINED_ON.worth), np.maximum(about.estimates.sizes[found.owner], 1e-3)
     asked = (
         (worth, LATENCY_OF_VIEWS, wanted),
         (sizes, LATENCY_OF_SIZES, wanted),
@@ -264,7 +255,7 @@ def _orders(
         place[some] = positions / max(1, len(some) - 1)
         columns += [np.minimum(beyond / (1.0 + 0.25 * latency), 5.0), place]
         if weights is worth:
-            costs, least = beyond - HOLD * found.kept, float(found_costs.min())
+            costs, least = beyond - TRAINED_ON.switch_cost * found.kept, float(found_costs.min())
             costs[~among] = np.inf
     return columns, costs, least
 

@@ -9,14 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.burgard import SequentialPilot
 from indoor_explorers.planners.frontier.group_pilot import Choices
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
 
 
+@renamed(hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
-class FrontierAdvantage(Policy):
+class FrontierAdvantage(SwitchCostParameters, Policy):
     """Fly to the cluster with the largest advantage: its mean distance from the other clusters, minus the path to it.
 
     L. Ericson, J. Pedro, P. Jensfelt, "Information gain is not all you need", arXiv:2504.01980, 2025. A cluster that is
@@ -30,15 +32,14 @@ class FrontierAdvantage(Policy):
     """Weight of the mean distance from the other clusters against the path length."""
     reach: float = 6.0
     """Distance at which another cluster counts as far, in lidar ranges."""
-    hold: float = 0.5
-    """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
+    switch_cost: float = 0.5
     weight: float = 4.0
     """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
     taken: float = 1.0
     """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "remoteness", "reach", "hold", "weight", "taken")
+        at_least(self, 0.0, "remoteness", "reach", "switch_cost", "weight", "taken")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -49,7 +50,7 @@ class AdvantagePilot(SequentialPilot):
     """Score pairs of UAV and cluster by the distance advantage."""
 
     def __init__(self, briefing: Briefing, policy: FrontierAdvantage) -> None:
-        super().__init__(briefing, policy.hold, policy.weight, policy.taken)
+        super().__init__(briefing, policy.switch_cost, policy.weight, policy.taken)
         self._remoteness, self._reach = policy.remoteness, policy.reach * briefing.lidar_range
 
     def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:

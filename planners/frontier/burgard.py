@@ -12,14 +12,16 @@ from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
 
 
+@renamed(hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
-class FrontierBurgard(Policy):
+class FrontierBurgard(SwitchCostParameters, Policy):
     """Assign the best pair of UAV and frontier cluster, lower the utility of clusters in its view, and repeat.
 
     W. Burgard, M. Moors, C. Stachniss, F. E. Schneider, "Coordinated multi-robot exploration", IEEE T-RO 21(3),
@@ -30,27 +32,28 @@ class FrontierBurgard(Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    hold: float = 1.0
-    """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
+    switch_cost: float = 1.0
     weight: float = 4.0
     """Utility of a cluster in lidar ranges of path; a cluster in a taken one's place loses all of it (paper: beta)."""
     reach: float = 1.0
     """Distance up to which a taken cluster lowers the utility of others, in lidar ranges."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "hold", "weight", "reach")
+        at_least(self, 0.0, "switch_cost", "weight", "reach")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
-        return SequentialPilot(briefing, self.hold, self.weight, self.reach)
+        return SequentialPilot(briefing, self.switch_cost, self.weight, self.reach)
 
 
 class SequentialPilot(GroupPilot):
     """Take clusters in turn with the other UAVs: the best pair of UAV and cluster first."""
 
-    def __init__(self, briefing: Briefing, hold: float, weight: float, reach: float) -> None:
+    def __init__(self, briefing: Briefing, switch_cost: float, weight: float, reach: float) -> None:
         super().__init__(briefing)
-        self.hold, self.weight, self.reach = (value * briefing.lidar_range for value in (hold, weight, reach))
+        self.switch_cost, self.weight, self.reach = (
+            value * briefing.lidar_range for value in (switch_cost, weight, reach)
+        )
 
     def score(self, gains: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the scores (N, K) of pairs of UAV and cluster, from the clusters' gains (K,) and costs in steps."""
@@ -62,7 +65,7 @@ class SequentialPilot(GroupPilot):
 
     def assigned(self, view: View, choices: Choices) -> int:
         """Return the cluster that this UAV gets in its turn."""
-        costs, gains, places = choices.costs(self.hold), self.gains(view, choices), choices.places()
+        costs, gains, places = choices.costs(self.switch_cost), self.gains(view, choices), choices.places()
         waiting = np.ones(len(costs), np.bool_)
         while True:
             scores = np.where(choices.steps < UNREACHABLE, self.score(gains, costs), -np.inf)

@@ -15,23 +15,16 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
-from indoor_explorers.env.policies.view import Briefing, Mate, View
+from indoor_explorers.env.policies.view import View
+from indoor_explorers.planners.toolbox.coordination.group_members import GroupMember, group_of
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import message_of, remembered, told_goal
+from indoor_explorers.planners.toolbox.navigation.teammates import message_of, remembered
 
 #: Largest number of clusters considered: those nearest to any UAV of the group.
 CLUSTERS = 64
 #: Distance, in lidar ranges, within which a frontier cell replaces a goal that is no frontier cell any more.
 INHERITANCE = 0.5
-
-
-class GroupMember(NamedTuple):
-    """One UAV of the group."""
-
-    agent: int
-    cell: Cell
-    goal: Cell | None
 
 
 class Choices(NamedTuple):
@@ -49,9 +42,9 @@ class Choices(NamedTuple):
     held: NDArray[np.bool_]
     """(N, K) whether the UAV is flying to it."""
 
-    def costs(self, hold: float) -> NDArray[np.float64]:
-        """Return the steps (N, K), reduced by ``hold`` for the cluster that a UAV is flying to."""
-        return self.steps - hold * self.held
+    def costs(self, switch_cost: float) -> NDArray[np.float64]:
+        """Return the steps (N, K), reduced by ``switch_cost`` steps for the cluster that a UAV is flying to."""
+        return self.steps - switch_cost * self.held
 
     def places(self) -> NDArray[np.int32]:
         """Return the flat cell of each cluster that is nearest to any UAV, (K,)."""
@@ -61,25 +54,15 @@ class Choices(NamedTuple):
 class GroupPilot(GoalPilot):
     """Choose again, together with the group, whenever the map has grown."""
 
-    def __init__(self, briefing: Briefing) -> None:
-        super().__init__(briefing)
-        self._due = False
+    replan_period: float = 0
 
     @abstractmethod
     def assigned(self, view: View, choices: Choices) -> int:
         """Return the index of the cluster that this UAV flies to; it can reach at least one of the K clusters."""
 
-    def on_map_growth(self, view: View) -> None:
-        """Request a new choice, since clusters may have changed."""
-        self._due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last choice."""
-        return self._due
-
     def choose(self, view: View) -> Cell | None:
         """Return the nearest cell of the cluster assigned to this UAV, or of its nearest cluster if unreachable."""
-        self._due, self.message = False, None
+        self.message = None
         choices = self.choices(view, self.members(view))
         own = choices.steps[choices.me]
         if not (own < UNREACHABLE).any():
@@ -94,7 +77,7 @@ class GroupPilot(GoalPilot):
     def members(self, view: View) -> list[GroupMember]:
         """Return this UAV and the remembered teammates, by number."""
         own = GroupMember(self.briefing.agent, view.cell, self.goal)
-        return sorted([own, *map(member_of, remembered(view, self.briefing))], key=lambda member: member.agent)
+        return group_of(own, remembered(view, self.briefing))
 
     def choices(self, view: View, members: list[GroupMember]) -> Choices:
         """Return the UAVs and clusters of this decision."""
@@ -119,8 +102,3 @@ class GroupPilot(GoalPilot):
             near = away[place] <= (INHERITANCE * self.briefing.lidar_range) ** 2
             held[np.searchsorted(clusters.ends, place, side="right") - 1] = near
         return held
-
-
-def member_of(mate: Mate) -> GroupMember:
-    """Return a teammate as a member, with its goal if that is recent."""
-    return GroupMember(mate.agent, mate.cell, told_goal(mate))

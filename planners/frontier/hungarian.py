@@ -6,14 +6,16 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
 from indoor_explorers.planners.toolbox.routing.assignment import matched
 
 
+@renamed(hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
-class FrontierHungarian(Policy):
+class FrontierHungarian(SwitchCostParameters, Policy):
     """Fly to the cluster of the assignment of UAVs to frontier clusters with the least total path length.
 
     K. M. Wurm, C. Stachniss, W. Burgard, "Coordinated multi-robot exploration using a segmentation of the
@@ -23,13 +25,12 @@ class FrontierHungarian(Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    hold: float = 1.0
-    """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
+    switch_cost: float = 1.0
     extra: float = 1.0
     """Cost of not being the first UAV at a cluster, in lidar ranges."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "hold", "extra")
+        at_least(self, 0.0, "switch_cost", "extra")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -46,5 +47,5 @@ class HungarianPilot(GroupPilot):
     def assigned(self, view: View, choices: Choices) -> int:
         """Return the cluster matched to this UAV."""
         reach = self.briefing.lidar_range
-        costs = choices.costs(self._policy.hold * reach)
+        costs = choices.costs(self._policy.switch_cost * reach)
         return int(matched(costs, self._policy.extra * reach)[choices.me])

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, middles
@@ -24,6 +25,7 @@ SUPPOSED = 30.0
 SQUARE = 6
 
 
+@renamed()
 @dataclass(frozen=True, kw_only=True)
 class FrontierInformed(FrontierPredictive):
     """Fly as ``frontier-predictive`` does, with the true sizes of pockets, or with sizes that are wrong by so much.

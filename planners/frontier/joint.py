@@ -9,88 +9,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
-from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.env.sensing.lidar import lidar_model
-from indoor_explorers.planners.frontier.group_pilot import GroupMember, member_of
-from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
-from indoor_explorers.planners.toolbox.information.candidates import (
-    UnknownWeight,
-    candidate_views,
-    distances_between,
-    frontier_candidates,
-    local_candidates,
-)
+from indoor_explorers.planners.toolbox.coordination.sequence_chooser import SequenceChooser, SequenceParameters
+from indoor_explorers.planners.toolbox.information.candidates import frontier_candidates, local_candidates
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
-from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of
-from indoor_explorers.planners.toolbox.parameters import at_least
-from indoor_explorers.planners.toolbox.routing.sequences import DecisionProblem, Utility, best_sequences, cost_of_rest
-
-#: Paths between places are searched up to this length in lidar ranges; longer ones are bounded by the path through a
-#: UAV's position.
-HOP_RANGES = 4.0
-#: Share of a cluster that must be in view of a place for the cluster to count as seen from there.
-SEEN = 0.5
-#: A cluster is left to teammates if its factor is less than this share of the largest factor.
-THEIRS = 0.5
-#: Share of a place's gain below which the place has less value, after the choices of other UAVs.
-TAKEN = 0.25
+from indoor_explorers.planners.toolbox.navigation.teammates import message_of
+from indoor_explorers.planners.toolbox.parameters import ReplanParameters, at_least
 
 
+@renamed(fade="decay_length", rate="discount_rate", hold="goal_bonus")
 @dataclass(frozen=True, kw_only=True)
-class JointParameters:
-    """Parameters by which a :class:`JointPilot` compares its candidates."""
-
-    isolation: float = 8.0
-    """Additional weight of an unknown cell whose 5x5 neighbourhood is known; pockets are finished while near."""
-    fade: float = 0.5
-    """Depth inside unknown space at which a cell has 1 / e of the weight, in lidar ranges."""
-    power: float = 0.5
-    """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest place."""
-    rate: float = 0.8
-    """Discount rate of view gains per lidar range of flight."""
-    trust: float = 0.5
-    """Factor for every place that a UAV visits before, since the map may differ from expectation, 0 to 1."""
-    order: float = 1.0
-    """Weight of the cost of all clusters, per lidar range, against the logarithm of a sequence's value."""
-    latency: float = 3.0
-    """Weight of the mean waiting time relative to the length in that cost."""
-    hold: float = 0.2
-    """Bonus, as a share, for a place near the UAV's current goal."""
-    certainty: float = 0.5
-    """Share to which a linked teammate's second place counts as seen by it; its third place by the square; 0 to 1."""
-    period: float = 0.1
-    """Steps after which a UAV chooses again if the map has grown, in lidar ranges."""
-    clusters: int = 32
-    """Most frontier clusters to choose from: the nearest to any UAV of the group."""
-    lookouts: int = 8
-    """Most other candidates near each UAV, cells with unknown cells in view."""
-    near: int = 6
-    """Largest distance of these from a UAV, in steps."""
-    firsts: int = 8
-    """Number of places with the best sequences for which the cost of the rest is computed."""
-    rest: int = 12
-    """Most clusters in that cost: those of the UAV's own clusters with the largest discounted gains."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "isolation", "power", "rate", "trust", "order", "latency", "hold", "certainty", "period")
-        at_least(self, 0.0, "lookouts", "near", "rest")
-        at_least(self, 1e-6, "fade")
-        at_least(self, 1, "clusters", "firsts")
-
-
-@dataclass(frozen=True, kw_only=True)
-class FrontierJoint(JointParameters, Policy):
+class FrontierJoint(SequenceParameters, ReplanParameters, Policy):
     """Fly to the place with the best short sequence, minus the cost of all clusters that it leaves behind.
 
-    Places are the frontier clusters, each at its cell nearest to the group, and a few cells near each UAV with unknown
-    cells in view. The value of a sequence of up to three places is the sum of (remaining gain)^power e^(-rate t)
-    trust^k: the discounted gain of H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002, doi:10.1177/0278364902021010834, in
-    an orienteering problem in which each view counts once. This alone is greedy and leaves small pockets behind.
-    Therefore the score of a place is log(value) - order * cost, with the cost of the best order of the UAV's own
-    clusters that begins there, as in the travelling repairman problem (A. Blum et al., STOC 1994,
-    doi:10.1145/195058.195125).
+    Places are the frontier clusters, each at its cell nearest to the group, and a few cells near each UAV with
+    unknown cells in view. The value of a sequence of up to three places is the sum of (remaining gain)^power
+    e^(-discount_rate t) trust^k: the discounted gain of H. H. Gonzalez-Banos, J.-C. Latombe, IJRR 2002,
+    doi:10.1177/0278364902021010834, in an orienteering problem in which each view counts once. This alone is greedy
+    and leaves small pockets behind. Therefore the score of a place is log(value) - order * cost, with the cost of
+    the best order of the UAV's own clusters that begins there, as in the travelling repairman problem (A. Blum et
+    al., STOC 1994, doi:10.1145/195058.195125).
 
     Linked UAVs choose in turn as in W. Burgard et al., IEEE T-RO 2005, doi:10.1109/TRO.2004.839232; cells in the views
     of a sequence are worth less to UAVs that choose later. Each UAV computes all turns before its own, from the map,
@@ -98,6 +38,18 @@ class FrontierJoint(JointParameters, Policy):
     """
 
     plans_for: ClassVar[str] = ALL_CELLS
+
+    clusters: int = 32
+    """Most frontier clusters to choose from: the nearest to any UAV of the group."""
+    lookouts: int = 8
+    """Most other candidates near each UAV, cells with unknown cells in view."""
+    near: int = 6
+    """Largest distance of these from a UAV, in steps."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        at_least(self, 0.0, "period", "lookouts", "near")
+        at_least(self, 1, "clusters")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -109,132 +61,29 @@ class JointPilot(CandidatePilot):
 
     straight = True
 
-    def __init__(self, briefing: Briefing, parameters: JointParameters) -> None:
+    def __init__(self, briefing: Briefing, policy: FrontierJoint) -> None:
         super().__init__(briefing)
-        self._parameters = parameters
-        self._range = float(briefing.lidar_range)
-        self._utility = Utility(parameters.power, parameters.rate, parameters.trust)
-        self.out_of_contact = OutOfContact(briefing)
-        self._is_due = True
-        self._next_choice = 0
-
-    def on_map_growth(self, view: View) -> None:
-        """Request a new choice."""
-        self._is_due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last choice, and that choice is old enough."""
-        return self._is_due and view.step >= self._next_choice
+        self._policy = policy
+        self.replan_period = self.steps_in(policy.period)
+        self.chooser = SequenceChooser(self, policy, self.candidates)
+        """Chooses among the candidates."""
 
     def choose(self, view: View) -> Cell | None:
         """Return the place that this UAV gets in its turn."""
-        self._is_due, self._next_choice = False, view.step + max(1, round(self._parameters.period * self._range))
-        members = self.members(view)
-        me = next(k for k, member in enumerate(members) if member.agent == self.briefing.agent)
-        problem = self.decision_problem(view, members)
-        goal = None
-        if (problem.away[me] < UNREACHABLE).any():
-            goal = divmod(
-                int(problem.cells[self.first(problem, me, self.factors(view, problem, me))]), self.paths.width
-            )
+        goal = self.chooser.choose(view)
         self.message = message_of(goal)
         return goal
-
-    def members(self, view: View) -> list[GroupMember]:
-        """Return this UAV and its linked teammates, by number."""
-        own = GroupMember(self.briefing.agent, view.cell, self.goal)
-        return sorted([own, *map(member_of, linked(view))], key=lambda member: member.agent)
-
-    def first(self, problem: DecisionProblem, me: int, factors: NDArray[np.float64]) -> int:
-        """Return the place that UAV ``me`` gets, after the turns of all UAVs with a better choice."""
-        left, waiting = problem.gains, list(range(len(problem.away)))
-        while True:
-            alone = problem.hysteresis * left**self._parameters.power * np.exp(-self._parameters.rate * problem.away)
-            turn = waiting.pop(int(alone[waiting].max(axis=1).argmax()))
-            sequence = self.sequence(problem, turn, factors * left, factors)
-            if turn == me:
-                return int(sequence[0])
-            taken = self._parameters.certainty ** np.arange(len(sequence))[sequence >= 0]
-            left = left * np.prod(1.0 - taken * problem.shared[:, sequence[sequence >= 0]], axis=1)
-
-    def sequence(
-        self, problem: DecisionProblem, uav: int, gains: NDArray[np.float64], factors: NDArray[np.float64]
-    ) -> NDArray[np.int64]:
-        """Return a UAV's sequence, (3,), -1 after its end, for the remaining gains (K,)."""
-        parameters = self._parameters
-        values, sequences = best_sequences(problem, uav, gains, self._utility)
-        values = not_taken(values, gains, factors * problem.gains)
-        if not values.any():
-            return np.array([int(problem.away[uav].argmin()), -1, -1])
-        best = np.argsort(-values, kind="stable")[: parameters.firsts]
-        best = best[values[best] > 0.0]
-        rest = self._own(problem, uav, gains, factors)
-        costs = [self._cost(problem, uav, first, rest, gains) for first in best.tolist()]
-        return np.asarray(sequences[best[np.argmax(np.log(values[best]) - parameters.order * np.array(costs))]])
-
-    def decision_problem(self, view: View, members: list[GroupMember]) -> DecisionProblem:
-        """Return the decision problem of a group."""
-        parameters, reach = self._parameters, self._range
-        fields = np.stack([self.steps_from(view, member.cell) for member in members])
-        cells, ahead = self.candidates(view, fields)
-        fine = ~self.near_banned(view, cells)
-        cells, ahead = cells[fine], ahead[fine]
-        steps = fields.reshape(len(members), -1)[:, cells].astype(np.float64, order="C")
-        gains, shared = candidate_views(
-            view.belief, cells, UnknownWeight(parameters.isolation, parameters.fade * reach), lidar_model(reach)
-        )
-        between = distances_between(view.belief, cells, steps, int(HOP_RANGES * reach) + 1)
-        hysteresis = np.stack([self.hysteresis_bonus(member.goal, cells, parameters.hold) for member in members])
-        away = np.where(steps < UNREACHABLE, steps / reach, UNREACHABLE)
-        return DecisionProblem(cells, ahead, away, between / reach, gains, shared, hysteresis)
 
     def candidates(self, view: View, fields: Distances) -> tuple[NDArray[np.int32], Mask]:
         """Return flat candidate cells, (K,), and which of them are frontier clusters, (K,) bool.
 
         ``fields`` (N, H, W) are the steps from the UAVs of the group.
         """
-        parameters, reach = self._parameters, self._range
-        ahead = frontier_candidates(view.belief, fields, reach, parameters.clusters)
+        policy, reach = self._policy, float(self.briefing.lidar_range)
+        ahead = frontier_candidates(view.belief, fields, reach, policy.clusters)
         around = local_candidates(
-            view.belief, fields, reach, parameters.near, parameters.rate / reach, parameters.lookouts
+            view.belief, fields, reach, policy.near, policy.discount_rate / reach, policy.lookouts
         )
         around = np.setdiff1d(around, np.concatenate([ahead, self.paths.flat(self.visited)]))
         cells = np.concatenate([ahead, around]).astype(np.int32)
         return cells, np.arange(len(cells)) < len(ahead)
-
-    def factors(self, view: View, problem: DecisionProblem, me: int) -> NDArray[np.float64]:
-        """Return the factors of K places for teammates out of contact, (K,)."""
-        if self.briefing.team == 1:
-            return np.ones(len(problem.cells))
-        steps = self.steps_from(view, view.cell).ravel()[problem.cells]
-        return self.out_of_contact.at_cells(view, problem.cells, steps, self.steps_from)
-
-    def _own(
-        self, problem: DecisionProblem, uav: int, gains: NDArray[np.float64], factors: NDArray[np.float64]
-    ) -> NDArray[np.int64]:
-        """Return the indices of clusters that no teammate is closer to: those with the largest discounted gains."""
-        nearest = (problem.away[uav] < UNREACHABLE) & (problem.away[uav] <= problem.away.min(axis=0))
-        own = np.flatnonzero(problem.ahead & nearest & (factors >= THEIRS * factors.max()))
-        worth = gains[own] ** self._parameters.power * np.exp(-self._parameters.rate * problem.away[uav, own])
-        return np.asarray(own[np.argsort(-worth, kind="stable")[: self._parameters.rest]])
-
-    def _cost(
-        self, problem: DecisionProblem, uav: int, first: int, rest: NDArray[np.int64], gains: NDArray[np.float64]
-    ) -> float:
-        """Return the cost of the best order that begins with a place and visits the clusters not seen from there."""
-        left = gains * (1.0 - problem.shared[:, first])
-        left[first] = gains[first]
-        rest = rest[(rest != first) & (problem.shared[rest, first] < SEEN)]
-        return cost_of_rest(problem, uav, first, rest, left**self._parameters.power, self._parameters.latency)
-
-
-def not_taken(
-    values: NDArray[np.float64], left: NDArray[np.float64], gains: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the values of (K,) first places, reduced by the share of their gain that linked teammates have taken.
-
-    Without this, a UAV flies to its best place by way of a teammate's place, and so follows the teammate. If no place
-    has any gain left, the values are unchanged.
-    """
-    free = values * np.minimum(1.0, left / np.maximum(TAKEN * gains, 1e-300))
-    return free if free.any() else values

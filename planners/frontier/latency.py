@@ -9,66 +9,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances
-from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.toolbox.frontiers.clusters import (
-    Clusters,
-    cluster_viewpoints,
-    first_of_each,
-    frontier_clusters,
-    nearest_cells,
+from indoor_explorers.planners.toolbox.frontiers.cluster_places import (
+    LEFT_TO_OTHERS,
+    ClusterPlaces,
+    PlaceParameters,
+    halved_by_mates,
+    log_gains,
+    waiting_weights,
 )
-from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import ranks, remembered
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.navigation.teammates import remembered
 from indoor_explorers.planners.toolbox.pockets.outlook import Outlook
 from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
-#: Spacing of the cells of a cluster that are considered, in lidar ranges.
-STRIDE = 0.3
 #: An order is kept for this many lidar ranges of flight, unless its first place has no gain left before.
 KEEP = 0.1
-#: Distance in lidar ranges within which a cell counts as the last goal.
-SAME = 0.2
-#: A cluster is left to teammates if its factor is at most this share of the best one.
-LEFT_TO_OTHERS = 0.5
 
 
+@renamed(depth="decay_length", discount="discount_rate", hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
-class FrontierLatency(Policy):
+class FrontierLatency(PlaceParameters, Policy):
     """Fly to the first cluster of the best order of all clusters.
 
-    The place of a cluster is its cell with the largest discounted gain ``g exp(-discount d / R)``, d its distance and R
-    the lidar range (H. H. Gonzalez-Banos and J.-C. Latombe, IJRR 2002, doi:10.1177/0278364902021010834, with g in
-    cells, near and isolated ones weighted more). The order of these places minimises a travelling repairman's cost:
-    the time at which the last one is reached, plus ``latency`` times the mean waiting time weighted by gains. It is
-    computed again when the map has changed; an order that begins elsewhere must save ``hold``. Paths are the
-    straightest of the shortest ones.
+    The place of a cluster is its cell with the largest discounted gain ``g exp(-discount_rate d / R)``, d its
+    distance and R the lidar range (H. H. Gonzalez-Banos and J.-C. Latombe, IJRR 2002,
+    doi:10.1177/0278364902021010834, with g in cells, near and isolated ones weighted more). The order of these
+    places minimises a travelling repairman's cost: the time at which the last one is reached, plus ``latency``
+    times the mean waiting time weighted by gains. It is computed again when the map has changed; an order that
+    begins elsewhere must save ``switch_cost``. Paths are the straightest of the shortest ones.
     """
 
     plans_for: ClassVar[str] = ALL_CELLS
-
-    depth: float = 0.5
-    """Distance at which an unknown cell has 1 / e of the weight of a near one, in lidar ranges."""
-    isolation: float = 8.0
-    """Additional weight of an unknown cell that is surrounded by known ones."""
-    discount: float = 2.4
-    """Discount rate of gains per lidar range of distance, in the choice of a cluster's cell."""
-    latency: float = 16.0
-    """Weight of the mean waiting time relative to the length of the order."""
-    worth: float = 0.5
-    """Exponent of gains as weights of waiting times; 0 weights all clusters equally."""
-    hold: float = 0.2
-    """Cost that an order with another first cluster has to save, in lidar ranges."""
-    clusters: int = 12
-    """Largest number of clusters in an order: those with the largest discounted gains."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "isolation", "discount", "latency", "worth", "hold")
-        at_least(self, 0.01, "depth")
-        at_least(self, 1, "clusters")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""
@@ -97,25 +72,15 @@ class LatencyPilot(GoalPilot):
         super().__init__(briefing)
         self._policy = policy
         self._range = briefing.lidar_range
-        self._gains = WeightedGains(briefing.shape, self._range, policy.depth, policy.isolation)
-        self._is_due = True
-        self._next_order = 0
-
-    def on_map_growth(self, view: View) -> None:
-        """Request a new order of the clusters."""
-        self._is_due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last order, and that order is old enough."""
-        return self._is_due and view.step >= self._next_order
+        self._found = ClusterPlaces(self, policy)
+        self.replan_period = self.steps_in(KEEP)
 
     def choose(self, view: View) -> Cell | None:
         """Return the first place of the order of lowest cost."""
-        self._is_due, self._next_order = False, view.step + round(KEEP * self._range)
         places = self._places(view)
         if len(places.cells) == 0:
             return None
-        costs = self._orders(view, places)[0] - self._policy.hold * places.kept
+        costs = self._orders(view, places)[0] - self._policy.switch_cost * places.kept
         return divmod(int(places.cells[np.argmin(costs)]), self.paths.width)
 
     def order(self, view: View) -> list[Cell]:
@@ -131,31 +96,25 @@ class LatencyPilot(GoalPilot):
     def factors(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
         """Return the factors on the gains of (K,) flat cells for teammates, (K,) in [0, 1].
 
-        Every teammate that is closer halves a gain (after the ranks of Bautin et al. 2012).
+        Every teammate that is closer halves a gain.
         """
         mates = remembered(view, self.briefing)
         others = [self.steps_from(view, mate.cell).ravel()[cells] for mate in mates]
-        return np.asarray(0.5 ** ranks(steps, others, [mate.agent < self.briefing.agent for mate in mates]))
+        return halved_by_mates(steps, others, [mate.agent < self.briefing.agent for mate in mates])
 
     def _places(self, view: View) -> Places:
         """Return the best places of the best reachable clusters."""
-        clusters = frontier_clusters(view.belief, self._range)
-        field = self.steps_from(view, view.cell)
-        nearest, away = nearest_cells(field, clusters)
-        cells, owner = cluster_viewpoints(clusters, nearest, STRIDE * self._range)
-        steps = field.ravel()[cells]
-        fine = (steps < UNREACHABLE) & ~self.near_banned(view, cells)
-        outlook = self.outlook(view, clusters, away)
-        wanted = fine & ~outlook.deferred[owner]
-        fine = wanted if wanted.any() else fine
-        cells, owner, steps = cells[fine], owner[fine], steps[fine]
-        factors = self.factors(view, cells, steps)
-        fine = factors > LEFT_TO_OTHERS * factors.max(initial=0.0)
-        cells, owner, steps, factors = cells[fine], owner[fine], steps[fine], factors[fine]
-        gains = factors * outlook.chances[owner] * self._gains.at(view.belief, cells)
-        scores = np.log(np.maximum(gains, 1e-9)) - self._policy.discount * steps / self._range
-        kept = self._near_goal(cells)
-        best = first_of_each(owner, scores + self._policy.hold * kept)
+        found = self._found.found(view)
+        outlook = self.outlook(view, found.clusters, found.away)
+        wanted = ~outlook.deferred[found.owner]
+        found = found.those(wanted) if wanted.any() else found
+        factors = self.factors(view, found.cells, found.steps)
+        own = factors > LEFT_TO_OTHERS * factors.max(initial=0.0)
+        (_, _, cells, owner, steps), factors = found.those(own), factors[own]
+        gains = factors * outlook.chances[owner] * self._found.views(view, cells)
+        scores = log_gains(gains) - self._policy.discount_rate * steps / self._range
+        kept = self._found.at_goal(cells)
+        best = self._found.best_of_each(owner, scores, kept)
         best = best[np.argsort(-scores[best], kind="stable")][: self._policy.clusters]
         return Places(cells[best], steps[best], gains[best], kept[best])
 
@@ -166,13 +125,6 @@ class LatencyPilot(GoalPilot):
         """
         if len(places.cells) <= 1:
             return np.zeros(len(places.cells)), np.zeros(len(places.cells), np.int64)
-        worth = np.maximum(places.gains, 1e-9) ** self._policy.worth
+        worth = waiting_weights(places.gains, self._policy.worth)
         between = self.paths.matrix(view.belief, places.cells) / self._range
         return best_orders(places.steps / self._range, between, worth / worth.sum(), self._policy.latency)
-
-    def _near_goal(self, cells: NDArray[np.int32]) -> NDArray[np.bool_]:
-        if self.goal is None:
-            return np.zeros(len(cells), np.bool_)
-        rows, cols = np.divmod(cells, self.paths.width)
-        away = np.maximum(np.abs(rows - self.goal[0]), np.abs(cols - self.goal[1]))
-        return np.asarray(away <= max(1.0, SAME * self._range))

@@ -9,6 +9,7 @@ import numpy as np
 from indoor_explorers.env.grid.arrays import Distances
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
@@ -17,6 +18,7 @@ from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates,
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, EstimateUser, Outlook, OutlookParameters
 
 
+@renamed()
 @dataclass(frozen=True, kw_only=True)
 class FrontierPredictive(EstimateUser, OutlookParameters, FrontierLatency):
     """Fly as ``frontier-latency`` does, but weigh clusters by the chance that they lead to something, and defer some.

@@ -10,16 +10,18 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import middles
 from indoor_explorers.planners.toolbox.navigation.paths import Paths
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
 from indoor_explorers.planners.toolbox.routing.open_tours import open_tour, shared_out
 
 
+@renamed(hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
-class FrontierTour(Policy):
+class FrontierTour(SwitchCostParameters, Policy):
     """Fly to the first cluster of a short open tour through the nearest frontier clusters.
 
     B. Zhou, Y. Zhang, X. Chen, S. Shen, "FUEL", IEEE RA-L 6(2), 2021, doi:10.1109/LRA.2021.3051563, section V-B, on
@@ -33,13 +35,12 @@ class FrontierTour(Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    hold: float = 0.3
-    """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
+    switch_cost: float = 0.3
     clusters: int = 30
     """Largest number of clusters on the tours of a group: the nearest to any of its UAVs."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "hold")
+        at_least(self, 0.0, "switch_cost")
         at_least(self, 1, "clusters")
 
     def pilot(self, briefing: Briefing) -> Pilot:
@@ -60,7 +61,7 @@ class TourPilot(GroupPilot):
         at_hand = np.arange(min(self._policy.clusters, len(choices.numbers)))  # they are sorted by distance
         uavs, count = len(choices.steps), len(at_hand)
         costs = np.zeros((uavs + count, uavs + count))
-        costs[:uavs, uavs:] = choices.costs(self._policy.hold * self.briefing.lidar_range)[:, at_hand]
+        costs[:uavs, uavs:] = choices.costs(self._policy.switch_cost * self.briefing.lidar_range)[:, at_hand]
         places = middles(choices.clusters, self.paths.width)[choices.numbers[at_hand]]
         costs[uavs:, uavs:] = self._between.steps(view.belief, places)
         own = np.flatnonzero(shared_out(costs, uavs) == choices.me) if uavs > 1 else at_hand

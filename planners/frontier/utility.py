@@ -11,18 +11,20 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.burgard import SequentialPilot
 from indoor_explorers.planners.frontier.group_pilot import Choices
 from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
 
 #: How gain and cost are combined to a score.
 Form = Literal["size", "difference", "discounted"]
 
 
+@renamed(hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
-class FrontierUtility(Policy):
+class FrontierUtility(SwitchCostParameters, Policy):
     """Fly to the frontier cluster with the best score of gain against path length d; R is the lidar range.
 
     ``size`` is s - c d, s the cluster's number of cells: explore_lite's rule (J. Hoerner, "Map-merging for multi-robot
@@ -38,15 +40,14 @@ class FrontierUtility(Policy):
     """Form of the score: ``size``, ``difference`` or ``discounted``."""
     cost: float = 3.0
     """Weight c of the path length in the form; 3 suits all three."""
-    hold: float = 0.5
-    """A cluster that a UAV already flies to counts as this many lidar ranges nearer."""
+    switch_cost: float = 0.5
     weight: float = 4.0
     """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
     reach: float = 1.0
     """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "cost", "hold", "weight", "reach")
+        at_least(self, 0.0, "cost", "switch_cost", "weight", "reach")
         if self.form not in get_args(Form):
             raise InputError(f"expected form to be one of {', '.join(get_args(Form))}, got {self.form!r}")
 
@@ -59,7 +60,7 @@ class UtilityPilot(SequentialPilot):
     """Score pairs of UAV and cluster by gain and cost."""
 
     def __init__(self, briefing: Briefing, policy: FrontierUtility) -> None:
-        super().__init__(briefing, policy.hold, policy.weight, policy.reach)
+        super().__init__(briefing, policy.switch_cost, policy.weight, policy.reach)
         self._policy = policy
 
     def gains(self, view: View, choices: Choices) -> NDArray[np.float64]:

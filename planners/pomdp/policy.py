@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.pomdp.completions import completions, pocket_sizes, strata
@@ -19,20 +20,26 @@ from indoor_explorers.planners.toolbox.coordination.goal_claims import goals_nea
 from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import (
+    DiscountParameters,
+    GoalBonusParameters,
+    ReplanParameters,
+    at_least,
+)
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimator
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 #: Distance within which a cluster counts as at the current goal, in lidar ranges.
 SAME = 0.5
-#: Distance at which an unknown cell has 1 / e of the weight of a near one, where macro actions are preselected.
-DEPTH = 0.5
+#: Distance over which an unknown cell's weight falls to 1 / e where macro actions are preselected, in lidar ranges.
+DECAY_LENGTH = 0.5
 
 Numbers = NDArray[np.float64]
 
 
+@renamed(rate="discount_rate", hold="goal_bonus")
 @dataclass(frozen=True, kw_only=True)
-class Pomdp(EstimateUser, Policy):
+class Pomdp(EstimateUser, DiscountParameters, GoalBonusParameters, ReplanParameters, Policy):
     """Fly to the frontier cluster of the best macro action by POMCP over completions of the map.
 
     The hidden state of the POMDP is the map, its belief a set of completions that agree with all that is known: a small
@@ -71,12 +78,12 @@ class Pomdp(EstimateUser, Policy):
     scale: float = 3.0
     """Factor on the sizes of pockets: in small ones a simulated flight gets stuck at once, whatever it tries."""
     actions: int = 8
-    """Most clusters to choose among: those with the largest sqrt(view gain) e^(-rate d / R)."""
+    """Most clusters to choose among: those with the largest sqrt(view gain) e^(-discount_rate d / R)."""
     tree: int = 2
     """Most macro actions in the tree, before nearest frontiers."""
     horizon: float = 6.0
     """Simulated steps, in lidar ranges."""
-    rate: float = 1.2
+    discount_rate: float = 1.2
     """Discount rate of what becomes known, per lidar range of flight."""
     exploration: float = 1.0
     """Factor of the confidence bounds, in units of the range of returns."""
@@ -84,15 +91,12 @@ class Pomdp(EstimateUser, Policy):
     """Additional weight of an unknown cell that is surrounded by known ones."""
     dimming: float = 0.8
     """Share of its value that a pocket loses for each linked teammate that flies near it, 0 to 1."""
-    hold: float = 0.2
-    """Bonus, as a share, on the return of the cluster that the UAV flies to."""
     period: float = 0.3
-    """Steps after which a UAV plans again if the map has grown, in lidar ranges."""
 
     def __post_init__(self) -> None:
         """Refuse searches without simulations."""
         at_least(self, 1, "simulations", "maps", "actions", "tree", "horizon")
-        at_least(self, 0.0, "rate", "exploration", "isolation", "dimming", "hold", "period")
+        at_least(self, 0.0, "discount_rate", "exploration", "isolation", "dimming", "goal_bonus", "period")
         if self.dimming > 1:
             raise InputError(f"Pomdp: expected dimming of at most 1, got {self.dimming!r}")
 
@@ -108,21 +112,12 @@ class PomdpPilot(IndependentPilot):
         super().__init__(briefing)
         self._policy = policy
         self._horizon = max(2, round(policy.horizon * self._lidar))
-        self._gains = WeightedGains(briefing.shape, self._lidar, DEPTH, policy.isolation)
+        self._gains = WeightedGains(briefing.shape, self._lidar, DECAY_LENGTH, policy.isolation)
         self._estimator = PocketEstimator(self._lidar)
-        self._is_due, self._next_choice = True, 0
-
-    def on_map_growth(self, view: View) -> None:
-        """Request a new plan."""
-        self._is_due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last plan, and that plan is old enough."""
-        return self._is_due and view.step >= self._next_choice
+        self.replan_period = self.steps_in(policy.period)
 
     def chosen(self, view: View) -> Cell | None:
         """Return the nearest cell of the cluster with the largest return."""
-        self._is_due, self._next_choice = False, view.step + max(1, round(self._policy.period * self._lidar))
         policy = self._policy
         clusters = frontier_clusters(view.belief, self._lidar)
         cells, steps = nearest_cells(self.steps_from(view, view.cell), clusters)
@@ -130,7 +125,9 @@ class PomdpPilot(IndependentPilot):
         if not fine.any():
             return None
         factors = self._factors(view, cells, steps)
-        worth = factors * np.sqrt(self._gains.at(view.belief, cells)) * np.exp(-policy.rate / self._lidar * steps)
+        worth = (
+            factors * np.sqrt(self._gains.at(view.belief, cells)) * np.exp(-policy.discount_rate / self._lidar * steps)
+        )
         chosen = np.argsort(np.where(fine, -worth, np.inf), kind="stable")[: min(policy.actions, int(fine.sum()))]
         if len(chosen) == 1:
             return divmod(int(cells[chosen[0]]), self.paths.width)
@@ -156,7 +153,7 @@ class PomdpPilot(IndependentPilot):
             owners=drawn.owners,
             factors=factors,
             weights=isolation_weights(window.belief, policy.isolation),
-            discount=float(np.exp(-policy.rate / self._lidar)),
+            discount=float(np.exp(-policy.discount_rate / self._lidar)),
             horizon=self._horizon,
         )
 
@@ -166,12 +163,8 @@ class PomdpPilot(IndependentPilot):
         return np.asarray(self.left_by_others(view, cells, steps) * (1.0 - self._policy.dimming) ** near)
 
     def _bonus(self, cells: NDArray[np.int32]) -> Numbers:
-        """Return ``1 + hold`` for (K,) flat cells near the current goal, else 1, (K,)."""
-        if self.goal is None:
-            return np.ones(len(cells))
-        rows, cols = np.divmod(cells, self.paths.width)
-        near = np.hypot(rows - self.goal[0], cols - self.goal[1]) <= SAME * self._lidar
-        return np.where(near, 1.0 + self._policy.hold, 1.0)
+        """Return ``1 + goal_bonus`` for (K,) flat cells near the current goal, else 1, (K,)."""
+        return np.where(self.near_goal(self.goal, cells, SAME * self._lidar), 1.0 + self._policy.goal_bonus, 1.0)
 
 
 class Window:

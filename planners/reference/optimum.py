@@ -30,16 +30,16 @@ MOST_STEPS = 60
 
 
 class Routes(NamedTuple):
-    """Routes of a team, and what is known about them."""
+    """Routes of a team, with bounds on the steps to the aim."""
 
     tracks: tuple[Track, ...]
     """The cells that each UAV flies through."""
     steps: int | None
     """Steps to the aim; None where no search was made."""
     lower: int
-    """No team needs fewer."""
+    """Lower bound on the steps to the aim."""
     expansions: int
-    """Effort of the search."""
+    """States that the search expanded."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -50,7 +50,7 @@ class Branches(NamedTuple):
     choice: NDArray[np.int64]
     """(D + 1, 4) states that the next UAV may move to, the most promising last."""
     spare: NDArray[np.int64]
-    """(D + 1, 4) what can be earned after these moves beyond what is missing."""
+    """(D + 1, 4) most prices that can be earned in the moves left after each of them, less the prices missing."""
     left: NDArray[np.int64]
     """(D + 1,) how many of them have not been tried."""
 
@@ -73,7 +73,7 @@ def new_visited(size: int, words: int, team: int) -> Visited:
 
 
 def new_branches(moves: int, team: int, words: int) -> Branches:
-    """Return room for so many moves."""
+    """Return room for ``moves`` moves of all UAVs."""
     size = moves + 1
     seen, place = np.zeros((size, words), np.uint64), np.zeros((size, team), np.int64)
     unseen, worth, left = (np.zeros(size, np.int64) for _ in range(3))

@@ -42,7 +42,7 @@ class ViewpointMemory:
     def __init__(self, briefing: Briefing, policy: TreePolicy) -> None:
         self._policy = policy
         self._rng = briefing.rng
-        self._gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
+        self._gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.decay_length, policy.isolation)
         self._cells = np.empty(0, np.int32)
 
     def grow(self, view: View, *squares: tuple[float, int]) -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.sampling.rrt_frontier import RrtFrontier, RrtFrontierPilot
 from indoor_explorers.planners.sampling.viewpoints import Viewpoints
@@ -16,6 +17,7 @@ from indoor_explorers.planners.toolbox.information.prospects import Prospects
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 
+@renamed()
 @dataclass(frozen=True, kw_only=True)
 class RrtPredictive(EstimateUser, RrtFrontier):
     """Fly as ``rrt-frontier`` does, but weigh candidates by the chance that they lead to something, and let some wait.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.planners.sampling.covers import greedy_cover
@@ -26,6 +28,7 @@ from indoor_explorers.planners.toolbox.routing.open_tours import nearest_neighbo
 IMPROVED = 3
 
 
+@renamed()
 @dataclass(frozen=True, kw_only=True)
 class PrmTour(ViewpointPolicy):
     """Select few milestones of a PRM* that view all visible unknown cells, and fly to the first one of a tour.
@@ -65,7 +68,9 @@ class PrmTour(ViewpointPolicy):
 
 
 class PrmTourPilot(ViewpointPilot):
-    """Keep milestones from roadmap to roadmap, and the stops of the tour."""
+    """Keep milestones from roadmap to roadmap, and the stops of the tour; fly to a stop until it has no gain left."""
+
+    replan_period = inf
 
     def __init__(self, briefing: Briefing, policy: PrmTour) -> None:
         super().__init__(briefing, policy)
@@ -74,11 +79,7 @@ class PrmTourPilot(ViewpointPilot):
         self._stops = np.empty(0, np.int32)
         disc = np.pi * briefing.lidar_range**2
         self._least = max(1, int(policy.least * disc))
-        self._rate = 0.0 if policy.as_published else policy.discount / briefing.lidar_range
-
-    def wants_replan(self, view: View) -> bool:
-        """Keep the first stop until it has no gain left."""
-        return False
+        self._rate = 0.0 if policy.as_published else policy.discount_rate / briefing.lidar_range
 
     def viewpoint(self, view: View) -> Cell | None:
         """Return the first stop of the best tour."""

@@ -18,7 +18,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.planners.sampling.setting import Points, plane_of, quiet, read_graph
+from indoor_explorers.planners.sampling.setting import Points, plane_of, read_graph, silence_ompl
 
 
 class Roadmap(NamedTuple):
@@ -59,7 +59,7 @@ def grow_roadmap(belief: Belief, points: Points, *, optimal: bool = True) -> Roa
     paths asymptotically optimal (PRM*, Karaman & Frazzoli 2011), or to a few (PRM, Kavraki et al. 1996). The result
     depends only on the arguments.
     """
-    with quiet():
+    with silence_ompl():
         information = plane_of(belief, into_unknown=False)
         information.setValidStateSamplerAllocator(lambda owner: _Listed(owner, iter(points.tolist())))
         information.setup()

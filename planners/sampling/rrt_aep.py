@@ -11,37 +11,44 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.frontier.joint import JointParameters, JointPilot
 from indoor_explorers.planners.sampling.memory import ViewpointMemory, tree_cells
 from indoor_explorers.planners.sampling.rrt_nbv import RrtNbvPilot, TreePolicy
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.trees import grow_tree
-from indoor_explorers.planners.sampling.viewpoints import Viewpoints, few
+from indoor_explorers.planners.sampling.viewpoints import Viewpoints, diverse_subset
+from indoor_explorers.planners.toolbox.coordination.sequence_chooser import SequenceChooser, SequenceParameters
+from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import GoalBonusParameters, at_least
 
 #: Half the side of the inner square around the UAV, in cells.
 NEAR_HALF = 6.0
+#: Largest distance of other viewpoints from a UAV of the group, in steps.
+NEAR = 6
+#: Steps after which a UAV chooses again if the map has grown, in lidar ranges.
+PERIOD = 0.1
 
 
+@renamed(hold=("goal_bonus", "switch_cost"), global_discount="global_discount_rate")
 @dataclass(frozen=True, kw_only=True)
-class RrtAep(TreePolicy):
+class RrtAep(GoalBonusParameters, TreePolicy):
     """Store the viewpoints that trees have found, and fly to the best of all of them.
 
-    The paper alternates: receding-horizon next-best-view planning while the local tree has enough gain, else an RRT* to
-    the stored viewpoint with the best g e^(-global_discount d / R), d the path length along the RRT*; ``take_turns``
-    does this. Without it, a tree is grown near the UAV, densest around it, and from time to time one over the whole
-    map. The next viewpoint is chosen among all new and stored ones as
+    The paper alternates: receding-horizon next-best-view planning while the local tree has enough gain, else an
+    RRT* to the stored viewpoint with the best g e^(-global_discount_rate d / R), d the path length along the RRT*;
+    ``take_turns`` does this. Without it, a tree is grown near the UAV, densest around it, and from time to time one
+    over the whole map. The next viewpoint is chosen among all new and stored ones as
     :class:`~indoor_explorers.planners.frontier.joint.FrontierJoint` chooses among frontier clusters: the best short
-    sequence, minus the cost of all that it leaves behind, linked UAVs in turn. ``share`` only affects ``take_turns``.
+    sequence, minus the cost of all that it leaves behind, linked UAVs in turn. ``share`` and ``switch_cost`` only
+    affect ``take_turns``, ``goal_bonus`` only the choice without it.
 
     M. Selin, M. Tiger, D. Duberg, F. Heintz, P. Jensfelt, "Efficient autonomous exploration planning of large-scale
     3-D environments", IEEE RA-L 4(2), 2019, doi:10.1109/LRA.2019.2897343.
     """
 
-    discount: float = 2.4
-    """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""
+    discount_rate: float = 2.4
     samples: int = 100
     """Samples for each tree."""
     near_samples: int = 100
@@ -62,12 +69,22 @@ class RrtAep(TreePolicy):
     """Whether to follow the paper: the local tree first, stored viewpoints if its gain is too small."""
     threshold: float = 0.02
     """Smallest gain of a local tree, and of a stored viewpoint, with ``take_turns``, as a share of the lidar's disc."""
-    global_discount: float = 0.6
-    """Discount rate along the RRT*: gain * exp(-global_discount * length / lidar_range)."""
+    global_discount_rate: float = 0.6
+    """Discount rate along the RRT*: gain * exp(-global_discount_rate * length / lidar_range)."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        at_least(self, 0.0, "threshold", "global_discount", "order", "latency", "local_period", "global_period")
+        at_least(
+            self,
+            0.0,
+            "goal_bonus",
+            "threshold",
+            "global_discount_rate",
+            "order",
+            "latency",
+            "local_period",
+            "global_period",
+        )
         at_least(self, 0, "near_samples", "lookouts")
         at_least(self, 1, "places")
 
@@ -76,31 +93,34 @@ class RrtAep(TreePolicy):
         return TurnsPilot(briefing, self) if self.take_turns else RrtAepPilot(briefing, self)
 
 
-class RrtAepPilot(JointPilot):
+class RrtAepPilot(CandidatePilot):
     """Choose among stored viewpoints, in turn with the linked teammates."""
 
+    straight = True
+
     def __init__(self, briefing: Briefing, policy: RrtAep) -> None:
-        super().__init__(
-            briefing,
-            JointParameters(
-                isolation=policy.isolation,
-                fade=policy.depth,
-                hold=policy.hold,
-                order=policy.order,
-                latency=policy.latency,
-            ),
+        super().__init__(briefing)
+        self._policy, self._range = policy, float(briefing.lidar_range)
+        self.replan_period = self.steps_in(PERIOD)
+        self._parameters = SequenceParameters(
+            isolation=policy.isolation,
+            decay_length=policy.decay_length,
+            goal_bonus=policy.goal_bonus,
+            order=policy.order,
+            latency=policy.latency,
         )
-        self._aep = policy
+        self.chooser = SequenceChooser(self, self._parameters, self.candidates)
+        """Chooses among the viewpoints."""
         self._memory = ViewpointMemory(briefing, policy)
         self._next_local = self._next_global = self._fallbacks = 0
 
     def choose(self, view: View) -> Cell | None:
         """Return the viewpoint that this UAV gets in its turn, or the nearest frontier cell if none has a gain."""
-        goal = super().choose(view)
+        goal = self.chooser.choose(view)
         if goal is None:
             self._fallbacks += 1
             goal = self.nearest_frontier(view)
-            self.message = message_of(goal)
+        self.message = message_of(goal)
         return goal
 
     def tally(self) -> dict[str, float]:
@@ -109,19 +129,20 @@ class RrtAepPilot(JointPilot):
 
     def candidates(self, view: View, fields: Distances) -> tuple[NDArray[np.int32], Mask]:
         """Return viewpoints with different views and others near a UAV, (K,), and which are the former ones, (K,)."""
+        policy = self._policy
         self._grow_trees(view)
         steps = fields.min(axis=0).ravel()
         cells, gains = self._memory.recalled(view, steps)
-        scores = np.log(gains) - self._aep.discount * steps[cells] / self._range
-        different = few(view.belief, cells, scores, self._range, 2 * self._aep.places, self._aep.places)
-        values = np.sqrt(gains) * np.exp(-self._parameters.rate * steps[cells] / self._range)
-        near = np.setdiff1d(np.flatnonzero(steps[cells] <= self._parameters.near), different)
-        near = near[np.argsort(-values[near], kind="stable")[: self._aep.lookouts]]
+        scores = np.log(gains) - policy.discount_rate * steps[cells] / self._range
+        different = diverse_subset(view.belief, cells, scores, self._range, 2 * policy.places, policy.places)
+        values = np.sqrt(gains) * np.exp(-self._parameters.discount_rate * steps[cells] / self._range)
+        near = np.setdiff1d(np.flatnonzero(steps[cells] <= NEAR), different)
+        near = near[np.argsort(-values[near], kind="stable")[: policy.lookouts]]
         return cells[np.concatenate([different, near])], np.arange(len(different) + len(near)) < len(different)
 
     def _grow_trees(self, view: View) -> None:
         """Grow the trees that are due: all of them if the goal has no gain left."""
-        memory, policy = self._memory, self._aep
+        memory, policy = self._memory, self._policy
         spent = self.goal is None or self.is_spent(view, self.goal)
         if spent or view.step >= self._next_local:
             near, half = (NEAR_HALF, policy.near_samples), policy.local_ranges * self._range
@@ -166,5 +187,5 @@ class TurnsPilot(RrtNbvPilot):
         ways = np.array([np.min(lengths[cells == cell], initial=np.inf) for cell in viewpoints.cells])
         if not np.isfinite(ways).any():
             return self.best(view, viewpoints, self._aep.latency)
-        scores = viewpoints.gains * np.exp(-self._aep.global_discount / self.briefing.lidar_range * ways)
+        scores = viewpoints.gains * np.exp(-self._aep.global_discount_rate / self.briefing.lidar_range * ways)
         return divmod(int(viewpoints.cells[np.argmax(scores)]), self.paths.width)

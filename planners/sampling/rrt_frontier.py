@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_cells
 from indoor_explorers.planners.sampling.samples import box_around, merged, tree_samples
@@ -25,6 +27,7 @@ from indoor_explorers.planners.toolbox.parameters import at_least
 DOUBLINGS = 2
 
 
+@renamed()
 @dataclass(frozen=True, kw_only=True)
 class RrtFrontier(ViewpointPolicy):
     """Grow trees into unknown space and fly to one of the cells where their edges enter it.
@@ -45,8 +48,7 @@ class RrtFrontier(ViewpointPolicy):
     randomized trees", IROS 2017, doi:10.1109/IROS.2017.8202319.
     """
 
-    discount: float = 2.4
-    """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""
+    discount_rate: float = 2.4
     local_samples: int = 150
     """Samples for the local tree, which is grown near the UAV whenever the map has grown."""
     global_samples: int = 150
@@ -88,6 +90,8 @@ class RrtFrontierPilot(ViewpointPilot):
         super().__init__(briefing, policy)
         self._policy = policy
         self._candidates = np.empty(0, np.int32)
+        if policy.as_published:
+            self.replan_period = inf  # the paper keeps its goal
         self.trees: list[Tree] = []
         """The trees that were grown since the map has changed, the local one first."""
 
@@ -98,14 +102,9 @@ class RrtFrontierPilot(ViewpointPilot):
 
     def on_map_growth(self, view: View) -> None:
         """Grow a local tree and add its candidates."""
-        super().on_map_growth(view)
         self.trees = []
         half = self._policy.local_ranges * self.briefing.lidar_range
         self._grow(view, half, self._policy.local_samples)
-
-    def wants_replan(self, view: View) -> bool:
-        """Compare the candidates again whenever the map has grown; the paper keeps its goal."""
-        return super().wants_replan(view) and not self._policy.as_published
 
     def is_spent(self, view: View, goal: Cell) -> bool:
         """Tell whether a goal is no frontier cell any more."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.sampling.samples import box_around, known_cells, tree_samples
 from indoor_explorers.planners.sampling.setting import Points
@@ -17,6 +18,7 @@ from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, Viewpo
 from indoor_explorers.planners.toolbox.parameters import at_least
 
 
+@renamed()
 @dataclass(frozen=True, kw_only=True)
 class TreePolicy(ViewpointPolicy):
     """Parameters of all planners that find viewpoints with random trees."""
@@ -37,13 +39,14 @@ class TreePolicy(ViewpointPolicy):
         at_least(self, 0.0, "bias")
 
 
+@renamed()
 @dataclass(frozen=True, kw_only=True)
 class RrtNbv(TreePolicy):
     """Grow an RRT from the UAV, fly along the first edge of its best branch, and grow the next one from there.
 
-    The value of a branch is the sum of its vertices' gains, discounted by e^(-discount c / R): c the path length along
-    the tree and R the lidar range. The remainder of the best branch is the start of the next tree. If the tree has no
-    gain, the paper's planner is stuck; this one flies to the nearest frontier cell.
+    The value of a branch is the sum of its vertices' gains, discounted by e^(-discount_rate c / R): c the path
+    length along the tree and R the lidar range. The remainder of the best branch is the start of the next tree. If
+    the tree has no gain, the paper's planner is stuck; this one flies to the nearest frontier cell.
 
     A. Bircher, M. Kamel, K. Alexis, H. Oleynikova, R. Siegwart, "Receding horizon 'next-best-view' planner for 3D
     exploration", ICRA 2016, doi:10.1109/ICRA.2016.7487281.
@@ -88,7 +91,7 @@ class RrtNbvPilot(ViewpointPilot):
         """Return the discounted gain of each of (K,) vertices in known free cells, 0 for the others."""
         gains = np.zeros(self.briefing.shape[0] * self.paths.width + 1)
         gains[viewpoints.cells] = viewpoints.gains
-        rate = self._policy.discount / self.briefing.lidar_range
+        rate = self._policy.discount_rate / self.briefing.lidar_range
         return np.asarray(gains[cells] * np.exp(-rate * tree.lengths()))
 
 

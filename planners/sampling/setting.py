@@ -43,7 +43,7 @@ class MotionChecker(base.MotionValidator):  # type: ignore[misc]  # ompl carries
 
 
 @contextmanager
-def quiet() -> Iterator[None]:
+def silence_ompl() -> Iterator[None]:
     """Disable OMPL's output on the terminal."""
     level = util.getLogLevel()
     util.setLogLevel(util.LOG_NONE)
@@ -67,7 +67,7 @@ def plane_of(belief: Belief, *, into_unknown: bool) -> Any:
     return information
 
 
-def after(calls: int) -> Any:
+def iteration_limit(calls: int) -> Any:
     """Return a termination condition that is True from call ``calls`` + 1 on."""
     left = iter(range(calls))
     return base.PlannerTerminationCondition(lambda: next(left, None) is None)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ompl import base, geometric
 
 from indoor_explorers.env.grid.arrays import Belief
-from indoor_explorers.planners.sampling.setting import Points, after, plane_of, quiet, read_graph
+from indoor_explorers.planners.sampling.setting import Points, iteration_limit, plane_of, read_graph, silence_ompl
 
 
 class Tree(NamedTuple):
@@ -49,7 +49,7 @@ def grow_tree(
     unless ``into_unknown``. ``optimal`` makes it an RRT* (Karaman & Frazzoli 2011), whose paths from the root get
     shorter with more samples. The result depends only on the arguments.
     """
-    with quiet():
+    with silence_ompl():
         information = plane_of(belief, into_unknown=into_unknown)
         information.setup()
         planner = geometric.RRTstar(information) if optimal else geometric.RRT(information)
@@ -57,7 +57,7 @@ def grow_tree(
         planner.setRange(edge)
         planner.setProblemDefinition(_problem(information, root, samples))
         planner.setup()
-        planner.solve(after(len(samples)))
+        planner.solve(iteration_limit(len(samples)))
         return _ordered(*read_graph(planner, information))
 
 

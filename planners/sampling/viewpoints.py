@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.sampling.covers import distinct
 from indoor_explorers.planners.sampling.samples import merged
@@ -20,7 +21,12 @@ from indoor_explorers.planners.toolbox.information.candidates import distances_b
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains, visible_sets
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, told_goal
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import (
+    DiscountParameters,
+    GainParameters,
+    SwitchCostParameters,
+    at_least,
+)
 from indoor_explorers.planners.toolbox.routing.min_latency import costs_of_first
 
 #: Distance, as a share of the lidar range, within which a viewpoint counts as the current goal.
@@ -58,7 +64,7 @@ class Viewpoints(NamedTuple):
         return self.those(self.left > LEFT_TO_OTHERS * self.left.max(initial=0.0))
 
 
-def few(
+def diverse_subset(
     belief: Belief, cells: NDArray[np.int32], scores: NDArray[np.float64], lidar_range: float, tried: int, most: int
 ) -> NDArray[np.int64]:
     """Return the indices of the best of (K,) flat cells by their scores that are apart and have different views.
@@ -71,26 +77,20 @@ def few(
     return np.asarray(order[distinct(visible_sets(belief, cells[order], lidar_range), OVERLAP, most)])
 
 
+@renamed(discount="discount_rate", depth="decay_length", hold="switch_cost")
 @dataclass(frozen=True, kw_only=True)
-class ViewpointPolicy(Policy):
+class ViewpointPolicy(GainParameters, DiscountParameters, SwitchCostParameters, Policy):
     """Parameters of all planners on viewpoints."""
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    discount: float = 1.5
-    """Discount rate: a viewpoint's gain counts gain * exp(-discount * path_length / lidar_range)."""
-    isolation: float = 8.0
-    """Additional weight of an unknown cell if all 24 cells around it are known."""
-    depth: float = 0.5
-    """Distance at which an unknown cell has 1 / e of the weight, in lidar ranges."""
-    hold: float = 0.2
-    """Cost that another goal than the current one has to save, in lidar ranges."""
+    discount_rate: float = 1.5
     share: float = 0.5
     """Factor on a gain for each closer teammate."""
 
     def __post_init__(self) -> None:
-        at_least(self, 0.0, "discount", "isolation", "hold", "share")
-        at_least(self, 0.01, "depth")
+        at_least(self, 0.0, "discount_rate", "isolation", "switch_cost", "share")
+        at_least(self, 0.01, "decay_length")
 
 
 class ViewpointPilot(GoalPilot):
@@ -102,26 +102,18 @@ class ViewpointPilot(GoalPilot):
     """
 
     straight = True
+    replan_period: float = 0
 
     def __init__(self, briefing: Briefing, policy: ViewpointPolicy) -> None:
         super().__init__(briefing)
         self.weights = policy
-        self.gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.depth, policy.isolation)
+        self.gains = WeightedGains(briefing.shape, briefing.lidar_range, policy.decay_length, policy.isolation)
         self._out_of_contact = OutOfContact(briefing)
-        self._grown = False
         self._fallbacks = 0
 
     @abstractmethod
     def viewpoint(self, view: View) -> Cell | None:
         """Return the viewpoint to fly to next, except :meth:`near_banned` ones; None if none has a gain."""
-
-    def on_map_growth(self, view: View) -> None:
-        """Note that the map has grown since the last choice."""
-        self._grown = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Compare the viewpoints again whenever the map has grown."""
-        return self._grown
 
     def is_spent(self, view: View, goal: Cell) -> bool:
         """Tell whether the UAV has been at its goal, or the goal has no unknown cells in view any more."""
@@ -129,7 +121,6 @@ class ViewpointPilot(GoalPilot):
 
     def choose(self, view: View) -> Cell | None:
         """Return the viewpoint that the subclass chooses, or else the nearest frontier cell."""
-        self._grown = False
         goal = self.viewpoint(view)
         if goal is None:
             self._fallbacks += 1
@@ -159,16 +150,16 @@ class ViewpointPilot(GoalPilot):
         viewpoints = viewpoints.unclaimed()
         if not len(viewpoints.cells):
             return None
-        some = viewpoints.those(self._few(view, viewpoints))
-        costs = self._costs(view, some, latency) - self.weights.hold * self._kept(some.cells)
+        some = viewpoints.those(self._diverse(view, viewpoints))
+        costs = self._costs(view, some, latency) - self.weights.switch_cost * self._kept(some.cells)
         return divmod(int(some.cells[np.argmin(costs)]), self.paths.width)
 
-    def _few(self, view: View, viewpoints: Viewpoints) -> NDArray[np.int64]:
+    def _diverse(self, view: View, viewpoints: Viewpoints) -> NDArray[np.int64]:
         """Return the indices of the best of (K,) viewpoints that are apart and have different views."""
         reach = self.briefing.lidar_range
-        scores = np.log(viewpoints.gains) - self.weights.discount * viewpoints.steps / reach
-        scores += self.weights.hold * self._kept(viewpoints.cells)
-        return few(view.belief, viewpoints.cells, scores, reach, CANDIDATES, STOPS)
+        scores = np.log(viewpoints.gains) - self.weights.discount_rate * viewpoints.steps / reach
+        scores += self.weights.switch_cost * self._kept(viewpoints.cells)
+        return diverse_subset(view.belief, viewpoints.cells, scores, reach, CANDIDATES, STOPS)
 
     def _costs(self, view: View, viewpoints: Viewpoints, latency: float) -> NDArray[np.float64]:
         """Return, for each of (K,) viewpoints, the cost of the best order that begins there, in lidar ranges, (K,)."""
@@ -181,11 +172,8 @@ class ViewpointPilot(GoalPilot):
 
     def _kept(self, cells: NDArray[np.int32]) -> Mask:
         """Return which of (K,) flat cells are at the current goal, (K,) bool."""
-        if self.goal is None:
-            return np.zeros(len(cells), np.bool_)
-        rows, cols = np.divmod(cells, self.paths.width)
-        away = np.maximum(np.abs(rows - self.goal[0]), np.abs(cols - self.goal[1]))
-        return np.asarray(away <= max(1.0, SAME_PLACE * self.briefing.lidar_range))
+        radius = max(1.0, SAME_PLACE * self.briefing.lidar_range)
+        return self.near_goal(self.goal, cells, radius, np.maximum)
 
     def _left(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
         """Return the factors on the gains for teammates, (K,) in [0, 1].

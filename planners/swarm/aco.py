@@ -13,13 +13,20 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, told_goal
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import (
+    DiscountParameters,
+    GainParameters,
+    GoalBonusParameters,
+    ReplanParameters,
+    at_least,
+)
 
 #: Distance within which a cluster counts as at the current goal, in lidar ranges.
 SAME = 0.5
@@ -27,8 +34,9 @@ SAME = 0.5
 Numbers = NDArray[np.float64]
 
 
+@renamed(depth="decay_length", rate="discount_rate", hold="goal_bonus")
 @dataclass(frozen=True, kw_only=True)
-class Aco(Policy):
+class Aco(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParameters, Policy):
     """Fly to a frontier cluster with much to see and little pheromone, by the transition rule of ant colonies.
 
     Pheromone says where UAVs are and where they are about to be, and repels. At each step a UAV lays ``amount`` times
@@ -36,7 +44,7 @@ class Aco(Policy):
     linked teammates and around their goals, which they send. Then all pheromone evaporates by a share. When a goal is
     explored or the map has grown for some time, the UAV chooses among the frontier clusters j with the weights
 
-        (1 + pheromone_j)^-repulsion * worth_j^attraction,    worth_j = sqrt(gain_j) e^(-rate d_j / R)
+        (1 + pheromone_j)^-repulsion * worth_j^attraction,    worth_j = sqrt(gain_j) e^(-discount_rate d_j / R)
 
     with R the lidar range and d_j the path length: with probability ``greed`` the one of largest weight, and otherwise
     one drawn in proportion to them, the pseudo-random proportional rule of ant colony systems. In a gain, near and
@@ -72,22 +80,15 @@ class Aco(Policy):
     """Exponent of the worth in the transition rule (ant colony system: beta)."""
     greed: float = 0.9
     """Probability of taking the cluster of largest weight instead of a draw, 0 to 1 (ant colony system: q_0)."""
-    rate: float = 1.0
-    """Discount rate of view gains per lidar range of path length."""
-    depth: float = 0.5
-    """Distance at which an unknown cell has 1 / e of the weight of a near one in a view gain, in lidar ranges."""
+    discount_rate: float = 1.0
     isolation: float = 16.0
-    """Additional weight of an unknown cell that is surrounded by known ones."""
-    hold: float = 0.2
-    """Bonus, as a share, on the worth of the cluster that the UAV flies to."""
     period: float = 0.3
-    """Steps after which a UAV chooses again if the map has grown, in lidar ranges."""
 
     def __post_init__(self) -> None:
         """Refuse negative amounts and shares above 1."""
-        at_least(self, 0.0, "amount", "evaporation", "own", "repulsion", "attraction", "greed", "rate")
-        at_least(self, 0.0, "isolation", "hold", "period")
-        at_least(self, 0.01, "spread", "depth")
+        at_least(self, 0.0, "amount", "evaporation", "own", "repulsion", "attraction", "greed")
+        at_least(self, 0.0, "discount_rate", "isolation", "goal_bonus", "period")
+        at_least(self, 0.01, "spread", "decay_length")
         if self.evaporation > 1 or self.greed > 1:
             raise InputError(
                 f"Aco: expected evaporation and greed of at most 1, got {self.evaporation!r} and {self.greed!r}"
@@ -150,10 +151,10 @@ class AntPilot(GoalPilot):
     def __init__(self, briefing: Briefing, policy: Aco) -> None:
         super().__init__(briefing)
         self._policy, self._lidar = policy, float(briefing.lidar_range)
-        self._gains = WeightedGains(briefing.shape, self._lidar, policy.depth, policy.isolation)
+        self._gains = WeightedGains(briefing.shape, self._lidar, policy.decay_length, policy.isolation)
         self._pheromone = Pheromone(briefing.shape, self._lidar, policy.spread * self._lidar)
         self._out_of_contact = OutOfContact(briefing)
-        self._is_due, self._next_choice = True, 0
+        self.replan_period = self.steps_in(policy.period)
 
     def act(self, view: View) -> int:
         """Lay pheromone, then fly on or choose."""
@@ -166,17 +167,8 @@ class AntPilot(GoalPilot):
                 self._pheromone.lay(cell, policy.amount)
         return super().act(view)
 
-    def on_map_growth(self, view: View) -> None:
-        """Request a new choice."""
-        self._is_due = True
-
-    def wants_replan(self, view: View) -> bool:
-        """Tell whether the map has grown since the last choice, and that choice is old enough."""
-        return self._is_due and view.step >= self._next_choice
-
     def choose(self, view: View) -> Cell | None:
         """Return the nearest cell of the cluster that the transition rule picks."""
-        self._is_due, self._next_choice = False, view.step + max(1, round(self._policy.period * self._lidar))
         cells, steps = nearest_cells(self.steps_from(view, view.cell), frontier_clusters(view.belief, self._lidar))
         fine = (steps < UNREACHABLE) & ~self.near_banned(view, cells)
         cells, steps = cells[fine], steps[fine]
@@ -191,9 +183,10 @@ class AntPilot(GoalPilot):
     def _worth(self, view: View, cells: NDArray[np.int32], steps: NDArray[np.int32]) -> Numbers:
         """Return what (K,) flat cells, ``steps`` away, are worth, without pheromone, (K,)."""
         left = self._out_of_contact.at_cells(view, cells, steps, self.steps_from)
-        worth = left * np.sqrt(self._gains.at(view.belief, cells)) * np.exp(-self._policy.rate / self._lidar * steps)
-        if self.goal is not None:
-            rows, cols = np.divmod(cells, self.paths.width)
-            near = np.hypot(rows - self.goal[0], cols - self.goal[1]) <= SAME * self._lidar
-            worth = np.where(near, 1.0 + self._policy.hold, 1.0) * worth
-        return np.asarray(worth)
+        worth = (
+            left
+            * np.sqrt(self._gains.at(view.belief, cells))
+            * np.exp(-self._policy.discount_rate / self._lidar * steps)
+        )
+        near = self.near_goal(self.goal, cells, SAME * self._lidar)
+        return np.asarray(np.where(near, 1.0 + self._policy.goal_bonus, 1.0) * worth)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.compiled import kernel, leaf
 from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.planners.swarm.assignment import Assignment, AssignmentProblem, Plan, value
 from indoor_explorers.planners.swarm.particles import Code, code_of, decode, keys_of
@@ -34,6 +35,7 @@ class BatRules(NamedTuple):
     limit: int
 
 
+@renamed()
 @dataclass(frozen=True, kw_only=True)
 class Bat(Pso):
     """Assign several goals to each UAV of the linked group as ``pso`` does, by bats in place of particles.

@@ -12,12 +12,13 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.coordination.goal_claims import goals_near
 from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import GainParameters, at_least
 
 #: Distance, in lidar ranges, within which a frontier cluster is the same glowworm as one before the map grew.
 SAME = 0.5
@@ -25,8 +26,9 @@ SAME = 0.5
 Numbers = NDArray[np.float64]
 
 
+@renamed(depth="decay_length")
 @dataclass(frozen=True, kw_only=True)
-class Gso(Policy):
+class Gso(GainParameters, Policy):
     """Fly to a frontier cluster drawn by its light among the brighter ones in an adaptive decision range.
 
     Frontier clusters are glowworms that stay, UAVs glowworms that move. Each time the map grows, a cluster's luciferin
@@ -68,17 +70,13 @@ class Gso(Policy):
     """Decision range at first, in lidar ranges (paper: the sensor range)."""
     sharpness: float = 8.0
     """Exponent of the luciferin difference in the draw: 1 is the paper's, large ones take the brightest neighbour."""
-    depth: float = 0.5
-    """Distance at which an unknown cell has 1 / e of the weight of a near one in a view gain, in lidar ranges."""
-    isolation: float = 8.0
-    """Additional weight of an unknown cell that is surrounded by known ones."""
     dimming: float = 0.8
     """Share of its view gain that a cluster loses for each linked teammate that flies near it, 0 to 1."""
 
     def __post_init__(self) -> None:
         """Refuse negative lengths and shares above 1."""
         at_least(self, 0.0, "enhancement", "adaption", "sensor", "start", "sharpness", "isolation", "dimming")
-        at_least(self, 0.01, "decay", "depth")
+        at_least(self, 0.01, "decay", "decay_length")
         at_least(self, 1, "wanted")
         if self.decay > 1 or self.dimming > 1:
             raise InputError(f"Gso: expected decay and dimming of at most 1, got {self.decay!r} and {self.dimming!r}")
@@ -116,7 +114,7 @@ class GlowwormPilot(IndependentPilot):
     def __init__(self, briefing: Briefing, policy: Gso) -> None:
         super().__init__(briefing)
         self._policy = policy
-        self._gains = WeightedGains(briefing.shape, self._lidar, policy.depth, policy.isolation)
+        self._gains = WeightedGains(briefing.shape, self._lidar, policy.decay_length, policy.isolation)
         self._cells = np.empty(0, np.int32)
         self._luciferin = np.empty(0)
         self._reach = min(policy.start, policy.sensor) * self._lidar

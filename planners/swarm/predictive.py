@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Distances
 from indoor_explorers.env.policies.policy import Pilot
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.swarm.pso import Pso, PsoPilot
 from indoor_explorers.planners.toolbox.information.candidates import Cells
@@ -16,6 +17,7 @@ from indoor_explorers.planners.toolbox.information.prospects import Prospects
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 
+@renamed()
 @dataclass(frozen=True, kw_only=True)
 class PsoPredictive(EstimateUser, Pso):
     """Fly as ``pso`` does, but weigh candidates by the chance that they lead to something, and let some wait.

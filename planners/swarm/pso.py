@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.swarm.assignment import (
@@ -41,14 +42,21 @@ from indoor_explorers.planners.toolbox.information.candidates import (
     local_candidates,
 )
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import (
+    DiscountParameters,
+    GainParameters,
+    GoalBonusParameters,
+    ReplanParameters,
+    at_least,
+)
 
 #: Paths between candidates are searched up to this length, in lidar ranges.
 HOP_RANGES = 1.5
 
 
+@renamed(fade="decay_length", rate="discount_rate", hold="goal_bonus")
 @dataclass(frozen=True, kw_only=True)
-class Pso(Policy):
+class Pso(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParameters, Policy):
     """Assign several goals to each UAV of the linked group by a particle swarm over joint plans.
 
     The fitness of a plan is the union of all views of the group, each discounted by its time of arrival; isolated
@@ -78,16 +86,10 @@ class Pso(Policy):
     """Goals of a UAV in a plan; the UAV flies to the first one."""
     power: float = 0.5
     """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest goal."""
-    rate: float = 0.8
-    """Discount rate of view gains per lidar range of flight."""
     trust: float = 0.5
     """Factor for every goal that a UAV visits before, since the map may differ from expectation, 0 to 1."""
-    isolation: float = 8.0
-    """Additional weight of an unknown cell whose 5x5 neighbourhood is known; pockets are finished while near."""
-    fade: float = 0.5
-    """Depth inside unknown space at which a cell has 1 / e of the weight, in lidar ranges."""
-    hold: float = 0.2
-    """Bonus, as a share, for a first goal within .2 lidar ranges of the UAV's current goal."""
+    decay_length: float = 0.5
+    """Depth inside unknown space over which the weight of an unknown cell falls to 1 / e, in lidar ranges."""
     absence: float = 0.5
     """Share of its value that a goal loses if a teammate out of contact was last known closer to it, 0 to 1."""
     sector: float = 3.0
@@ -103,11 +105,9 @@ class Pso(Policy):
 
     def __post_init__(self) -> None:
         """Refuse negative weights and plans without goals."""
-        at_least(
-            self, 0.0, "rounds", "power", "rate", "trust", "isolation", "hold", "absence", "period", "lookouts", "near"
-        )
-        at_least(self, 0.0, "sector")
-        at_least(self, 1e-6, "fade")
+        at_least(self, 0.0, "rounds", "power", "discount_rate", "trust", "isolation", "goal_bonus", "absence")
+        at_least(self, 0.0, "period", "lookouts", "near", "sector")
+        at_least(self, 1e-6, "decay_length")
         at_least(self, 1, "candidates", "length", "particles")
 
     def pilot(self, briefing: Briefing) -> Pilot:
@@ -138,7 +138,7 @@ class PsoPilot(CandidatePilot):
         self._swarm = Swarm(particles=policy.particles, rounds=policy.rounds)
         self._range = float(briefing.lidar_range)
         self._out_of_contact = OutOfContact(briefing, sector=policy.sector)
-        self._period = max(1, round(policy.period * self._range))
+        self._period = self.steps_in(policy.period)
         self._plan: tuple[float, ...] = NOWHERE
         self._planned_on = -1
 
@@ -225,16 +225,16 @@ class PsoPilot(CandidatePilot):
             return None, cells.astype(np.int64), []
         steps, able = steps[can], [member for member, some in zip(members, can.tolist(), strict=True) if some]
         gains, shared = candidate_views(
-            view.belief, cells, UnknownWeight(policy.isolation, policy.fade * reach), lidar_model(reach)
+            view.belief, cells, UnknownWeight(policy.isolation, policy.decay_length * reach), lidar_model(reach)
         )
         problem = AssignmentProblem(
             steps=steps,
             hops=distances_between(view.belief, cells, steps, int(HOP_RANGES * reach) + 1),
             gains=gains * chances * self._left_by_others(view, members, cells, steps),
             shared=shared,
-            hysteresis=np.stack([self.hysteresis_bonus(member.goal, cells, policy.hold) for member in able]),
+            hysteresis=np.stack([self.hysteresis_bonus(member.goal, cells, policy.goal_bonus) for member in able]),
             power=policy.power,
-            rate=policy.rate / reach,
+            rate=policy.discount_rate / reach,
             trust=policy.trust,
             lidar_range=reach,
         )
@@ -242,7 +242,9 @@ class PsoPilot(CandidatePilot):
 
     def _candidates(self, view: View, fields: Distances) -> Cells:
         policy, reach = self._policy, self._range
-        around = local_candidates(view.belief, fields, reach, policy.near, policy.rate / reach, policy.lookouts)
+        around = local_candidates(
+            view.belief, fields, reach, policy.near, policy.discount_rate / reach, policy.lookouts
+        )
         ahead = frontier_candidates(view.belief, fields, reach, policy.candidates)
         return np.union1d(ahead, around).astype(np.int32)
 

@@ -91,7 +91,7 @@ class ParticlePilot(GoalPilot):
             self._alone = not self.map_grew
         stagnant = view.step - self._news_at >= self._policy.stagnation
         if not self._alone and (
-            stagnant or self._turned_back() or self.navigator.stands
+            stagnant or self._turned_back() or self.navigator.is_stationary
         ):  # a particle does not make way
             self._split_off(view)
         if self._alone:

@@ -109,7 +109,7 @@ class SgbaPilot(GoalPilot):
         if self._detours and (self.goal is None or self.is_spent(view, self.goal)):
             self._detours = False
             self._set_bearing(atan2(self._east, self._north) + pi / 2 * int(self.rng.integers(1, 4)))
-        elif not self._detours and (self.navigator.swings or self.navigator.stands):
+        elif not self._detours and (self.navigator.oscillates or self.navigator.is_stationary):
             self._detours = True
             self.choose_goal(view)
         return self._detours

@@ -15,7 +15,7 @@ _ONE, _SHIFT = np.uint64(1), np.uint64(20)
 def is_new(table: np.ndarray, key: np.uint64) -> bool:
     """Tell whether a key was not met before, and remember it while there is room for it.
 
-    ``table`` is uint64, a power of two long and zero at first; keys are hashes, of which the lowest bit is ignored.
+    ``table`` is (P,) uint64, P a power of two, and zero at first; keys are hashes, of which the lowest bit is ignored.
     Where the slots of a key are taken by others it counts as new every time.
     """
     last = np.uint64(table.shape[0] - 1)

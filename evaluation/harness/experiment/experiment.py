@@ -12,6 +12,7 @@ import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from indoor_explorers.env import InputError, Policy, Scenario, make_policy
+from indoor_explorers.env.policies.renamed import with_present_names
 from indoor_explorers.env.scenarios.validation import validated
 
 #: By which share a mean time may exceed another for the two to count as equally good, where nothing else is declared.
@@ -59,6 +60,11 @@ class PolicyChoice(BaseModel):
     def make(self) -> Policy:
         """Make the policy."""
         return make_policy(self.use, **self.parameters)
+
+    def by_present_names(self, facts: Mapping[str, Any]) -> PolicyChoice:
+        """Return the choice with present names of parameters, by the policy's facts: of old ones is warned but once."""
+        given = with_present_names(self.parameters, facts.get("renamed", {}), self.name)
+        return self.model_copy(update={"parameters": given})
 
 
 def _brief(use: Any) -> Any:

@@ -13,6 +13,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from indoor_explorers.env import InputError, Policy
 from indoor_explorers.env.errors import one_line
+from indoor_explorers.env.policies.renamed import renamed_parameters
 from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.suites.catalogue import digests_of
 from indoor_explorers.env.scenarios.validation import validated
@@ -21,7 +22,7 @@ from indoor_explorers.evaluation.harness.experiment.sources import outside_files
 #: Facts that no provenance may name, besides those that identify a policy.
 DERIVED = (
     *("defaults", "hash", "uses_generator", "batched", "failed_check", "isolated", "seen_seeds", "seen_maps"),
-    *("plans_for", "flown_again", "map_shape"),
+    *("plans_for", "flown_again", "map_shape", "renamed"),
 )
 #: Characters of what a policy says it plans for.
 LONGEST_AIM = 80
@@ -58,6 +59,7 @@ class _Facts(BaseModel):
     plans_for: Annotated[Text, Field(max_length=LONGEST_AIM)] = ""
     seen_seeds: dict[Text, list[Seeds]] = {}
     seen_maps: dict[Text, list[Text]] = {}
+    renamed: dict[Text, list[Text]] = {}
     map_shape: Annotated[list[Annotated[int, Field(gt=0)]], Field(min_length=2, max_length=2)] | None = None
 
 
@@ -98,7 +100,7 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     facts |= {"sources": outside_files(policy, use), "defaults": _defaults(policy)}
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
     more: dict[str, Any] = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy)}
-    more |= {"seen_maps": _seen_maps(policy), "map_shape": _map_shape(policy)}
+    more |= {"seen_maps": _seen_maps(policy), "map_shape": _map_shape(policy), "renamed": _renamed(policy)}
     return checked_facts(facts | {name: told for name, told in more.items() if told}, use)
 
 
@@ -152,14 +154,26 @@ def _seen_maps(policy: Policy) -> dict[str, list[str]]:
 def _defaults(policy: Policy) -> dict[str, str]:
     """Return the parameters' defaults, so that stores from before a parameter was added are known to be the same."""
     found: dict[str, Any] = {}
-    fields: tuple[dataclasses.Field[Any], ...] = dataclasses.fields(policy) if dataclasses.is_dataclass(policy) else ()
-    for each in fields:
+    for each in _fields(policy):
         if each.default is not dataclasses.MISSING:
             found[each.name] = each.default
         elif each.default_factory is not dataclasses.MISSING:
             found[each.name] = each.default_factory()
     plain = {name: dataclasses.asdict(value) if _is_record(value) else value for name, value in found.items()}
     return {name: repr(value) for name, value in plain.items()}
+
+
+def _fields(policy: Policy) -> tuple[dataclasses.Field[Any], ...]:
+    return dataclasses.fields(policy) if dataclasses.is_dataclass(policy) else ()
+
+
+def _renamed(policy: Policy) -> dict[str, list[str]]:
+    """Return the present names of parameters by old ones, dotted in a parameter that is an object of parameters."""
+    found = {old: list(names) for old, names in renamed_parameters(type(policy)).items()}
+    for each in _fields(policy):
+        inside = renamed_parameters(type(getattr(policy, each.name, None)))
+        found |= {f"{each.name}.{old}": [f"{each.name}.{name}" for name in names] for old, names in inside.items()}
+    return found
 
 
 def _is_record(value: object) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -12,23 +13,46 @@ NAMED, SHOWN = 8, 60
 #: Facts about a policy that follow from the others; older stores do not have all of them.
 DERIVED_FACTS = (
     *("uses_generator", "batched", "defaults", "hash", "weights_for", "failed_check", "seen_seeds", "plans_for"),
-    *("isolated", "seen_maps", "flown_again", "map_shape"),
+    *("isolated", "seen_maps", "flown_again", "map_shape", "renamed"),
 )
 
 
 def identity(about: Mapping[str, Any], older: Mapping[str, Any]) -> dict[str, Any]:
     """Return the facts by which a policy is recognised; its sources are compared file by file.
 
-    A parameter that an ``older`` version did not have is left out where it has its default.
+    Parameters have their present names. One that an ``older`` version did not have is left out where it has its
+    default.
     """
     kept = {key: value for key, value in about.items() if key not in (*DERIVED_FACTS, "sources")}
-    defaults, known = about.get("defaults", {}), older.get("parameters", {})
+    renamed = {**older.get("renamed", {}), **about.get("renamed", {})}
+    defaults = present_parameters(about.get("defaults", {}), renamed)
+    known = present_parameters(older.get("parameters", {}), renamed)
     parameters = {
         name: value
-        for name, value in about.get("parameters", {}).items()
+        for name, value in present_parameters(about.get("parameters", {}), renamed).items()
         if name in known or name not in defaults or value != defaults[name]
     }
     return kept | ({"parameters": parameters} if "parameters" in kept else {})
+
+
+def present_parameters(told: Mapping[str, str], renamed: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Return the stored texts of parameters by their present names, those inside objects of parameters dotted."""
+    found: dict[str, str] = {}
+    for name, value in flat({name: _spelt_out(text) for name, text in told.items()}):
+        for present in renamed.get(name, (name,)):
+            found[present] = value
+    return found
+
+
+def _spelt_out(text: str) -> str | dict[str, Any]:
+    """Return the text of an object of parameters as the texts of these; any other as it is."""
+    if not text.startswith("{"):
+        return text
+    try:
+        inside = ast.literal_eval(text)
+    except (ValueError, SyntaxError, MemoryError, RecursionError):
+        return text
+    return {str(name): repr(value) for name, value in inside.items()} if isinstance(inside, dict) and inside else text
 
 
 def version_difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:

@@ -82,7 +82,7 @@ def sectors(figure: Figure) -> None:
     shape = world.state.truth[0].shape
     every = np.argwhere(np.ones(shape, np.bool_)).astype(np.float64)
     factors = [
-        pilot.out_of_contact.left_by_unheard(world.view(0, uav), every).reshape(shape)
+        pilot.chooser.out_of_contact.left_by_unheard(world.view(0, uav), every).reshape(shape)
         for uav, pilot in enumerate(pilots)
     ]
     figure.set_size_inches(7.0, 3.0)

@@ -66,7 +66,7 @@ def planner_pictures() -> dict[str, bytes]:
 def _clusters(figure: Figure) -> None:
     pilot, view = pilot_at("frontier-joint", DECISIONS)
     clusters = frontier_clusters(view.belief, OFFICE["lidar.range"])
-    problem = pilot.decision_problem(view, pilot.members(view))
+    problem = pilot.chooser.decision_problem(view, pilot.chooser.members(view))
     figure.set_size_inches(7.0, 3.0)
     left, right = figure.subplots(1, 2)
     cells(left, view.belief, f"{clusters.size} frontier clusters")
@@ -128,10 +128,10 @@ def _planned(pilot: Any, view: View) -> list[Cell]:
     """Return the places that a frontier planner plans to visit, in order; none where it plans for one."""
     if hasattr(pilot, "order"):
         return list(pilot.order(view))
-    if hasattr(pilot, "decision_problem"):
-        problem = pilot.decision_problem(view, pilot.members(view))
-        factors = pilot.factors(view, problem, 0)
-        sequence = pilot.sequence(problem, 0, factors * problem.gains, factors)
+    if hasattr(pilot, "chooser"):
+        problem = pilot.chooser.decision_problem(view, pilot.chooser.members(view))
+        factors = pilot.chooser.factors(view, problem, 0)
+        sequence = pilot.chooser.sequence(problem, 0, factors * problem.gains, factors)
         return [cell_of(problem.cells[k], view) for k in sequence if k >= 0]
     return []
 

@@ -73,7 +73,7 @@ def made_again(results: Results) -> dict[str, Made]:
     choices = [validated(PolicyChoice, entries[name], "policy") for name in results.policies if name not in unmade]
     with PolicyLoader(limits_for(1, DECISION_TIMEOUT, None)) as loader:
         facts = loader.facts(choices)
-    return {choice.name: Made(choice, facts[choice.name]) for choice in choices}
+    return {choice.name: Made(choice.by_present_names(facts[choice.name]), facts[choice.name]) for choice in choices}
 
 
 def other_policies(results: Results, made: Mapping[str, Made]) -> list[str]:

@@ -217,6 +217,6 @@ def cluster_viewpoints(
 
 
 def first_of_each(owner: NDArray[np.int64], scores: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the index of each owner's best score, the first among equals; owners in ascending order."""
+    """Return the index of each owner's best of (L,) scores, (K,), the first among equals; owners in ascending order."""
     order = np.lexsort((-scores, owner))
     return np.asarray(order[np.r_[True, np.diff(owner[order]) > 0]] if len(order) else order)

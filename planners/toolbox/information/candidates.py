@@ -20,11 +20,11 @@ Table = NDArray[np.float64]
 
 
 class UnknownWeight(NamedTuple):
-    """Parameters of the weight of an unknown cell: (1 + isolation k / 24) e^(-depth / fade)."""
+    """Parameters of the weight of an unknown cell: (1 + isolation k / 24) e^(-depth / decay_length)."""
 
     isolation: float
     """Weight of k, the number of cells in its 5x5 neighbourhood that are known or off the map."""
-    fade: float
+    decay_length: float
     """Length in cells; the depth is the cell's distance from known free space through unknown cells."""
 
 
@@ -50,10 +50,10 @@ def depths(belief: np.ndarray, queue: np.ndarray, out: np.ndarray) -> None:
 
 @leaf()
 def cell_weight(belief: np.ndarray, depth: np.ndarray, cell: int, weight: UnknownWeight) -> float:
-    """Return the weight of a flat unknown cell."""
+    """Return the weight of a flat unknown cell of a (H, W) belief; ``depth`` (H, W) is filled by :func:`depths`."""
     row, col = divmod(cell, belief.shape[1])
     isolated = 1.0 + weight.isolation * known_around(belief, row, col) / AROUND
-    return float(isolated * np.exp(-depth[row, col] / weight.fade))
+    return float(isolated * np.exp(-depth[row, col] / weight.decay_length))
 
 
 @kernel(entry=False)
@@ -148,10 +148,10 @@ def frontier_candidates(belief: Belief, fields: Distances, lidar_range: float, m
 def local_candidates(
     belief: Belief, fields: Distances, lidar_range: float, reach: int, rate: float, most: int
 ) -> Cells:
-    """Return flat known cells at most ``reach`` steps from a UAV that have unknown cells in view.
+    """Return flat known cells at most ``reach`` steps from a UAV that have unknown cells in view, (K,).
 
     For each UAV the ``most`` cells with the largest sqrt(view gain) e^(-rate steps): a UAV need not fly to a frontier
-    that it can view from nearby.
+    that it can view from nearby. ``fields`` (N, H, W) are the steps from N UAVs.
     """
     flat = fields.reshape(len(fields), -1)
     cells = np.flatnonzero(((flat > 0) & (flat <= reach)).any(axis=0)).astype(np.int32)

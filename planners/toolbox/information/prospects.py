@@ -1,6 +1,6 @@
-"""Prospects: what the places that a planner chooses among lead to, by the frontier cluster that each is nearest to.
+"""Expected unknown area behind each candidate, by the frontier cluster that it is nearest to.
 
-Planners on frontier clusters ask for the outlook of these. Planners on viewpoints and lookouts ask here.
+Planners whose candidates are frontier clusters use the outlook of these; this is for viewpoints and lookouts.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import kernel, leaf
+from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, lidar_model, new_scan, visible_cells
 
 
@@ -85,7 +86,7 @@ STALE = -1.0
 
 @leaf(entry=False)
 def known_around(belief: np.ndarray, row: int, col: int) -> int:
-    """Count the cells around an unknown one that are known or off the map, at most ``AROUND``."""
+    """Count the cells around an unknown one of a (H, W) belief that are known or off the map, at most ``AROUND``."""
     height, width = belief.shape
     unknown = 0
     for r in range(max(0, row - NEIGHBOURHOOD), min(height, row + NEIGHBOURHOOD + 1)):
@@ -151,24 +152,27 @@ def _kept_gains(
     return out
 
 
+@renamed(depth="decay_length")
 class WeightedGains:
     """Weighted view gains, in which near and isolated cells have more weight; unchanged gains are cached.
 
-    An unknown cell visible at distance r has the weight ``exp(-r / (depth R)) (1 + isolation k)``, R the lidar range
-    and k the share of the 24 cells around it that are known or off the map: a far cell is more likely to be hidden
-    behind a wall that is not known yet, and an isolated cell would cost a detour later.
+    An unknown cell visible at distance r has the weight ``exp(-r / (decay_length R)) (1 + isolation k)``, R the lidar
+    range and k the share of the 24 cells around it that are known or off the map: a far cell is more likely to be
+    hidden behind a wall that is not known yet, and an isolated cell would cost a detour later.
 
     Args:
         shape: (H, W) of the map.
         lidar_range: Lidar range in cells.
-        depth: Distance at which the weight is 1 / e, in lidar ranges; infinite for equal weights.
+        decay_length: Distance over which the weight falls to 1 / e, in lidar ranges; infinite for equal weights.
         isolation: Additional weight of a surrounded cell.
 
     """
 
-    def __init__(self, shape: tuple[int, int], lidar_range: float, depth: float = inf, isolation: float = 0.0) -> None:
+    def __init__(
+        self, shape: tuple[int, int], lidar_range: float, decay_length: float = inf, isolation: float = 0.0
+    ) -> None:
         away = np.arange(-int(lidar_range + 1), int(lidar_range + 1) + 1)
-        self._depths = np.exp(-np.hypot(away[:, None], away) / (depth * lidar_range))
+        self._depths = np.exp(-np.hypot(away[:, None], away) / (decay_length * lidar_range))
         self._isolation = float(isolation)
         self._lens = lidar_model(float(lidar_range))
         self._reach = int(lidar_range + 1) + NEIGHBOURHOOD

@@ -32,10 +32,7 @@ class CandidatePilot(GoalPilot):
             self.visited.add(goal)
         return goal in self.visited or view_gain(view.belief, goal, float(self.briefing.lidar_range)) == 0
 
-    def hysteresis_bonus(self, goal: Cell | None, cells: NDArray[np.int32], hold: float) -> NDArray[np.float64]:
-        """Return the factors on the utilities of (K,) flat cells: ``1 + hold`` near the UAV's goal, else 1, (K,)."""
-        if goal is None:
-            return np.ones(len(cells))
-        rows, cols = np.divmod(cells, self.paths.width)
-        away = np.hypot(rows - goal[0], cols - goal[1])
-        return np.where(away <= max(SAME_CELLS, SAME_RANGES * self.briefing.lidar_range), 1.0 + hold, 1.0)
+    def hysteresis_bonus(self, goal: Cell | None, cells: NDArray[np.int32], bonus: float) -> NDArray[np.float64]:
+        """Return the factors on the utilities of (K,) flat cells: ``1 + bonus`` near the UAV's goal, else 1, (K,)."""
+        radius = max(SAME_CELLS, SAME_RANGES * self.briefing.lidar_range)
+        return np.where(self.near_goal(goal, cells, radius), 1.0 + bonus, 1.0)

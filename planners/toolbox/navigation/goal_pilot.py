@@ -7,7 +7,8 @@ Each step goes through the same states, whatever the planner::
        +- no goal:           map grew?                         -> choose
        +- is_spent(goal):    nothing left to see there         -> choose
        +- overdue:           not reached in time; ban the goal -> choose
-       +- wants_replan:      and the UAV does not oscillate    -> choose
+       +- wants_replan:      and the UAV does not oscillate    -> choose; by default, if the map has grown and the last
+       |                                                          choice is ``replan_period`` steps old
        +- else:              keep the goal; new path if the map grew or the UAV left its path
        |
     next_action: blocked twice by a teammate? detour, other frontier, or retreat; else the next cell of the path
@@ -19,6 +20,7 @@ taken as unknown, as wrong ones may close a door. :class:`~.navigator.Navigator`
 from __future__ import annotations
 
 from abc import abstractmethod
+from math import inf
 from typing import ClassVar
 
 import numpy as np
@@ -48,6 +50,10 @@ class GoalPilot(Pilot):
     straight: ClassVar[bool] = False
     """Whether to fly the straightest shortest path (:mod:`~.straight_paths`)."""
 
+    replan_period: float = inf
+    """Steps after a choice from which on growth of the map leads to another choice, although the goal is still useful.
+    With 0, growth does so at once; if infinite, never."""
+
     def __init__(self, briefing: Briefing) -> None:
         self.briefing = briefing
         self.rng = briefing.rng
@@ -55,6 +61,8 @@ class GoalPilot(Pilot):
         self.paths = self.navigator.paths
         self.plans = 0
         """Number of goals chosen so far."""
+        self._grew_since_choice = False
+        self._next_choice = inf
 
     @abstractmethod
     def choose(self, view: View) -> Cell | None:
@@ -68,8 +76,11 @@ class GoalPilot(Pilot):
         return not on_frontier(view.belief, goal[0] * self.paths.width + goal[1])
 
     def wants_replan(self, view: View) -> bool:
-        """Tell whether to choose again although the goal is still useful; called at every step."""
-        return False
+        """Tell whether to choose again although the goal is still useful; called at every step.
+
+        By default, if the map has grown since the last choice, and that was at least :attr:`replan_period` steps ago.
+        """
+        return self._grew_since_choice and view.step >= self._next_choice
 
     @property
     def goal(self) -> Cell | None:
@@ -90,6 +101,7 @@ class GoalPilot(Pilot):
         """Return the next move towards the goal, after :meth:`Navigator.observe`."""
         navigator = self.navigator
         if navigator.map_grew:
+            self._grew_since_choice = True
             self.on_map_growth(view)
         if self._choice_is_due(view):
             self.choose_goal(view)
@@ -100,6 +112,7 @@ class GoalPilot(Pilot):
     def choose_goal(self, view: View) -> None:
         """Choose a goal and a path to it; a banned goal if there is no other."""
         self.plans += 1
+        self._grew_since_choice, self._next_choice = False, view.step + self.replan_period
         goal = self.choose(view)
         if goal is None and self.navigator.lift_bans():
             goal = self.choose(view)
@@ -128,6 +141,20 @@ class GoalPilot(Pilot):
     def near_banned(self, view: View, cells: NDArray[np.int32]) -> Mask:
         """Return which of (K,) flat cells are too close to a banned goal, (K,) bool."""
         return self.navigator.near_banned(view, cells)
+
+    def near_goal(self, goal: Cell | None, cells: NDArray[np.int32], radius: float, norm: np.ufunc = np.hypot) -> Mask:
+        """Return which of (K,) flat cells are at most ``radius`` cells from a goal, (K,) bool; none if there is none.
+
+        Distances are straight lines; with ``np.maximum`` as ``norm``, the larger one of those along rows and columns.
+        """
+        if goal is None:
+            return np.zeros(len(cells), np.bool_)
+        rows, cols = np.divmod(cells, self.paths.width)
+        return np.asarray(norm(np.abs(rows - goal[0]), np.abs(cols - goal[1])) <= radius)
+
+    def steps_in(self, lidar_ranges: float) -> int:
+        """Return a length in lidar ranges as a number of steps, at least 1."""
+        return max(1, round(lidar_ranges * self.briefing.lidar_range))
 
     def nearest_frontier(self, view: View) -> Cell | None:
         """Return the frontier cell with the shortest known path, drawn at random among equals; None if unreachable."""

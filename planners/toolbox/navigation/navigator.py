@@ -59,12 +59,12 @@ class Navigator:
         self._own_field: tuple[int, Cell, Distances] | None = None
 
     @property
-    def swings(self) -> bool:
+    def oscillates(self) -> bool:
         """Whether the UAV has just oscillated between two cells twice."""
         return self.recent[:2] == self.recent[2:] and len(set(self.recent)) == 2
 
     @property
-    def stands(self) -> bool:
+    def is_stationary(self) -> bool:
         """Whether the UAV has not left its cell in the last two steps."""
         return len(self.recent) > 2 and len(set(self.recent[-3:])) == 1
 
@@ -83,7 +83,7 @@ class Navigator:
         known = map_stamp(view)
         self.map_grew, self.known = known != self.known, known
         self.recent = [*self.recent[-3:], view.cell]
-        self._settled = self._settled or self.swings
+        self._settled = self._settled or self.oscillates
         self._own_field = None
 
     def steps_from(self, view: View, cell: Cell) -> Distances:

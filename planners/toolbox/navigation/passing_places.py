@@ -26,7 +26,7 @@ def path_to_passing_place(
 ) -> list[Cell] | None:
     """Return a path to one of the nearest passing places at most ``reach`` steps from ``cell``; None if there is none.
 
-    The path avoids the cells of ``barred``.
+    ``belief`` is (H, W). The path is a list of (row, column) and avoids the cells of ``barred``.
     """
     barred = list(barred)
     steps = paths.field(without(belief, barred), cell)

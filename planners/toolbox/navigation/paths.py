@@ -62,9 +62,10 @@ def search_frontier(
     buffers: SearchBuffers,
     number: int,
 ) -> int:
-    """Return the frontier cell nearest to ``start``, -1 for none; ``ties`` decides among equals.
+    """Return the flat frontier cell of a (H, W) belief nearest to ``start``, -1 for none.
 
-    ``ties`` is 64 random bits.
+    ``avoid`` (K,) are flat cells; frontier cells near them do not count. ``ties``, 64 random bits,
+    decides among equals.
     """
     cells, width = belief.reshape(belief.size), belief.shape[1]
     begin(start, buffers, number)
@@ -117,7 +118,7 @@ class Paths:
         self._number = 0
 
     def flat(self, cells: Iterable[Cell]) -> Cells:
-        """Return (row, column) cells as flat indices."""
+        """Return K (row, column) cells as flat indices, (K,) int32."""
         return np.array([row * self.width + col for row, col in cells], np.int32)
 
     def _next(self) -> int:
@@ -125,7 +126,7 @@ class Paths:
         return self._number
 
     def to(self, belief: Belief, cell: Cell, goal: Cell, barred: Iterable[Cell] = ()) -> list[Cell] | None:
-        """Return a shortest known path from ``cell`` to ``goal``, both included; None if there is none."""
+        """Return a shortest path on a (H, W) belief from ``cell`` to ``goal``, both included; None if there is none."""
         start, end = cell[0] * self.width + cell[1], goal[0] * self.width + goal[1]
         if not search_to(belief, start, end, self.flat(barred), self._buffers, self._next()):
             return None
@@ -134,7 +135,10 @@ class Paths:
     def to_frontier(
         self, belief: Belief, cell: Cell, rng: np.random.Generator, avoid: Iterable[Cell] = ()
     ) -> list[Cell] | None:
-        """Return a shortest path to the nearest frontier cell, drawn at random among equals; None if unreachable."""
+        """Return a shortest path to the nearest frontier cell, drawn at random among equals; None if unreachable.
+
+        ``belief`` is (H, W); frontier cells near those of ``avoid`` do not count.
+        """
         ties = rng.integers(2**64, dtype=np.uint64)
         start = cell[0] * self.width + cell[1]
         end = search_frontier(belief, start, self.flat(avoid), ties, self._buffers, self._next())
@@ -145,7 +149,7 @@ class Paths:
     ) -> list[Cell] | None:
         """Return a path to a random other cell at most ``reach`` steps away; None if no move is possible.
 
-        The cell is drawn from the farther half of these cells.
+        ``belief`` is (H, W). The cell is drawn from the farther half of these cells.
         """
         start = cell[0] * self.width + cell[1]
         found = search_within(belief, start, reach, self.flat(barred), self._buffers, self._next())

@@ -39,7 +39,7 @@ def begin(cell: int, buffers: SearchBuffers, number: int) -> None:
 
 @inner()
 def block(blocked: np.ndarray, buffers: SearchBuffers, number: int) -> None:
-    """Make search ``number`` leave out some flat cells."""
+    """Make search ``number`` leave out (K,) flat cells."""
     for k in range(blocked.shape[0]):
         buffers.mark[blocked[k]] = number
 
@@ -48,7 +48,7 @@ def block(blocked: np.ndarray, buffers: SearchBuffers, number: int) -> None:
 def expand(cells: np.ndarray, width: int, cell: int, buffers: SearchBuffers, number: int, tail: int) -> int:
     """Append the free neighbours of ``cell`` that search ``number`` has not reached; return the new tail.
 
-    ``cells`` is the flat belief. The neighbours come in the order of the actions: down, left, up, right.
+    ``cells`` (H*W,) is the flat belief. The neighbours come in the order of the actions: down, left, up, right.
     """
     col = np.uint32(cell) % np.uint32(width)
     inside = (cell + width < cells.shape[0], col > 0, cell >= width, col + 1 < width)
@@ -66,7 +66,10 @@ def expand(cells: np.ndarray, width: int, cell: int, buffers: SearchBuffers, num
 def search_to(
     belief: np.ndarray, start: int, goal: int, blocked: np.ndarray, buffers: SearchBuffers, number: int
 ) -> bool:
-    """Search from ``start`` until ``goal`` is reached; return whether it was."""
+    """Search a (H, W) belief from ``start`` until ``goal`` is reached; return whether it was.
+
+    ``start`` and ``goal`` are flat cells, and so are the (K,) ones of ``blocked``, which are left out.
+    """
     cells, width = belief.reshape(belief.size), belief.shape[1]
     block(blocked, buffers, number)
     barred = goal != start and buffers.mark[goal] == number
@@ -82,7 +85,10 @@ def search_to(
 def search_within(
     belief: np.ndarray, start: int, reach: int, blocked: np.ndarray, buffers: SearchBuffers, number: int
 ) -> int:
-    """Fill ``buffers.queue`` with the cells at most ``reach`` steps from ``start``, nearest first; return how many."""
+    """Fill ``buffers.queue`` with the cells at most ``reach`` steps from ``start``, nearest first; return how many.
+
+    ``belief`` is (H, W); the (K,) flat cells of ``blocked`` are left out.
+    """
     cells, width = belief.reshape(belief.size), belief.shape[1]
     block(blocked, buffers, number)
     begin(start, buffers, number)
@@ -98,7 +104,10 @@ def search_within(
 
 @kernel()
 def path_to(parent: np.ndarray, goal: int) -> np.ndarray:
-    """Return the cells from the start of the last search to ``goal``, both included."""
+    """Return the L flat cells from the start of the last search to ``goal``, both included, (L,) int32.
+
+    ``parent`` (H*W,) is that of :class:`SearchBuffers`.
+    """
     length, cell = 0, goal
     while cell >= 0:
         length += 1

@@ -45,7 +45,7 @@ def _straight(belief: np.ndarray, start: int, goal: int) -> np.ndarray:
 
 
 def straight_path(belief: Belief, cell: Cell, goal: Cell) -> list[Cell]:
-    """Return a shortest known path from ``cell`` to ``goal``, both included; an empty list if there is none."""
+    """Return a shortest path on a (H, W) belief from ``cell`` to ``goal``, both included; empty if there is none."""
     width = belief.shape[1]
     path = _straight(belief, cell[0] * width + cell[1], goal[0] * width + goal[1])
     return [divmod(place, width) for place in path.tolist()]

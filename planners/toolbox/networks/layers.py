@@ -25,7 +25,7 @@ def as_layer(array: NDArray[Any]) -> NDArray[np.float32]:
 
 @kernel(entry=False)
 def linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray) -> None:
-    """Write x W + b; zero inputs are skipped."""
+    """Write x W + b to ``out`` (M,), for x (N,), W (N, M) and b (M,), float32; zero inputs are skipped."""
     for j in range(out.shape[0]):
         out[j] = bias[j]
     for i in range(x.shape[0]):
@@ -37,7 +37,7 @@ def linear(x: np.ndarray, weight: np.ndarray, bias: np.ndarray, out: np.ndarray)
 
 @kernel(entry=False)
 def relu(x: np.ndarray) -> None:
-    """Apply max(x, 0) in place."""
+    """Apply max(x, 0) to x (N,) float32 in place."""
     for j in range(x.shape[0]):
         x[j] = max(x[j], np.float32(0.0))
 

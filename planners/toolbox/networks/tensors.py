@@ -19,13 +19,13 @@ WEIGHTS = "weights.safetensors"
 
 
 def write_tensors(path: Path, tensors: Mapping[str, NDArray[Any]], metadata: dict[str, str] | None = None) -> None:
-    """Write a safetensors file atomically: a crash leaves the old file or the new one, never a part of it."""
+    """Write arrays of any shapes to a safetensors file, atomically: a crash leaves the old file or the new one."""
     with written_whole(path) as partial:
         save_file({name: np.ascontiguousarray(array) for name, array in tensors.items()}, partial, metadata)
 
 
 def read_tensors(path: Path, most_bytes: int | None = None) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-    """Return the arrays of a safetensors file by name, and its metadata.
+    """Return the arrays of a safetensors file by name, with their stored shapes and types, and its metadata.
 
     Raises:
         InputError: the file is missing, larger than ``most_bytes``, or not a safetensors file.

@@ -62,7 +62,7 @@ def cost_of(
 
 @kernel(entry=False)
 def by_nearest(first: int, between: np.ndarray) -> np.ndarray:
-    """Return the nearest-neighbour order of all places that begins with ``first``."""
+    """Return the nearest-neighbour order of K places that begins with ``first``, (K,); ``between`` is (K, K)."""
     count = between.shape[0]
     order = np.arange(count)
     order[0], order[first] = first, 0
@@ -102,7 +102,10 @@ def improve(
     objective: Objective,
     settings: SearchSettings,
 ) -> float:
-    """Improve an order in place, keeping its first place; return its cost. The arrays are those of :func:`cost_of`."""
+    """Improve an ``order`` (L,) of some of K places in place, keeping its first place; return its cost.
+
+    The other arrays are those of :func:`cost_of`.
+    """
     count = order.shape[0]
     cost = cost_of(order, start, between, weights, objective)
     for _ in range(settings.rounds):

@@ -23,7 +23,11 @@ LEAST_SAVING = 1e-9
 def improved_cost(
     order: np.ndarray, start: np.ndarray, between: np.ndarray, shares: np.ndarray, latency: float
 ) -> float:
-    """Improve an order in place, keeping its first place; return its cost."""
+    """Improve an ``order`` (L,) of some of K places in place, keeping its first place; return its cost.
+
+    ``start`` (K,) are the times to a first place, ``between`` (K, K) those between places, and ``shares`` (K,) the
+    weights of waiting times.
+    """
     return float(
         improve(order, start, between, shares, Objective(latency, 0.0), SearchSettings(ROUNDS, True, LEAST_SAVING, 0.0))
     )

@@ -9,6 +9,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -101,6 +102,26 @@ def test_compare_writes_what_the_contract_says(figures, capsys, tmp_path):
         assert float(mine["t90"]["low"]) <= float(mine["t90"]["mean"]) <= float(mine["t90"]["high"])
     assert {path.suffix for path in (out / "figures").iterdir()} == {".svg", ".png", ".pdf"}
     assert (out / "report.html").read_text().startswith("<!doctype html>")
+
+
+@pytest.mark.filterwarnings("always::FutureWarning")
+def test_an_old_name_of_a_parameter_is_told_once_and_stored_as_the_new_one(capsys, tmp_path):
+    named = ["--policies", "frontier-burgard(hold=2)", "--scenario", "thesis-open", "--episodes", "4"]
+    status, _, errors = run(capsys, "compare", *named, "--workers", "2", "--out", tmp_path)
+    assert (status, errors.splitlines()) == (
+        0,
+        [
+            "indoor-explorers: FrontierBurgard: the parameter 'hold' is now 'switch_cost'; "
+            "the old name is accepted up to version 0.3"
+        ],
+    )
+    with contextlib.closing(sqlite3.connect(tmp_path / "results.db")) as db:
+        (entry,) = tomllib.loads(db.execute("SELECT experiment FROM run").fetchone()[0])["policies"]
+    assert entry == {
+        "use": "frontier-burgard",
+        "name": "frontier-burgard(hold=2)",
+        "parameters": {"switch_cost": 2},
+    }
 
 
 def test_running_again_flies_nothing_and_changes_nothing(capsys, tmp_path):
@@ -395,8 +416,8 @@ def test_outputs_that_cannot_be_written_are_one_line(capsys, tmp_path):
 
 
 def test_commas_in_parentheses_separate_no_names():
-    assert read_names('pso(length=1,hold=0.1), dddqn,"a, b(c, d)",x') == [
-        "pso(length=1,hold=0.1)",
+    assert read_names('pso(length=1,goal_bonus=0.1), dddqn,"a, b(c, d)",x') == [
+        "pso(length=1,goal_bonus=0.1)",
         "dddqn",
         "a, b(c, d)",
         "x",

@@ -51,10 +51,4 @@ def test_without_the_others_they_are_not_seen(monkeypatch: pytest.MonkeyPatch) -
 
 def test_a_choice_is_kept_for_a_lidar_range() -> None:
     world = world_on_a_floor()
-    pilot, view = pilot_of(world), world.view(0, 0)
-    pilot.choose_goal(view)
-    keep = round(world.scenario.lidar.range)
-    assert not pilot.wants_replan(view._replace(step=view.step + keep))
-    pilot.on_map_growth(view)
-    assert not pilot.wants_replan(view._replace(step=view.step + keep - 1))
-    assert pilot.wants_replan(view._replace(step=view.step + keep))
+    assert pilot_of(world).replan_period == round(world.scenario.lidar.range)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import astuple, fields
+
 import numpy as np
 import pytest
 
@@ -7,8 +9,22 @@ from indoor_explorers.env import World
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.learners.places.network import Loaded, NetworkWeights, shapes
 from indoor_explorers.learners.places.pilot import PlacesPilot
-from indoor_explorers.learners.places.scene import COMMON, COSTLIEST, GUESS, MOST, OTHERS, PLACE, Observer, Scene
+from indoor_explorers.learners.places.scene import (
+    COMMON,
+    COSTLIEST,
+    GUESS,
+    MOST,
+    OTHERS,
+    PLACE,
+    TRAINED_ON,
+    TRAINED_OUTLOOK,
+    TRAINED_SAME,
+    TRAINED_STRIDE,
+    Observer,
+    Scene,
+)
 from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
+from indoor_explorers.planners.toolbox.frontiers.cluster_places import CLOSER_MATE, LEFT_TO_OTHERS, SAME, STRIDE
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
 from tests.learners.places.small import world_on_a_floor
 
@@ -74,3 +90,15 @@ def test_a_known_map_has_no_places() -> None:
     world = world_on_a_floor()
     view = world.view(0, 0)
     assert Observer(pilot_of(world)).observe(view._replace(belief=np.full_like(view.belief, FREE))) is None
+
+
+def test_the_network_is_fed_what_the_planner_weighs() -> None:
+    planner = FrontierPredictive()
+    now = [getattr(planner, field.name) for kind in (TRAINED_ON, TRAINED_OUTLOOK) for field in fields(kind)]
+    then = [*astuple(TRAINED_ON), *astuple(TRAINED_OUTLOOK)]
+    assert [*now, STRIDE, SAME] == [*then, TRAINED_STRIDE, TRAINED_SAME], (
+        "frontier-predictive is not tuned any more as it was when the shipped network of dddqn-places was trained. The "
+        "network is still fed what it was trained on, TRAINED_ON in learners/places/scene.py. Train it with the new "
+        "parameters and change TRAINED_ON with the weights, or note here which ones are meant to differ."
+    )
+    assert (CLOSER_MATE, LEFT_TO_OTHERS) == (0.5, 0.5), "the network was trained with these, too, and is fed them"

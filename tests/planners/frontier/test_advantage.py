@@ -40,7 +40,7 @@ def test_the_remote_cluster_comes_first_of_two_about_as_near() -> None:
     assert goal_of(FrontierAdvantage(remoteness=1.0), (2, 11)) == (1, 10)
 
 
-@pytest.mark.parametrize("name", ["remoteness", "reach", "hold", "weight", "taken"])
+@pytest.mark.parametrize("name", ["remoteness", "reach", "switch_cost", "weight", "taken"])
 def test_bad_parameters_are_refused(name: str) -> None:
     with pytest.raises(InputError, match=f"expected {name} of at least"):
         make_policy("frontier-advantage", **{name: -1.0})

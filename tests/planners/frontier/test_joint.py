@@ -35,7 +35,7 @@ def test_it_tells_its_goal() -> None:
         assert pilot.message == message_of(pilot.goal)
 
 
-@pytest.mark.parametrize("name", ["fade", "rate", "latency", "clusters", "firsts"])
+@pytest.mark.parametrize("name", ["decay_length", "discount_rate", "latency", "clusters", "firsts"])
 def test_bad_parameters_are_refused(name: str) -> None:
     with pytest.raises(InputError, match=f"expected {name} of at least"):
         make_policy("frontier-joint", **{name: -1.0})

@@ -42,7 +42,7 @@ def test_every_mate_that_is_nearer_halves_a_gain() -> None:
     assert pilot.factors(view, cells, steps).tolist() == [0.5, 1.0]
 
 
-@pytest.mark.parametrize("name", ["depth", "latency", "hold", "clusters"])
+@pytest.mark.parametrize("name", ["decay_length", "latency", "switch_cost", "clusters"])
 def test_bad_parameters_are_refused(name: str) -> None:
     with pytest.raises(InputError, match=f"expected {name} of at least"):
         make_policy("frontier-latency", **{name: -1.0})

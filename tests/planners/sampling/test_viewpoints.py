@@ -76,7 +76,7 @@ def test_a_known_map_needs_no_goal(name: str) -> None:
     [
         ("rrt-frontier", {"as_published": True}),
         ("rrt-aep", {"take_turns": True}),
-        ("rrt-nbv", {"discount": 1.0, "isolation": 0.0, "depth": 100.0}),
+        ("rrt-nbv", {"discount_rate": 1.0, "isolation": 0.0, "decay_length": 100.0}),
         ("prm-tour", {"as_published": True, "isolation": 0.0}),
     ],
 )
@@ -89,5 +89,5 @@ def test_the_published_forms_complete_maps_too(name: str, parameters: dict[str, 
 
 @pytest.mark.parametrize("name", PLANNERS)
 def test_bad_parameters_are_refused(name: str) -> None:
-    with pytest.raises(InputError, match="expected depth of at least"):
-        make_policy(name, depth=0.0)
+    with pytest.raises(InputError, match="expected decay_length of at least"):
+        make_policy(name, decay_length=0.0)

@@ -140,6 +140,29 @@ def test_a_parameter_that_was_added_since_has_its_default_in_older_results(tmp_p
             store.begin_run(planned, {name: facts | changed for name, facts in about(planned).items()}, {})
 
 
+def test_a_parameter_that_was_renamed_since_has_its_old_name_in_older_results(tmp_path):
+    planned = experiment()
+    with Store(tmp_path / "results.db") as store:
+        before = {
+            "parameters": {"fast": "2", "inside": "{'b': 3, 'a': 1}"},
+            "defaults": {"fast": "1"},
+            "hash": "another",
+        }
+        store.begin_run(planned, {name: facts | before for name, facts in about(planned).items()}, {})
+        store.add(filled(tmp_path / "other.db")[0], 1)
+        renamed = {"fast": ["speed", "pace"], "inside.b": ["inside.c"]}
+        now = {"speed": "2", "pace": "2", "inside": "{'a': 1, 'c': 3}"}
+        same = {"parameters": now, "defaults": {"speed": "1", "pace": "1"}, "renamed": renamed}
+        assert store.begin_run(planned, {name: facts | same for name, facts in about(planned).items()}, {}) == 2
+        for other, what in (
+            ({"speed": "1"}, r"speed \(2 and 1\)"),
+            ({"inside": "{'a': 1, 'c': 4}"}, r"inside.c \(3 and 4\)"),
+        ):
+            changed = same | {"parameters": now | other}
+            with pytest.raises(InputError, match=rf"policy 'w': parameters.{what}"):
+                store.begin_run(planned, {name: facts | changed for name, facts in about(planned).items()}, {})
+
+
 def test_of_many_differences_a_few_are_named(tmp_path):
     planned = experiment(policies=[{"use": POLICY, "name": f"p{n}"} for n in range(9)])
     record = filled(tmp_path / "other.db")[0]

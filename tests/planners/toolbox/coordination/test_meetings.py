@@ -11,7 +11,7 @@ from indoor_explorers.env import Policy, Scenario, View, World, make_policy
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.planners.frontier.joint import not_taken
+from indoor_explorers.planners.toolbox.coordination.sequence_chooser import not_taken
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from tests.planners.flights import rooms

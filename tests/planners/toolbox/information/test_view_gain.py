@@ -51,3 +51,11 @@ def test_kept_gains_are_those_of_the_map_as_it_is() -> None:
             belief[row : row + 4, col : col + 4] = truth[row : row + 4, col : col + 4]
         cells = np.flatnonzero(belief == 1).astype(np.int32)[::3]
         assert kept.at(belief, cells).tolist() == WeightedGains(truth.shape, 4.0, 0.5, 8.0).at(belief, cells).tolist()
+
+
+def test_the_old_name_of_the_decay_length_is_accepted() -> None:
+    given: dict[str, float] = {"depth": 0.5}
+    belief, cells = np.array([[1, 0, 0, 0]], np.uint8), np.array([0], np.int32)
+    with pytest.warns(FutureWarning, match="WeightedGains: the parameter 'depth' is now 'decay_length'"):
+        old = WeightedGains(belief.shape, 4.0, **given)
+    assert old.at(belief, cells) == WeightedGains(belief.shape, 4.0, decay_length=0.5).at(belief, cells)
