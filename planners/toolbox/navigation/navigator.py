@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +18,9 @@ from indoor_explorers.planners.toolbox.navigation.straight_paths import straight
 BAN_STEPS = 50
 #: Longest detour around a teammate: this factor times the length of the path that it replaces, plus this many cells.
 DETOUR_FACTOR, DETOUR_CELLS = 1.5, 4
+
+#: Attributes of a navigator by their names up to version 0.2, which are accepted up to version 0.3.
+FORMER_NAMES = {"swings": "oscillates", "stands": "is_stationary"}
 
 _ACTIONS = {(int(row), int(col)): action for action, (row, col) in enumerate(MOVES)}
 
@@ -67,6 +72,18 @@ class Navigator:
     def is_stationary(self) -> bool:
         """Whether the UAV has not left its cell in the last two steps."""
         return len(self.recent) > 2 and len(set(self.recent[-3:])) == 1
+
+    def __getattr__(self, name: str) -> bool:
+        """Return the attribute that had this name in version 0.2."""
+        if name not in FORMER_NAMES:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        present = FORMER_NAMES[name]
+        warnings.warn(
+            f"Navigator.{name} is now {present}; the old name is accepted up to version 0.3",
+            FutureWarning,
+            stacklevel=2,
+        )
+        return bool(getattr(self, present))
 
     @property
     def may_replan(self) -> bool:
