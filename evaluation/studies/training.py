@@ -70,7 +70,7 @@ def preset_of(learner: str, name: str) -> Any:
 
 
 def run_training(
-    learner: str, scenario: Scenario, settings: Mapping[str, Any], *, out: Path, seed: int, resume: bool
+    learner: str, scenario: Scenario | None, settings: Mapping[str, Any], *, out: Path, seed: int, resume: bool
 ) -> int:
     """Train a learner; show steps, speed, loss and evaluations; return the exit status."""
     module = find_learner(learner)
@@ -99,4 +99,7 @@ def _short(value: float) -> str:
 
 def _now(progress: Any) -> str:
     epsilon = "" if progress.epsilon is None else f", epsilon {progress.epsilon:.2f}"
-    return f"{progress.steps / 1e6:.2f} M steps, {progress.steps_per_second:,.0f}/s, loss {progress.loss:.4f}{epsilon}"
+    made = f"{progress.steps / 1e6:.2f} M steps, {progress.steps_per_second:,.0f}/s"
+    if progress.counted != "steps":
+        made = f"{progress.steps:,} of {progress.total_steps:,} {progress.counted}"
+    return f"{made}, loss {progress.loss:.4f}{epsilon}"

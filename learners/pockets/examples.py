@@ -102,3 +102,11 @@ def read_examples(paths: list[Path]) -> dict[str, NDArray[Any]]:
             for name in found.files:
                 parts.setdefault(name, []).append(found[name])
     return {name: np.concatenate(each) for name, each in parts.items()}
+
+
+def chosen_examples(examples: dict[str, NDArray[Any]], learn_from: str) -> dict[str, NDArray[Any]]:
+    """Return the examples (K, ...) of ``real`` maps, of ``generated`` ones, or of ``both``."""
+    if learn_from == "both":
+        return examples
+    chosen = examples["real"] == (learn_from == "real")
+    return {name: each[chosen] for name, each in examples.items()}

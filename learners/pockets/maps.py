@@ -1,15 +1,19 @@
-"""Training maps: real floors, turned, scaled and cut anew each time, and maps of the generators."""
+"""The training maps of ``places`` and ``pockets``: real floors, turned, scaled and cut anew, and generated maps."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+from pydantic import BeforeValidator, Field
 from scipy import ndimage
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.base import GeneratedMaps
@@ -22,11 +26,17 @@ from indoor_explorers.env.maps.generators.offices import OfficesMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
 from indoor_explorers.env.maps.reduction import Source, reduced
 from indoor_explorers.env.maps.sources import FileMaps
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.suites.catalogue import suite_of
 from indoor_explorers.env.scenarios.suites.clones import maps_of
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.search.connected_parts import largest_part
+from indoor_explorers.learners.sessions.record import TrainingRecord, new_record
+from indoor_explorers.learners.sessions.settings import LearnerSettings
 
+#: Folder of the flights inside that of a training.
+FLIGHTS = "flights"
 #: Name of a map that is from no file.
 GENERATED = "generated"
 #: Share of generated maps that are floors; the others are offices, rooms, caves and mazes.
@@ -146,8 +156,8 @@ def ragged(free: Mask, share: float, rng: np.random.Generator) -> Mask:
     return largest_part(free ^ (edge & (rng.random(free.shape) < share)))
 
 
-def map_files(suite: str, part: Part, data: list[Path]) -> FileMaps:
-    """Return the map files of a part of a suite.
+def map_files(suite: str, part: Part, data: Sequence[Path]) -> FileMaps:
+    """Return the map files of a part of a suite, from clones in the folders ``data``.
 
     Raises :class:`InputError` where files are missing, or the suite generates its maps.
     """
@@ -155,3 +165,42 @@ def map_files(suite: str, part: Part, data: list[Path]) -> FileMaps:
     if not isinstance(maps, FileMaps):
         raise InputError(f"expected suites of map files, got {suite!r}: generated maps are learned from without it")
     return maps
+
+
+#: One name, or several.
+Names = Annotated[tuple[str, ...], BeforeValidator(lambda value: (value,) if isinstance(value, str) else value)]
+
+
+class MapSettings(LearnerSettings):
+    """The settings of a training that draws its maps, and the task of each flight, itself."""
+
+    suites: Names = ()
+    """Suites whose train parts to learn from, besides generated maps."""
+    data: Names = Field((), exclude=True)
+    """Folders with clones of the repositories of the suites; not part of the record."""
+
+    @property
+    def folders(self) -> list[Path]:
+        """The folders of ``data``."""
+        return [expanded(folder) for folder in self.data]
+
+    def maps(self) -> TrainingMaps:
+        """Return the training maps.
+
+        Raises :class:`InputError` where files are missing, or a suite generates its maps.
+        """
+        files = [map_files(name, Part.TRAIN, self.folders) for name in self.suites]
+        return TrainingMaps(paths=tuple(path for each in files for path in each.paths))
+
+
+def map_record(learner: str, config: MapSettings, scenario: Scenario | None, seed: int) -> TrainingRecord:
+    """Return the record of a new training that draws its maps itself.
+
+    Raises :class:`InputError` where a scenario is given, or :meth:`MapSettings.maps` does.
+    """
+    if scenario is not None:
+        raise InputError(f"learner {learner!r} draws its own maps and tasks, got scenario {scenario.name!r}; give none")
+    config.maps()
+    record = new_record(learner, config, None, seed, ("scipy",))
+    seen = tuple(f"{name}/{Part.TRAIN}" for name in config.suites)
+    return record.model_copy(update={"seen_maps": {SeedUse.TRAINING: seen} if seen else {}})

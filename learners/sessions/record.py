@@ -33,9 +33,9 @@ class TrainingRecord(BaseModel):
     seed: int
     """Seed of the training."""
     scenario: dict[str, Any]
-    """The scenario that it was trained on."""
+    """The scenario that it was trained on; empty for a learner that draws its own."""
     fingerprint: str
-    """Fingerprint of the scenario."""
+    """Fingerprint of the scenario; empty without one."""
     task: str | None = None
     """Fingerprints of all scenarios with the rewards of the training; None in older records."""
     config: dict[str, Any]
@@ -85,16 +85,16 @@ Kind = TypeVar("Kind", bound=TrainingRecord)
 
 
 def new_record(
-    learner: str, config: LearnerSettings, scenario: Scenario, seed: int, packages: Iterable[str] = ()
+    learner: str, config: LearnerSettings, scenario: Scenario | None, seed: int, packages: Iterable[str] = ()
 ) -> TrainingRecord:
     """Return the record of a new training whose result depends on :data:`PACKAGES` and on ``packages``."""
-    commit, tasks = source_commit(), config.tasks(scenario)
+    commit, tasks = source_commit(), [] if scenario is None else config.tasks(scenario)
     digests = tuple(dict.fromkeys(digest for task in tasks for digest in _file_digests(task)))
     return TrainingRecord(
         learner=learner,
         seed=seed,
-        scenario=scenario.model_dump(mode="json"),
-        fingerprint=scenario.fingerprint,
+        scenario={} if scenario is None else scenario.model_dump(mode="json"),
+        fingerprint="" if scenario is None else scenario.fingerprint,
         task=" ".join(task.fingerprint for task in tasks),
         config=config.model_dump(mode="json"),
         versions={"python": platform.python_version()} | versions((*PACKAGES, *packages)),

@@ -32,6 +32,8 @@ class TrainingStatus:
 
     total_steps: int
     """Moves of the whole training; an estimate where the length is given in episodes."""
+    counted: str = "steps"
+    """What steps are, where they are no moves."""
     epsilon: float | None = None
     """Current probability of a random move; None for learners with a stochastic policy."""
     loss: float = math.nan
@@ -63,7 +65,7 @@ class Trainee(ABC):
     @property
     @abstractmethod
     def steps(self) -> int:
-        """Moves made."""
+        """Moves made, or what else the status counts."""
 
     @property
     @abstractmethod
@@ -188,11 +190,11 @@ class Session:
         with deferred_interrupt() as self._interrupted:
             trainee.train(self)
             if self.interrupted:
-                self._write(trainee)
+                self.write(trainee)
                 raise KeyboardInterrupt
             if not self._evaluations or self._evaluations[-1][trainee.unit] < self._counted(trainee):
                 self._evaluate(trainee)
-            self._write(trainee)
+            self.write(trainee)
             self._show(trainee)
 
     def after_update(self, trainee: Trainee) -> None:
@@ -203,7 +205,7 @@ class Session:
         if crossed_multiple(before, self._count, self._config.evaluation_every):
             self._evaluate(trainee)
         if crossed_multiple(before, self._count, self._config.checkpoint_every):
-            self._write(trainee)
+            self.write(trainee)
 
     def report(self, trainee: Trainee) -> None:
         """Report the progress if the last report is :data:`REPORT_EVERY` seconds old."""
@@ -233,7 +235,8 @@ class Session:
         self._evaluations.append(found)
         self._write_record(trainee)
 
-    def _write(self, trainee: Trainee) -> None:
+    def write(self, trainee: Trainee) -> None:
+        """Write the record and the checkpoint."""
         if not self._evaluations:
             trainee.keep(self.out)
         self._write_record(trainee)

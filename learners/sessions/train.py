@@ -19,9 +19,9 @@ from indoor_explorers.planners.toolbox.networks.tensors import WEIGHTS
 class TrainingMethod(NamedTuple):
     """What :func:`train` needs to know about a learner."""
 
-    record: Callable[[Any, Scenario, int], TrainingRecord]
+    record: Callable[[Any, Any, int], TrainingRecord]
     """Makes the record of a new training from its configuration, scenario and seed."""
-    trainee: Callable[[Any, Scenario, int, Session], AbstractContextManager[Trainee]]
+    trainee: Callable[[Any, Any, int, Session], AbstractContextManager[Trainee]]
     """Makes the trainee from the same and the session; it is released at the end of the training."""
     checkpoint: str = CHECKPOINT
     """Name of the checkpoint in the training's folder."""
@@ -32,14 +32,14 @@ class TrainingMethod(NamedTuple):
 def train(
     method: TrainingMethod,
     config: Any,
-    scenario: Scenario,
+    scenario: Scenario | None,
     out: Path,
     *,
     seed: int,
     resume: bool = False,
     report: Callable[[Progress], None] | None = None,
 ) -> Path:
-    """Train on a scenario and return the path of the weights in the folder ``out``.
+    """Train a learner and return the path of the weights in the folder ``out``.
 
     Ctrl-C ends the current update, writes a checkpoint and raises :class:`KeyboardInterrupt`; a second one stops at
     once. Torch runs on one thread.
@@ -47,7 +47,7 @@ def train(
     Args:
         method: The learner.
         config: Its ``TrainingConfig``.
-        scenario: The scenario to train on.
+        scenario: The scenario to train on; None for a learner that draws its own.
         out: Folder of the training; it is created.
         seed: Seed of the whole training.
         resume: Continue the training that ``out`` holds, if there is one.

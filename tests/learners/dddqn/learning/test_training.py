@@ -18,7 +18,6 @@ from indoor_explorers.evaluation.studies.training import nested
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
-from indoor_explorers.learners.dddqn.learning.tensorboard import FOLDER
 from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
@@ -28,6 +27,7 @@ from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
 from indoor_explorers.learners.dddqn.train import Progress, train
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.record import RECORD
+from indoor_explorers.learners.sessions.tensorboard import FOLDER
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors
 from tests.learners.dddqn.rooms import TINY, small_room
 
