@@ -15,7 +15,8 @@ from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.policies.registry import missing_module
 from indoor_explorers.env.scenarios.validation import validated
 
-#: Entry-point group of learners: modules with a ``TrainingConfig`` and a ``train`` function.
+#: Entry-point group of learners: modules with a ``TrainingConfig`` and a ``train``, which has a method ``finished``
+#: (:class:`indoor_explorers.learners.sessions.train.TrainingMethod`).
 GROUP = "indoor_explorers.learners"
 
 
@@ -57,6 +58,15 @@ def nested(settings: Mapping[str, Any]) -> dict[str, Any]:
     return whole
 
 
+def configured(learner: str, settings: Mapping[str, Any]) -> Any:
+    """Return the configuration of a learner's training with settings by dotted keys.
+
+    Raises:
+        InputError: there is no such learner or setting.
+    """
+    return validated(find_learner(learner).TrainingConfig, nested(settings), f"settings of learner {learner!r}")
+
+
 def preset_of(learner: str, name: str) -> Any:
     """Return a learner's preset: its ``scenario``, ``settings`` and ``seed``.
 
@@ -73,8 +83,7 @@ def run_training(
     learner: str, scenario: Scenario | None, settings: Mapping[str, Any], *, out: Path, seed: int, resume: bool
 ) -> int:
     """Train a learner; show steps, speed, loss and evaluations; return the exit status."""
-    module = find_learner(learner)
-    config = validated(module.TrainingConfig, nested(settings), f"settings of learner {learner!r}")
+    module, config = find_learner(learner), configured(learner, settings)
     console = Console()
     columns = [TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn()]
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:

@@ -16,9 +16,9 @@ from functools import partial
 from indoor_explorers.learners.places.policy import NAME
 from indoor_explorers.learners.places.training import PlacesTraining, TrainingConfig
 from indoor_explorers.learners.pockets.maps import map_record
-from indoor_explorers.learners.sessions import train as sessions
 from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.sessions.tensorboard import Scalars
+from indoor_explorers.learners.sessions.train import TrainingMethod
 
 __all__ = ["DEFAULT_SCENARIO", "TrainingConfig", "train"]
 
@@ -33,4 +33,4 @@ def _trainee(config: TrainingConfig, scenario: None, seed: int, session: Session
         yield PlacesTraining(config, seed, session.out, session.checkpoint)
 
 
-train = partial(sessions.train, sessions.TrainingMethod(partial(map_record, "dddqn-places"), _trainee, weights=NAME))
+train = TrainingMethod(partial(map_record, "dddqn-places"), _trainee, weights=NAME)

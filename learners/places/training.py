@@ -23,8 +23,8 @@ from indoor_explorers.learners.pockets.maps import FLIGHTS, MapSettings, Trainin
 from indoor_explorers.learners.sessions.checkpoint import read_checkpoint, reporting_damage, write_checkpoint
 from indoor_explorers.learners.sessions.session import Session, Trainee, TrainingStatus
 
-#: Flights in one file.
-TOGETHER = 20
+#: Flights in one file; a Ctrl-C waits for the file that is ready next.
+TOGETHER = 5
 #: Distance between the first flight seeds of two rounds, and of two trainings.
 ROUND_SEEDS, TRAINING_SEEDS = 100_000, 10_000_000
 #: First round whose network counts in the mean that is flown.

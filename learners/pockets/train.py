@@ -18,9 +18,9 @@ from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.learners.pockets.maps import map_files, map_record
 from indoor_explorers.learners.pockets.training import NAME, PocketTraining, TrainingConfig
 from indoor_explorers.learners.pockets.validation import as_table, judge
-from indoor_explorers.learners.sessions import train as sessions
 from indoor_explorers.learners.sessions.session import Session
 from indoor_explorers.learners.sessions.tensorboard import Scalars
+from indoor_explorers.learners.sessions.train import TrainingMethod
 
 __all__ = ["DEFAULT_SCENARIO", "TrainingConfig", "train"]
 
@@ -38,4 +38,4 @@ def _trainee(config: TrainingConfig, scenario: None, seed: int, session: Session
         (session.out / "validation.md").write_text(table, encoding="utf-8")
 
 
-train = partial(sessions.train, sessions.TrainingMethod(partial(map_record, "pockets"), _trainee, weights=NAME))
+train = TrainingMethod(partial(map_record, "pockets"), _trainee, weights=NAME)

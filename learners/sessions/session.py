@@ -15,11 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from pydantic import ValidationError
-
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.sessions.process import deferred_interrupt
-from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, read_record, write_record
+from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, record_there, write_record
 from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 #: Seconds between two reports.
@@ -151,26 +149,18 @@ class Session:
 
     def _open(self, checkpoint: str, *, resume: bool) -> None:
         there = (self.out / checkpoint).exists()
-        if there or (self.out / RECORD).exists():
-            if not resume:
-                raise InputError(f"{self.out} already holds a training; give --resume to continue it, or another --out")
-            before = read_record(self.out, type(self.record), [self.record.learner])
-            carried = self.record.resumed(self._completed(before), self.out / RECORD)
-            if there:
-                self.record = self.record.model_copy(update=carried)
-                self.checkpoint = self.out / checkpoint
+        if not resume and (there or (self.out / RECORD).exists()):
+            raise InputError(f"{self.out} already holds a training; give --resume to continue it, or another --out")
+        before = record_there(self.record, self._config, self.out)
+        if there:
+            if before is None:
+                raise InputError(f"{self.out}: expected {RECORD} beside {checkpoint}, found none; give another --out")
+            self.record = self.record.model_copy(update=self.record.continued_from(before))
+            self.checkpoint = self.out / checkpoint
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{self.out}: cannot create the folder of the training: {error.strerror}") from error
-
-    def _completed(self, before: TrainingRecord) -> TrainingRecord:
-        """Return a record with the defaults of settings that were added since it was written."""
-        try:
-            whole = type(self._config).model_validate(before.config)
-        except ValidationError:  # a setting that there is no more: the comparison names it
-            return before
-        return before.model_copy(update={"config": whole.model_dump(mode="json")})
 
     @property
     def interrupted(self) -> bool:

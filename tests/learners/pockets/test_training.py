@@ -138,7 +138,7 @@ def test_an_interrupted_training_equals_a_whole_one_bit_for_bit(
     assert whole["evaluations"] == cut["evaluations"]
     assert [each["epochs"] for each in cut["evaluations"]] == [1, 2]
     assert (cut["done"], cut["seen_maps"], cut["files"], cut["examples"] > 64) == (True, {}, 0, True)
-    with pytest.raises(InputError, match="expected seed 4, got 3"):
+    with pytest.raises(InputError, match="with seed 3, expected 4"):
         train(config, None, tmp_path / "cut", seed=4, resume=True)
 
 
