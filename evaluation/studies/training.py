@@ -1,4 +1,4 @@
-"""The train command: find a learner by name, train it, and show the progress."""
+"""Runs one training for a command: finds the learner by its entry point, validates settings, shows the progress."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ablate command: train missing variants, score finished ones, write the table and the figure."""
+"""The ``ablate`` command: train the missing variants, score the finished ones, write the table and the figure."""
 
 from __future__ import annotations
 

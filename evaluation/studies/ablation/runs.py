@@ -1,4 +1,4 @@
-"""The trainings of an ablation: every variant that a learner declares, with every seed."""
+"""The list of an ablation's trainings: the variants that a learner declares, each with every seed."""
 
 from __future__ import annotations
 

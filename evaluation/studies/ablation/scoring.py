@@ -1,4 +1,4 @@
-"""Evaluates the trainings on the same unseen maps, and compares the variants."""
+"""Flies the trained networks of an ablation on the same unseen maps, and averages the times of each variant."""
 
 from __future__ import annotations
 
