@@ -1,4 +1,4 @@
-"""Learn from the choices of training flights: values that know the map, and what each place is worth beside the others.
+"""Policy improvement from recorded choices: value networks that know the map, advantages, and the dueling network.
 
 One round of policy iteration:
 
@@ -31,17 +31,17 @@ DISCOUNT, LATER = 0.99, 0.7
 TEMPERATURE = 0.3
 #: Passes over the choices: of the value networks, and of the dueling network.
 VALUE_PASSES, DUELING_PASSES = 6, 3
-#: Choices in a batch, learning rates of the value networks and of the dueling network, and its weight decay.
+#: Choices in a batch; learning rates of the value networks and of the dueling network; weight decay of the latter.
 BATCH, VALUE_RATE, RATE, DECAY = 1024, 2e-3, 1e-3, 1e-2
 #: Errors beyond this, in lidar ranges, count linearly.
 ROBUST = 3.0
 
 
 def advantages(choices: Choices, values: NDArray[np.float32], later: float) -> NDArray[np.float32]:
-    """Return what each choice was worth beyond its value, (C,), in lidar ranges.
+    """Return the advantages of the chosen places, (C,), in lidar ranges (generalised advantage estimation).
 
-    With ``later`` 1 it is the return less the value, with 0 the surprise until the next choice alone. ``values`` (C,)
-    are those of the choices.
+    ``values`` (C,) are the predicted returns at the choices. ``later`` is lambda per lidar range: 1 gives the return
+    less the value, 0 the temporal-difference error until the next choice alone.
     """
     rewards, durations = choices.arrays["rewards"], choices.arrays["durations"]
     out, first = np.zeros(len(values), np.float32), 0
@@ -64,7 +64,10 @@ def minimise(
     loss: Callable[[NDArray[np.int64]], Tensor],
     decay: float = 0.0,
 ) -> float:
-    """Minimise a loss over some choices; return its mean over the last pass."""
+    """Minimise a loss over some choices by AdamW, with a falling learning rate; return its mean over the last pass.
+
+    ``some`` (S,) are rows of choices; ``loss`` returns the mean loss of the rows of a batch.
+    """
     optimiser = torch.optim.AdamW(network.parameters(), lr=rate, weight_decay=decay)
     order = list(_batches(some, passes))
     schedule = torch.optim.lr_scheduler.LinearLR(optimiser, 1.0, 0.05, max(1, len(order)))
@@ -82,13 +85,14 @@ def minimise(
 
 
 def _batches(some: NDArray[np.int64], passes: int) -> Iterator[NDArray[np.int64]]:
+    """Yield batches of rows in random order, each sorted; a rest of less than half a batch is left out."""
     for _ in range(passes):
         mixed = some[torch.randperm(len(some)).numpy()]
         yield from (np.sort(mixed[k : k + BATCH]) for k in range(0, len(mixed), BATCH) if len(mixed) - k >= BATCH // 2)
 
 
 def learn_values(choices: Choices) -> NDArray[np.float32]:
-    """Teach a value network the returns of each half of the flights; return the values (C,) by that of the other."""
+    """Fit a value network to the returns of each half of the flights; return (C,) the predictions of the other's."""
     judged, half = np.zeros(len(choices.half), np.float32), choices.half
     returns = torch.from_numpy(advantages(choices, judged, 1.0))
     for taught in (0, 1):
@@ -110,7 +114,7 @@ def outputs(network: nn.Module, choices: Choices) -> NDArray[np.float32]:
 
 
 def learn_choices(network: AdvantageNet, choices: Choices, worth: NDArray[np.float32]) -> float:
-    """Move a network to the next policy, by what the choices were worth (C,); return the mean error."""
+    """Move a network to the next policy, by the advantages ``worth`` (C,) in lidar ranges; return the mean loss."""
     before = torch.from_numpy(outputs(network, choices))
     weights, chosen = (torch.from_numpy(choices.arrays[name]) for name in ("probabilities", "chosen"))
     targets = torch.from_numpy(worth)
@@ -125,6 +129,6 @@ def learn_choices(network: AdvantageNet, choices: Choices, worth: NDArray[np.flo
 
 
 def explained(choices: Choices, values: NDArray[np.float32]) -> float:
-    """Return the share of the variance of the returns that the values explain."""
+    """Return the share of the variance of the returns that ``values`` (C,) explain; 1 at best."""
     returns = advantages(choices, np.zeros_like(values), 1.0)
     return float(1.0 - np.var(returns - values) / np.var(returns))

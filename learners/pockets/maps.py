@@ -43,11 +43,11 @@ GENERATED = "generated"
 FLOORS = 0.6
 #: Share of maps turned by any angle instead of quarter turns, and of maps cut to a part.
 TURNED, CUT = 0.33, 0.3
-#: Smallest and largest factor of the size of a cell, for real maps.
+#: Smallest and largest factor on the size of a cell, for map files.
 SCALES = (0.75, 1.4)
 #: Share of generated maps with ragged walls, and the largest share of wall and border cells that change.
 RAGGED, RAGGEDNESS = 0.4, 0.15
-#: Free cells that a training map has at least, and metres a cell.
+#: Least free cells of a training map, and side of a cell in metres.
 LEAST_FREE, METRES = 150, 0.5
 #: Attempts to find a map of that size.
 ATTEMPTS = 20
@@ -55,7 +55,7 @@ ATTEMPTS = 20
 
 @dataclass(frozen=True)
 class TrainingMaps:
-    """Draw training maps."""
+    """The source of training maps: a map file, varied at random, or a generator with random settings."""
 
     paths: tuple[str, ...] = ()
     """Map files with a scale, or pictures of 4 pixels a cell."""
@@ -115,7 +115,7 @@ def _pixels(path: str) -> tuple[Mask, float]:
 
 
 def varied(path: str, rng: np.random.Generator) -> Floorplan | None:
-    """Return a map file's map, turned, mirrored, scaled and cut at random; None if too little is left."""
+    """Return the map of a file, turned, mirrored, scaled and cut at random; None if too little is left."""
     free, metres = _pixels(path)
     free = turned(free, rng)
     if rng.random() < CUT:
@@ -143,14 +143,14 @@ def turned(free: Mask, rng: np.random.Generator) -> Mask:
 
 
 def cut(free: Mask, rng: np.random.Generator) -> Mask:
-    """Return the largest connected part of a random window."""
+    """Return the largest connected part of a random window of a map (H, W) bool."""
     sides = [int(side * rng.uniform(0.4, 1.0)) for side in free.shape]
     row, col = (int(rng.integers(whole - side + 1)) for whole, side in zip(free.shape, sides, strict=True))
     return largest_part(np.pad(free[row : row + sides[0], col : col + sides[1]], 1))
 
 
 def ragged(free: Mask, share: float, rng: np.random.Generator) -> Mask:
-    """Return a map in which a share of the cells on both sides of its walls has changed, as in maps of real robots."""
+    """Return a map (H, W) bool with a share of the cells on both sides of its walls changed, as in robots' maps."""
     edge = ndimage.binary_dilation(free) & ndimage.binary_dilation(~free)
     edge[[0, -1]] = edge[:, [0, -1]] = False
     return largest_part(free ^ (edge & (rng.random(free.shape) < share)))

@@ -98,14 +98,14 @@ class Trainee(ABC):
 
     @abstractmethod
     def keep(self, folder: Path) -> None:
-        """Keep the current network as the best so far."""
+        """Write the current network into the folder as the best so far."""
 
     @abstractmethod
     def save(self, folder: Path) -> None:
         """Write the checkpoint: everything that a resumed training needs."""
 
     def results(self) -> dict[str, Any]:
-        """Return further entries of the record."""
+        """Return further entries of the record by name."""
         return {}
 
 
