@@ -11,6 +11,7 @@ import torch
 
 from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.search.connected_parts import largest_part
 from indoor_explorers.learners.pockets.examples import chosen_examples, examples_of
@@ -159,3 +160,13 @@ def test_missing_clones_are_told_before_a_folder_is_made(tmp_path: Path) -> None
     assert not (tmp_path / "out").exists()
     with pytest.raises(InputError, match="expected suites of map files, got 'rooms'"):
         map_files("rooms", Part.TRAIN, [])
+
+
+def test_a_training_with_floors_tells_how_good_it_is_on_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    np.save(tmp_path / "floor.npy", (~np.pad(rooms(3, 9, 0), 1)).astype(np.int8))
+    floors = FileMaps(paths=(str(tmp_path / "floor.npy"),), resolution=1.0)
+    for module in ("maps", "train"):
+        monkeypatch.setattr(f"indoor_explorers.learners.pockets.{module}.map_files", lambda *_: floors)
+    train(TrainingConfig(suites=("floors",), flights=1, epochs=1), None, tmp_path / "out", seed=1)
+    table = (tmp_path / "out" / "validation.md").read_text().splitlines()
+    assert [row.split(" | ")[0] for row in table[2:]] == ["| floor", "| all"]
