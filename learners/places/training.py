@@ -5,7 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import shutil
 import signal
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -152,19 +152,12 @@ class PlacesTraining(Trainee):
         """Return the figures of the latest round's flights, which are over training maps, with random choices."""
         return self.figures
 
-    def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
-        """Return the same key for all rounds: a mean over the later ones is flown, not the best."""
-        return ()
-
-    def keep(self, folder: Path) -> None:
-        """Do nothing: :meth:`save` writes the network."""
-
     def results(self) -> dict[str, Any]:
         """Return the number of map files."""
         return {"files": len(self.maps.paths)}
 
     def mean(self) -> Loaded:
-        """Return the network whose weights are the means of those of the later rounds.
+        """Return the network that is flown, whatever the rounds' figures: the mean of the weights of the later rounds.
 
         A mean of weights along one training is steadier than the last ones (Izmailov et al. 2018, "Averaging Weights
         Leads to Wider Optima and Better Generalization", arXiv:1803.05407).

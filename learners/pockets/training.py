@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -105,13 +104,6 @@ class PocketTraining(Trainee):
     def evaluate(self) -> dict[str, int | float]:
         """Return the number of epochs and the mean loss of the last one."""
         return {"epochs": self.epochs, "loss": self.status().loss}
-
-    def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
-        """Return the same key for all epochs: the last network is kept, not the best."""
-        return ()
-
-    def keep(self, folder: Path) -> None:
-        """Do nothing: :meth:`save` writes the network."""
 
     def results(self) -> dict[str, Any]:
         """Return the numbers of map files and of examples."""

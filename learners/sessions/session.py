@@ -92,13 +92,12 @@ class Trainee(ABC):
         This must not change the state of the training.
         """
 
-    @abstractmethod
     def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
-        """Return the key that evaluations are compared by; the lowest is best."""
+        """Return the key that evaluations are compared by, the lowest is best; by default all are alike."""
+        return ()
 
-    @abstractmethod
-    def keep(self, folder: Path) -> None:
-        """Write the current network into the folder as the best so far."""
+    def keep(self, folder: Path) -> None:  # noqa: B027  # a hook
+        """Write the current network into the folder as the best so far; not needed where :meth:`save` writes it."""
 
     @abstractmethod
     def save(self, folder: Path) -> None:
