@@ -21,7 +21,7 @@ PLACEHOLDERS = re.compile(
     r"|places:"
 )
 #: Commands that need map files of others.
-DATA = re.compile(r"--data|DungeonMaps|g4s_y2")
+DATA = re.compile(r"--data|data=|DungeonMaps|g4s_y2")
 #: What makes a command short.
 SHORTER = {
     "compare": ["--episodes", "1", "--workers", "1"],
@@ -42,6 +42,8 @@ def shortened(words: list[str]) -> list[str]:
     more = SHORTER.get(words[0], [])
     if words[0] == "train" and "dddqn-thesis" in words:
         more = ["--set", "episodes=3", "evaluation_episodes=2"]
+    if words[0] == "train" and {"dddqn-places", "pockets"} & {*words}:
+        more = ["--set", "flights=3", "rounds=1" if "dddqn-places" in words else "epochs=1"]
     if words[0] == "watch" and "--save" not in words:
         more = [*more, "--save", "last.png"]
     return [*words, *more]

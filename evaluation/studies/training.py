@@ -1,4 +1,4 @@
-"""The train command: find a learner by name, train it, and show the progress."""
+"""Runs one training for a command: finds the learner by its entry point, validates settings, shows the progress."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from indoor_explorers.env.errors import did_you_mean
 from indoor_explorers.env.policies.registry import missing_module
 from indoor_explorers.env.scenarios.validation import validated
 
-#: Entry-point group of learners: modules with a ``TrainingConfig`` and a ``train`` function.
+#: Entry-point group of learners: modules with a ``TrainingConfig`` and a ``train``, which has a method ``finished``
+#: (:class:`indoor_explorers.learners.sessions.train.TrainingMethod`).
 GROUP = "indoor_explorers.learners"
 
 
@@ -57,6 +58,15 @@ def nested(settings: Mapping[str, Any]) -> dict[str, Any]:
     return whole
 
 
+def configured(learner: str, settings: Mapping[str, Any]) -> Any:
+    """Return the configuration of a learner's training with settings by dotted keys.
+
+    Raises:
+        InputError: there is no such learner or setting.
+    """
+    return validated(find_learner(learner).TrainingConfig, nested(settings), f"settings of learner {learner!r}")
+
+
 def preset_of(learner: str, name: str) -> Any:
     """Return a learner's preset: its ``scenario``, ``settings`` and ``seed``.
 
@@ -70,11 +80,10 @@ def preset_of(learner: str, name: str) -> Any:
 
 
 def run_training(
-    learner: str, scenario: Scenario, settings: Mapping[str, Any], *, out: Path, seed: int, resume: bool
+    learner: str, scenario: Scenario | None, settings: Mapping[str, Any], *, out: Path, seed: int, resume: bool
 ) -> int:
     """Train a learner; show steps, speed, loss and evaluations; return the exit status."""
-    module = find_learner(learner)
-    config = validated(module.TrainingConfig, nested(settings), f"settings of learner {learner!r}")
+    module, config = find_learner(learner), configured(learner, settings)
     console = Console()
     columns = [TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn()]
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
@@ -99,4 +108,7 @@ def _short(value: float) -> str:
 
 def _now(progress: Any) -> str:
     epsilon = "" if progress.epsilon is None else f", epsilon {progress.epsilon:.2f}"
-    return f"{progress.steps / 1e6:.2f} M steps, {progress.steps_per_second:,.0f}/s, loss {progress.loss:.4f}{epsilon}"
+    made = f"{progress.steps / 1e6:.2f} M steps, {progress.steps_per_second:,.0f}/s"
+    if progress.counted != "steps":
+        made = f"{progress.steps:,} of {progress.total_steps:,} {progress.counted}"
+    return f"{made}, loss {progress.loss:.4f}{epsilon}"

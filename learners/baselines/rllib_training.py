@@ -42,7 +42,7 @@ from indoor_explorers.learners.baselines.rllib_model import RllibConfig, quietly
 from indoor_explorers.learners.baselines.trainee import BaselineTrainee, baseline_record
 from indoor_explorers.learners.sessions.seeds import training_seeds
 from indoor_explorers.learners.sessions.session import Session
-from indoor_explorers.learners.sessions.train import TrainingMethod, train
+from indoor_explorers.learners.sessions.train import TrainingMethod
 
 CHECKPOINT = "checkpoint"
 PACKAGES = ("ray", "pettingzoo")
@@ -68,13 +68,13 @@ class TrainingTeam(TeamEnv):
         return super().reset(next(self._seeds), options)
 
 
-def trainer(learner: str) -> partial[Path]:
+def trainer(learner: str) -> TrainingMethod:
     """Return the ``train`` function of an algorithm.
 
     A resumed training starts new episodes, so its result differs from that of an uninterrupted one.
     """
     record = partial(baseline_record, learner, PACKAGES, new_world)
-    return partial(train, TrainingMethod(record, _trainee, CHECKPOINT, Rllib.MODEL))
+    return TrainingMethod(record, _trainee, CHECKPOINT, Rllib.MODEL)
 
 
 @contextmanager

@@ -37,7 +37,7 @@ from indoor_explorers.learners.baselines.stable_baselines import StableBaselines
 from indoor_explorers.learners.baselines.trainee import BaselineTrainee, baseline_record
 from indoor_explorers.learners.sessions.seeds import training_seeds
 from indoor_explorers.learners.sessions.session import Session
-from indoor_explorers.learners.sessions.train import TrainingMethod, train
+from indoor_explorers.learners.sessions.train import TrainingMethod
 
 CHECKPOINT, REPLAY = "checkpoint.zip", "replay.pkl"
 PACKAGES = ("stable-baselines3", "sb3-contrib")
@@ -86,14 +86,14 @@ def logits(policy: Any, rows: torch.Tensor) -> torch.Tensor:
     return found
 
 
-def trainer(algorithm: Sb3Algorithm) -> partial[Path]:
+def trainer(algorithm: Sb3Algorithm) -> TrainingMethod:
     """Return the ``train`` function of an algorithm.
 
     The same seed gives the same model. A resumed training starts new episodes and new random numbers, so its result
     differs from that of an uninterrupted one.
     """
     record = partial(baseline_record, algorithm.learner, PACKAGES, new_lone_world)
-    return partial(train, TrainingMethod(record, partial(_trainee, algorithm), CHECKPOINT, StableBaselines.MODEL))
+    return TrainingMethod(record, partial(_trainee, algorithm), CHECKPOINT, StableBaselines.MODEL)
 
 
 def _trainee(

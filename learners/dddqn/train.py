@@ -15,12 +15,12 @@ from functools import partial
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.learners.dddqn.ablations import ABLATION_SETTINGS, ABLATIONS, TEAM_ABLATIONS, flown
 from indoor_explorers.learners.dddqn.config import TrainingConfig
-from indoor_explorers.learners.dddqn.learning.tensorboard import Scalars
 from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.presets import PRESETS
-from indoor_explorers.learners.sessions import train as sessions
 from indoor_explorers.learners.sessions.record import new_record
 from indoor_explorers.learners.sessions.session import Progress, Session
+from indoor_explorers.learners.sessions.tensorboard import Scalars
+from indoor_explorers.learners.sessions.train import TrainingMethod
 
 __all__ = [
     "ABLATIONS",
@@ -41,4 +41,4 @@ def _trainee(config: TrainingConfig, scenario: Scenario, seed: int, session: Ses
         yield Training(config, scenario, seed, session.checkpoint)
 
 
-train = partial(sessions.train, sessions.TrainingMethod(partial(new_record, "dddqn"), _trainee))
+train = TrainingMethod(partial(new_record, "dddqn"), _trainee)

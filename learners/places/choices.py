@@ -1,4 +1,4 @@
-"""The choices of training flights as arrays, and on disk."""
+"""The choices of training flights as arrays, in memory and in files."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Choices(NamedTuple):
     """C choices, in the order of flights, UAVs and time."""
 
     arrays: Arrays
-    """Arrays (C, ...)."""
+    """Arrays (C, ...) by name: see :func:`~indoor_explorers.learners.places.flights.as_arrays`."""
     lengths: NDArray[np.int64]
     """(U,) number of choices of each UAV."""
     flight: NDArray[np.int64]

@@ -1,4 +1,4 @@
-"""Training flights: the network chooses places at random by their values, and every choice is recorded."""
+"""Training flights: UAVs draw places at random by the network's values, and record each choice and the true map."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from indoor_explorers.learners.places.scene import MOST, Scene
 from indoor_explorers.learners.places.truth import Truth, truth_of
 from indoor_explorers.learners.pockets.maps import TrainingMaps
 
-#: Free cells of a training map: flights over larger ones take too long.
+#: Least and most free cells of a training map: flights over larger ones take too long.
 FEWEST, LARGEST = 400, 4500
-#: Lidar ranges and numbers of UAVs, and their shares; radios of teams, in equal shares.
+#: Lidar ranges in cells and numbers of UAVs, each with their shares of the flights; radios of teams, in equal shares.
 RANGES, RANGE_SHARES = (10.0, 7.0, 14.0), (0.8, 0.1, 0.1)
 TEAMS, TEAM_SHARES = (1, 2, 4), (0.6, 0.2, 0.2)
 RADIOS: tuple[dict[str, Any], ...] = (
@@ -35,7 +35,7 @@ RADIOS: tuple[dict[str, Any], ...] = (
     {"radio.model": "disc", "radio.range": 15.0},
     {"radio.model": "none"},
 )
-#: Cost of a step before 90 % coverage, beyond that of every step.
+#: Cost of a step before 90 % coverage, beyond that of every step, which is 1.
 EARLY = 0.5
 #: Coverage up to which a step costs more, and at which a flight ends.
 MOSTLY, ENOUGH = 0.9, 0.99
@@ -45,25 +45,33 @@ class Choice(NamedTuple):
     """One choice of a flight."""
 
     scene: Scene
+    """The K places that it was made among."""
     truth: Truth
+    """What the true map tells of them."""
     chosen: int
+    """Row of the chosen place."""
     step: int
+    """Step of the flight."""
     probabilities: NDArray[np.float32]
-    """(K,) of each place."""
+    """(K,) with which each place was drawn."""
 
 
 class _Situation(NamedTuple):
-    """What a recording pilot knows besides its view."""
+    """What recording pilots share besides their views."""
 
     truth: Belief
+    """(H, W) the true map."""
     reachable: Mask
+    """(H, W) bool, its free cells that count."""
     rng: np.random.Generator
     choices: dict[int, list[Choice]]
-    """Those of each UAV."""
+    """The choices so far, by UAV."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Recorder(Policy):
+    """The policy of a training flight."""
+
     loaded: Loaded
     situation: _Situation
 
@@ -80,7 +88,7 @@ class RecordingPilot(PlacesPilot):
         self._situation = situation
 
     def pick(self, view: View, scene: Scene) -> int:
-        """Return the number of the drawn place."""
+        """Return the row of the drawn place; the probabilities are the softmax of the values."""
         situation, reach = self._situation, float(self.briefing.lidar_range)
         logits = values(scene, self._loaded).astype(np.float64)
         probabilities = np.exp(logits - logits.max())
@@ -94,7 +102,7 @@ class RecordingPilot(PlacesPilot):
 
 
 def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> Flown:
-    """Fly over a map drawn by a seed, with a lidar, team and radio drawn likewise."""
+    """Return a flight of a network over a map drawn by a seed, with a lidar, team and radio drawn likewise."""
     rng = np.random.default_rng([seed, 11])
     plan = maps.draw(rng)
     while not FEWEST <= np.count_nonzero(plan.truth == FREE) <= LARGEST:
@@ -120,10 +128,13 @@ def fly(maps: TrainingMaps, seed: int, loaded: Loaded) -> Flown:
 
 
 def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int) -> dict[str, NDArray[Any]]:
-    """Return the C choices of one UAV as arrays, padded to ``MOST`` places.
+    """Return the C choices of one UAV as arrays by name, padded to K = ``MOST`` places.
 
-    ``rewards`` (C,) are what was paid until the next choice, and ``durations`` (C,) the time until then, both in lidar
-    ranges. ``t90`` and ``end`` are the steps to 90 % and to the end of the flight.
+    ``places`` (C, K, PLACE) and ``common`` (C, COMMON) are what the network sees, ``there`` (C, K) bool whether there
+    is such a place, ``costs`` (C, K) the planner's. ``true_places`` (C, K, TRUE_PLACE) and ``true_common`` (C,
+    TRUE_COMMON) are what the true map tells. ``probabilities`` (C, K) are those of the draw, ``chosen`` (C,) the rows.
+    ``rewards`` (C,) are the negative costs until the next choice, ``durations`` (C,) the time until then, both in lidar
+    ranges. The arguments ``t90`` and ``end`` are the steps to 90 % and to the end of the flight.
     """
     scenes, told = [choice.scene for choice in choices], [choice.truth for choice in choices]
     steps = np.array([choice.step for choice in choices] + [end])
@@ -144,7 +155,7 @@ def as_arrays(choices: Sequence[Choice], lidar_range: float, t90: int, end: int)
 
 
 def _padded(rows: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Return arrays of up to ``MOST`` places as one, with zeros behind the last place of each."""
+    """Return C arrays (K', ...) of up to ``MOST`` places as one (C, MOST, ...), with zeros behind the last place."""
     out = np.zeros((len(rows), MOST, *rows[0].shape[1:]), rows[0].dtype)
     for k, row in enumerate(rows):
         out[k, : len(row)] = row

@@ -1,4 +1,4 @@
-"""The networks in training: what :mod:`.network` computes, in torch, and values that are shown the true map."""
+"""The networks in training, in torch: the one that flies, as in :mod:`.network`, and one that sees the true map."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from indoor_explorers.learners.places.truth import TRUE_COMMON, TRUE_PLACE
 
 #: Width of the value networks' layers.
 VALUE_HIDDEN = 96
-#: Unit of values, in lidar ranges.
+#: Scale of the value networks' output, in lidar ranges.
 UNIT = 10.0
 
 
@@ -38,20 +38,23 @@ class Batch(NamedTuple):
 
 
 def batch_of(choices: Choices, some: NDArray[np.int64]) -> Batch:
-    """Return the choices with the numbers ``some`` (B,)."""
+    """Return some of the C choices as a batch; ``some`` (B,) are their rows."""
     tensors = (torch.from_numpy(choices.arrays[name][some]) for name in Batch._fields)
     return Batch(*(each if each.dtype is torch.bool else each.float() for each in tensors))
 
 
 class _Set(nn.Module):
-    """Two layers for each place, and the mean and the maximum over the places."""
+    """Two layers for each place, and the mean and the maximum over the places (Deep Sets, Zaheer et al. 2017)."""
 
     def __init__(self, place: int, common: int, hidden: int) -> None:
         super().__init__()
         self.first, self.second = nn.Linear(place + common, hidden), nn.Linear(hidden, hidden)
 
     def forward(self, places: Tensor, common: Tensor, there: Tensor) -> tuple[Tensor, Tensor]:
-        """Return the places' inner values (B, K, H) and the pooled ones (B, 2 H)."""
+        """Return the places' hidden units (B, K, hidden), and their mean and maximum (B, 2 hidden).
+
+        Takes ``places`` (B, K, place), ``common`` (B, common) and ``there`` (B, K) bool.
+        """
         rows = torch.cat([places, common[:, None].expand(-1, places.shape[1], -1)], dim=-1)
         inside = torch.relu(self.second(torch.relu(self.first(rows))))
         real = there[..., None]
@@ -60,7 +63,7 @@ class _Set(nn.Module):
 
 
 class AdvantageNet(nn.Module):
-    """The values of places relative to each other: the part of the network that flies."""
+    """The dueling network without its state value: values of places relative to each other. This part flies."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -78,7 +81,7 @@ class AdvantageNet(nn.Module):
 
 
 class ValueNet(nn.Module):
-    """What the rest of a flight will cost, by the places and the true map."""
+    """Predicts the return of the rest of a flight from the places and the true map."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -94,7 +97,7 @@ class ValueNet(nn.Module):
 
 
 def weights_of(network: AdvantageNet) -> NetworkWeights:
-    """Return the weights as they fly."""
+    """Return copies of the weights in the layout of the network that flies: (inputs, outputs), float32."""
     layers = (network.set.first, network.set.second, network.joined, network.out)
     arrays: list[NDArray[np.float32]] = []
     for layer in layers:
@@ -103,7 +106,7 @@ def weights_of(network: AdvantageNet) -> NetworkWeights:
 
 
 def load_into(network: AdvantageNet, weights: NetworkWeights) -> None:
-    """Set the weights of a network to those that fly."""
+    """Set the weights of a network to ``weights`` in the layout of :func:`weights_of`."""
     layers = (network.set.first, network.set.second, network.joined, network.out)
     with torch.no_grad():
         for layer, weight, bias in zip(layers, weights[::2], weights[1::2], strict=True):

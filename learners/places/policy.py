@@ -13,6 +13,7 @@ from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.provenance import joined, recorded_maps
 from indoor_explorers.learners.places.network import load_weights, without_network
 from indoor_explorers.learners.places.pilot import PlacesPilot
+from indoor_explorers.learners.sessions.record import record_of
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
 
 #: The weights that ship.
@@ -27,8 +28,8 @@ class DddqnPlaces(EstimateUser, Policy):
 
     Each cluster is a place; the network sees all of them, what is expected behind them, and the costs of the orders
     in which ``frontier-predictive`` would visit them (:mod:`indoor_explorers.learners.places.scene`). It is trained by
-    policy iteration with double and dueling estimates (:mod:`indoor_explorers.learners.places.train`). Only the draws
-    of deadlocks between UAVs are random.
+    policy iteration with double and dueling estimates (:mod:`indoor_explorers.learners.places.learning`). Only the
+    draws of deadlocks between UAVs are random.
 
     Raises:
         InputError: ``weights`` is missing or not a file of this network.
@@ -64,7 +65,7 @@ class DddqnPlaces(EstimateUser, Policy):
 
     def seen_maps(self) -> dict[str, list[str]]:
         """Return the maps that the network and the estimates were learned from."""
-        return joined([super().seen_maps(), recorded_maps(self.path.with_suffix(".json"))])
+        return joined([super().seen_maps(), recorded_maps(record_of(self.path))])
 
 
 def opened(path: str, **parameters: Any) -> DddqnPlaces:

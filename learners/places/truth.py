@@ -1,4 +1,4 @@
-"""What the true map tells of a choice: it is shown to the value networks in training, and to nothing that flies.
+"""Features of the true map at a choice: input of the value networks in training, hidden from all that flies.
 
 How long a flight takes depends on the map much more than on any choice. A value that knows the map takes this luck
 out of the returns, and what is left tells the places apart (Pinto et al. 2018, "Asymmetric Actor Critic",
@@ -19,26 +19,27 @@ from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_cluste
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
-#: Numbers of the truth about each place, and about all.
+#: Features of each place, and of the whole map.
 TRUE_PLACE, TRUE_COMMON = 3, 10
 
 
 class Truth(NamedTuple):
-    """What is truly left to explore."""
+    """What is truly left to explore, scaled to numbers around 1."""
 
     places: NDArray[np.float32]
-    """(K, TRUE_PLACE) about each place."""
+    """(K, TRUE_PLACE): free cells behind each place, their share of those missing for 99 %, steps to the farthest."""
     common: NDArray[np.float32]
-    """(TRUE_COMMON,) about all."""
+    """(TRUE_COMMON,): cells missing for 99 % and 90 %; unknown cells; blocks with any and with more than 1/8 of them,
+    large blocks with any; tour length and waiting cost; summed depths of all pockets; places with a pocket behind."""
 
 
 def truth_of(
     scene: Scene, belief: Belief, truth: Belief, reachable: Mask, field: Distances, lidar_range: float
 ) -> Truth:
-    """Return what the true map tells of a scene.
+    """Return the features of the true map at a scene of K places.
 
-    ``belief`` and ``truth`` are (H, W), ``reachable`` (H, W) are the free cells that count, and ``field`` (H, W) the
-    UAV's steps through known free cells.
+    ``belief`` and ``truth`` (H, W) uint8 are the known and the true map, ``reachable`` (H, W) bool the free cells that
+    count, ``field`` (H, W) the UAV's steps through known free cells; ``lidar_range`` is in cells.
     """
     pockets = true_pockets(belief, truth, field, frontier_clusters(belief, lidar_range))
     sizes, depths = pockets.sizes[scene.owner], pockets.depths[scene.owner]
@@ -64,7 +65,7 @@ def truth_of(
 
 
 def _blocks(cells: Mask, side: int) -> NDArray[np.float64]:
-    """Return the share of the cells in each block of the map."""
+    """Return the share of ``cells`` (H, W) bool in each block of ``side`` x ``side`` cells: (H / side, W / side)."""
     rows, cols = (-(-length // side) for length in cells.shape)
     padded = np.zeros((rows * side, cols * side), np.bool_)
     padded[: cells.shape[0], : cells.shape[1]] = cells
@@ -72,7 +73,11 @@ def _blocks(cells: Mask, side: int) -> NDArray[np.float64]:
 
 
 def _tours(scene: Scene, sizes: NDArray[np.float64]) -> tuple[float, float]:
-    """Return the length of a short tour of the places that lead to something, and the least cost of waiting."""
+    """Return the length of a short tour of the places with cells behind them, and its least cost with waiting.
+
+    ``sizes`` (K,) are the cells behind each place; costs are those of
+    :func:`~indoor_explorers.planners.toolbox.routing.min_latency.best_orders`, in lidar ranges.
+    """
     some = np.flatnonzero(sizes > 0)
     if len(some) < 2:
         return 0.0, 0.0

@@ -1,4 +1,4 @@
-"""Training examples: frontier clusters on the way of planners, and what is truly behind them."""
+"""Training examples: frontier clusters at moments of planners' flights, and the true pockets behind them."""
 
 from __future__ import annotations
 
@@ -21,28 +21,29 @@ from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, front
 from indoor_explorers.planners.toolbox.pockets.features import pictures
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 
-#: Policies whose flights are looked at.
+#: Policies that fly; each flight draws one.
 POLICIES = ("frontier-nearest", "frontier", "frontier-latency")
-#: Snapshots of a flight, about, and most clusters of a snapshot.
+#: Approximate number of snapshots in a flight, and most clusters in a snapshot.
 SNAPSHOTS, CLUSTERS = 36, 12
-#: Lidar ranges in cells, and their shares.
+#: Lidar ranges in cells, and their shares of the flights.
 RANGES, SHARES = (10.0, 7.0, 5.0, 14.0, 20.0), (0.6, 0.1, 0.1, 0.1, 0.1)
 #: Coverage at which a flight ends.
 ENOUGH = 0.999
 
 
 def chosen(clusters: Clusters, numbers: NDArray[np.int64]) -> Clusters:
-    """Return the clusters with the numbers ``numbers`` (K,)."""
+    """Return some of the clusters, by their ``numbers`` (K,)."""
     parts = [clusters.cells[clusters.ends[k] : clusters.ends[k + 1]] for k in numbers]
     cells = np.concatenate(parts) if parts else clusters.cells[:0]
     return Clusters(cells, np.cumsum([0, *map(len, parts)]))
 
 
 def examples_of(plan: Floorplan, seed: int, lidar_range: float | None = None) -> dict[str, NDArray[Any]]:
-    """Return the examples of one flight, each (K, ...).
+    """Return the K examples of one flight over a map as arrays by name; none if the flight was too short.
 
-    ``fine``, ``coarse``, ``numbers`` are what the network sees, ``sizes`` and ``depths`` what is behind the clusters,
-    and ``real`` whether the map is from a file. The lidar range is drawn at random if none is given.
+    ``fine`` and ``coarse`` (K, layers, SIDE, SIDE) uint8 and ``numbers`` (K, 2) are what the network sees, ``sizes``
+    (K,) the free cells behind each cluster, ``depths`` (K,) the steps to the farthest of them, ``real`` (K,) bool
+    whether the map is from a file. The lidar range, in cells, is drawn at random if none is given.
     """
     rng = np.random.default_rng(seed)
     lidar_range = float(rng.choice(RANGES, p=SHARES)) if lidar_range is None else lidar_range
@@ -67,7 +68,7 @@ def examples_of(plan: Floorplan, seed: int, lidar_range: float | None = None) ->
 
 
 def _snapshot(world: World, plan: Floorplan, lidar_range: float, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
-    """Return the examples of up to ``CLUSTERS`` reachable clusters of this step, each array (K, ...)."""
+    """Return the examples of the present moment: up to ``CLUSTERS`` random clusters in reach."""
     view = world.view(0, 0)
     belief = np.array(view.belief)
     clusters = frontier_clusters(belief, lidar_range)
@@ -95,10 +96,18 @@ def write_examples(maps: TrainingMaps, path: Path, seed: int) -> None:
 
 
 def read_examples(paths: list[Path]) -> dict[str, NDArray[Any]]:
-    """Return the examples of some files, each array (K, ...): see :func:`examples_of`."""
+    """Return the examples (K, ...) of all files, in their order."""
     parts: dict[str, list[NDArray[Any]]] = {}
     for path in paths:
         with np.load(path) as found:
             for name in found.files:
                 parts.setdefault(name, []).append(found[name])
     return {name: np.concatenate(each) for name, each in parts.items()}
+
+
+def chosen_examples(examples: dict[str, NDArray[Any]], learn_from: str) -> dict[str, NDArray[Any]]:
+    """Return the examples (K, ...) of ``real`` maps, of ``generated`` ones, or of ``both``."""
+    if learn_from == "both":
+        return examples
+    chosen = examples["real"] == (learn_from == "real")
+    return {name: each[chosen] for name, each in examples.items()}

@@ -1,15 +1,19 @@
-"""Training maps: real floors, turned, scaled and cut anew each time, and maps of the generators."""
+"""The training maps of ``places`` and ``pockets``: real floors, turned, scaled and cut anew, and generated maps."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+from pydantic import BeforeValidator, Field
 from scipy import ndimage
 
 from indoor_explorers.env.errors import InputError
+from indoor_explorers.env.files import expanded
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED
 from indoor_explorers.env.maps.base import GeneratedMaps
@@ -22,22 +26,28 @@ from indoor_explorers.env.maps.generators.offices import OfficesMaps
 from indoor_explorers.env.maps.generators.rooms import RoomsMaps
 from indoor_explorers.env.maps.reduction import Source, reduced
 from indoor_explorers.env.maps.sources import FileMaps
+from indoor_explorers.env.scenarios.scenario import Scenario
+from indoor_explorers.env.scenarios.seed_sets import SeedUse
 from indoor_explorers.env.scenarios.suites.catalogue import suite_of
 from indoor_explorers.env.scenarios.suites.clones import maps_of
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.search.connected_parts import largest_part
+from indoor_explorers.learners.sessions.record import TrainingRecord, new_record
+from indoor_explorers.learners.sessions.settings import LearnerSettings
 
+#: Folder of the flights inside that of a training.
+FLIGHTS = "flights"
 #: Name of a map that is from no file.
 GENERATED = "generated"
 #: Share of generated maps that are floors; the others are offices, rooms, caves and mazes.
 FLOORS = 0.6
 #: Share of maps turned by any angle instead of quarter turns, and of maps cut to a part.
 TURNED, CUT = 0.33, 0.3
-#: Smallest and largest factor of the size of a cell, for real maps.
+#: Smallest and largest factor on the size of a cell, for map files.
 SCALES = (0.75, 1.4)
 #: Share of generated maps with ragged walls, and the largest share of wall and border cells that change.
 RAGGED, RAGGEDNESS = 0.4, 0.15
-#: Free cells that a training map has at least, and metres a cell.
+#: Least free cells of a training map, and side of a cell in metres.
 LEAST_FREE, METRES = 150, 0.5
 #: Attempts to find a map of that size.
 ATTEMPTS = 20
@@ -45,7 +55,7 @@ ATTEMPTS = 20
 
 @dataclass(frozen=True)
 class TrainingMaps:
-    """Draw training maps."""
+    """The source of training maps: a map file, varied at random, or a generator with random settings."""
 
     paths: tuple[str, ...] = ()
     """Map files with a scale, or pictures of 4 pixels a cell."""
@@ -105,7 +115,7 @@ def _pixels(path: str) -> tuple[Mask, float]:
 
 
 def varied(path: str, rng: np.random.Generator) -> Floorplan | None:
-    """Return a map file's map, turned, mirrored, scaled and cut at random; None if too little is left."""
+    """Return the map of a file, turned, mirrored, scaled and cut at random; None if too little is left."""
     free, metres = _pixels(path)
     free = turned(free, rng)
     if rng.random() < CUT:
@@ -133,21 +143,21 @@ def turned(free: Mask, rng: np.random.Generator) -> Mask:
 
 
 def cut(free: Mask, rng: np.random.Generator) -> Mask:
-    """Return the largest connected part of a random window."""
+    """Return the largest connected part of a random window of a map (H, W) bool."""
     sides = [int(side * rng.uniform(0.4, 1.0)) for side in free.shape]
     row, col = (int(rng.integers(whole - side + 1)) for whole, side in zip(free.shape, sides, strict=True))
     return largest_part(np.pad(free[row : row + sides[0], col : col + sides[1]], 1))
 
 
 def ragged(free: Mask, share: float, rng: np.random.Generator) -> Mask:
-    """Return a map in which a share of the cells on both sides of its walls has changed, as in maps of real robots."""
+    """Return a map (H, W) bool with a share of the cells on both sides of its walls changed, as in robots' maps."""
     edge = ndimage.binary_dilation(free) & ndimage.binary_dilation(~free)
     edge[[0, -1]] = edge[:, [0, -1]] = False
     return largest_part(free ^ (edge & (rng.random(free.shape) < share)))
 
 
-def map_files(suite: str, part: Part, data: list[Path]) -> FileMaps:
-    """Return the map files of a part of a suite.
+def map_files(suite: str, part: Part, data: Sequence[Path]) -> FileMaps:
+    """Return the map files of a part of a suite, from clones in the folders ``data``.
 
     Raises :class:`InputError` where files are missing, or the suite generates its maps.
     """
@@ -155,3 +165,42 @@ def map_files(suite: str, part: Part, data: list[Path]) -> FileMaps:
     if not isinstance(maps, FileMaps):
         raise InputError(f"expected suites of map files, got {suite!r}: generated maps are learned from without it")
     return maps
+
+
+#: One name, or several.
+Names = Annotated[tuple[str, ...], BeforeValidator(lambda value: (value,) if isinstance(value, str) else value)]
+
+
+class MapSettings(LearnerSettings):
+    """The settings of a training that draws its maps, and the task of each flight, itself."""
+
+    suites: Names = ()
+    """Suites whose train parts to learn from, besides generated maps."""
+    data: Names = Field((), exclude=True)
+    """Folders with clones of the repositories of the suites; not part of the record."""
+
+    @property
+    def folders(self) -> list[Path]:
+        """The folders of ``data``."""
+        return [expanded(folder) for folder in self.data]
+
+    def maps(self) -> TrainingMaps:
+        """Return the training maps.
+
+        Raises :class:`InputError` where files are missing, or a suite generates its maps.
+        """
+        files = [map_files(name, Part.TRAIN, self.folders) for name in self.suites]
+        return TrainingMaps(paths=tuple(path for each in files for path in each.paths))
+
+
+def map_record(learner: str, config: MapSettings, scenario: Scenario | None, seed: int) -> TrainingRecord:
+    """Return the record of a new training that draws its maps itself.
+
+    Raises :class:`InputError` where a scenario is given, or :meth:`MapSettings.maps` does.
+    """
+    if scenario is not None:
+        raise InputError(f"learner {learner!r} draws its own maps and tasks, got scenario {scenario.name!r}; give none")
+    config.maps()
+    record = new_record(learner, config, None, seed, ("scipy",))
+    seen = tuple(f"{name}/{Part.TRAIN}" for name in config.suites)
+    return record.model_copy(update={"seen_maps": {SeedUse.TRAINING: seen} if seen else {}})

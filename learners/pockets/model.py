@@ -48,5 +48,5 @@ class PocketNet(nn.Module):
 
 
 def arrays(network: PocketNet) -> dict[str, NDArray[np.float32]]:
-    """Return the weights by name, shaped as in ``shapes`` of the compiled network."""
+    """Return the weights by name, as the file that flies has them, float32."""
     return {name: value.detach().cpu().numpy() for name, value in network.state_dict().items()}

@@ -1,4 +1,4 @@
-"""How good the estimates are on buildings that the network has not seen, building by building."""
+"""Calibration and ranking (AUC) of the estimates on buildings that the network has not seen, building by building."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ class Judged(NamedTuple):
 
     building: str
     clusters: int
+    """Number of clusters."""
     aucs: tuple[float, ...]
     """For each of ``JUDGED``, the chance that a larger pocket gets the larger probability; nan if all are alike."""
     told: tuple[float, ...]
@@ -37,9 +38,9 @@ class Judged(NamedTuple):
 
 
 def auc(positive: NDArray[np.bool_], scores: NDArray[np.float64]) -> float:
-    """Return the chance that a positive case has a larger score than a negative one, ties half; nan without both.
+    """Return the chance that a positive case has a larger score than a negative one, ties half; NaN without both.
 
-    ``positive`` (K,) bool and ``scores`` (K,) are those of K cases.
+    ``positive`` (N,) bool says which cases are, ``scores`` (N,) are theirs.
     """
     from scipy.stats import rankdata
 
@@ -51,7 +52,7 @@ def auc(positive: NDArray[np.bool_], scores: NDArray[np.float64]) -> float:
 
 
 def judged(building: str, examples: Mapping[str, NDArray[Any]], estimates: PocketEstimates) -> Judged:
-    """Compare the estimates for K clusters with what was behind them: ``examples`` holds their ``sizes`` (K,)."""
+    """Compare the estimates of K clusters with the true ``sizes`` (K,) of ``examples``."""
     columns = [THRESHOLDS.index(limit) for limit in JUDGED]
     larger = examples["sizes"][:, None] > np.array(THRESHOLDS)
     chance = np.clip(estimates.tails, 1e-6, 1.0 - 1e-6)
@@ -66,7 +67,7 @@ def judged(building: str, examples: Mapping[str, NDArray[Any]], estimates: Pocke
 
 
 def judge(maps: FileMaps, weights: Path) -> list[Judged]:
-    """Return how good the estimates of some weights are on maps, by building, then for all; a flight a map."""
+    """Return how good the estimates of a weights file are, from one flight over each map: by building, then for all."""
     network = load_weights(weights)
     groups: dict[str, list[dict[str, NDArray[Any]]]] = {}
     for index in range(maps.count):

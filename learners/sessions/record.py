@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Collection, Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.files import written_whole
@@ -33,9 +34,9 @@ class TrainingRecord(BaseModel):
     seed: int
     """Seed of the training."""
     scenario: dict[str, Any]
-    """The scenario that it was trained on."""
+    """The scenario that it was trained on; empty for a learner that draws its own."""
     fingerprint: str
-    """Fingerprint of the scenario."""
+    """Fingerprint of the scenario; empty without one."""
     task: str | None = None
     """Fingerprints of all scenarios with the rewards of the training; None in older records."""
     config: dict[str, Any]
@@ -58,22 +59,13 @@ class TrainingRecord(BaseModel):
     evaluations: tuple[dict[str, int | float], ...] = ()
     """Figures of each evaluation, oldest first."""
 
-    def resumed(self, before: TrainingRecord, path: Path) -> dict[str, Any]:
-        """Return the fields that the record of a resumed training takes over from the one ``before``.
+    @property
+    def minutes(self) -> float:
+        """Duration of the training in minutes."""
+        return self.seconds / 60
 
-        Raises:
-            InputError: ``before``, read from ``path``, has another seed, scenario or configuration.
-
-        """
-        for part in ("seed", "task", "fingerprint"):
-            found, mine = getattr(before, part), getattr(self, part)
-            if found not in (mine, None):
-                raise InputError(f"{path}: expected {part} {mine}, got {found}; resume with the same one")
-        for key, value in self.config.items():
-            if before.config.get(key) != value:
-                raise InputError(
-                    f"{path}: expected {key} {value}, got {before.config.get(key)}; resume with the same settings"
-                )
+    def continued_from(self, before: TrainingRecord) -> dict[str, Any]:
+        """Return the fields that the record of a resumed training takes over from the one ``before``."""
         commits = before.commits or (before.commit,)
         if commits[-1] != self.commit:
             commits = (*commits, self.commit)
@@ -85,16 +77,16 @@ Kind = TypeVar("Kind", bound=TrainingRecord)
 
 
 def new_record(
-    learner: str, config: LearnerSettings, scenario: Scenario, seed: int, packages: Iterable[str] = ()
+    learner: str, config: LearnerSettings, scenario: Scenario | None, seed: int, packages: Iterable[str] = ()
 ) -> TrainingRecord:
     """Return the record of a new training whose result depends on :data:`PACKAGES` and on ``packages``."""
-    commit, tasks = source_commit(), config.tasks(scenario)
+    commit, tasks = source_commit(), [] if scenario is None else config.tasks(scenario)
     digests = tuple(dict.fromkeys(digest for task in tasks for digest in _file_digests(task)))
     return TrainingRecord(
         learner=learner,
         seed=seed,
-        scenario=scenario.model_dump(mode="json"),
-        fingerprint=scenario.fingerprint,
+        scenario={} if scenario is None else scenario.model_dump(mode="json"),
+        fingerprint="" if scenario is None else scenario.fingerprint,
         task=" ".join(task.fingerprint for task in tasks),
         config=config.model_dump(mode="json"),
         versions={"python": platform.python_version()} | versions((*PACKAGES, *packages)),
@@ -121,6 +113,33 @@ def record_of(weights: Path) -> Path:
     """Return the path of the record of the training that made a weights file: that of shipped ones has their name."""
     shipped = weights.with_suffix(".json")
     return shipped if shipped.exists() else weights.parent / RECORD
+
+
+def record_there(mine: Kind, config: LearnerSettings, folder: Path) -> Kind | None:
+    """Return the record that a folder holds of the training that ``mine`` would begin; None without one.
+
+    Settings that were added since it was written have their defaults, those of ``config``.
+
+    Raises:
+        InputError: the folder holds another training: of another learner, seed, scenario or configuration.
+
+    """
+    if not (folder / RECORD).exists():
+        return None
+    there = read_record(folder, type(mine), [mine.learner])
+    with suppress(ValidationError):  # a setting that there is no more: the comparison names it
+        whole = type(config).model_validate(there.config).model_dump(mode="json")
+        there = there.model_copy(update={"config": whole})
+    asked = {name: getattr(mine, name) for name in ("seed", "task", "fingerprint")} | mine.config
+    found = {name: getattr(there, name) for name in ("seed", "fingerprint")} | there.config
+    found["task"] = mine.task if there.task is None else there.task
+    for name, value in asked.items():
+        if found.get(name) != value:
+            raise InputError(
+                f"{folder} holds a training with {name} {found.get(name)}, expected {value}; give the same as then, or "
+                "another --out"
+            )
+    return there
 
 
 def read_record(folder: Path, kind: type[Kind], learners: Collection[str]) -> Kind:

@@ -1,4 +1,4 @@
-"""Episode seeds of trainings: each training has two blocks of its own, which nothing else uses."""
+"""Episode seeds of trainings: each has a block to train on and one to be evaluated on, which nothing else uses."""
 
 from __future__ import annotations
 

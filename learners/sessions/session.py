@@ -15,11 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from pydantic import ValidationError
-
 from indoor_explorers.env.errors import InputError
 from indoor_explorers.learners.sessions.process import deferred_interrupt
-from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, read_record, write_record
+from indoor_explorers.learners.sessions.record import RECORD, TrainingRecord, record_there, write_record
 from indoor_explorers.learners.sessions.settings import LearnerSettings
 
 #: Seconds between two reports.
@@ -32,6 +30,8 @@ class TrainingStatus:
 
     total_steps: int
     """Moves of the whole training; an estimate where the length is given in episodes."""
+    counted: str = "steps"
+    """What steps are, where they are no moves."""
     epsilon: float | None = None
     """Current probability of a random move; None for learners with a stochastic policy."""
     loss: float = math.nan
@@ -63,7 +63,7 @@ class Trainee(ABC):
     @property
     @abstractmethod
     def steps(self) -> int:
-        """Moves made."""
+        """Moves made, or what else the status counts."""
 
     @property
     @abstractmethod
@@ -92,20 +92,19 @@ class Trainee(ABC):
         This must not change the state of the training.
         """
 
-    @abstractmethod
     def rank(self, evaluation: Mapping[str, int | float]) -> tuple[float, ...]:
-        """Return the key that evaluations are compared by; the lowest is best."""
+        """Return the key that evaluations are compared by, the lowest is best; by default all are alike."""
+        return ()
 
-    @abstractmethod
-    def keep(self, folder: Path) -> None:
-        """Keep the current network as the best so far."""
+    def keep(self, folder: Path) -> None:  # noqa: B027  # a hook
+        """Write the current network into the folder as the best so far; not needed where :meth:`save` writes it."""
 
     @abstractmethod
     def save(self, folder: Path) -> None:
         """Write the checkpoint: everything that a resumed training needs."""
 
     def results(self) -> dict[str, Any]:
-        """Return further entries of the record."""
+        """Return further entries of the record by name."""
         return {}
 
 
@@ -149,26 +148,18 @@ class Session:
 
     def _open(self, checkpoint: str, *, resume: bool) -> None:
         there = (self.out / checkpoint).exists()
-        if there or (self.out / RECORD).exists():
-            if not resume:
-                raise InputError(f"{self.out} already holds a training; give --resume to continue it, or another --out")
-            before = read_record(self.out, type(self.record), [self.record.learner])
-            carried = self.record.resumed(self._completed(before), self.out / RECORD)
-            if there:
-                self.record = self.record.model_copy(update=carried)
-                self.checkpoint = self.out / checkpoint
+        if not resume and (there or (self.out / RECORD).exists()):
+            raise InputError(f"{self.out} already holds a training; give --resume to continue it, or another --out")
+        before = record_there(self.record, self._config, self.out)
+        if there:
+            if before is None:
+                raise InputError(f"{self.out}: expected {RECORD} beside {checkpoint}, found none; give another --out")
+            self.record = self.record.model_copy(update=self.record.continued_from(before))
+            self.checkpoint = self.out / checkpoint
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{self.out}: cannot create the folder of the training: {error.strerror}") from error
-
-    def _completed(self, before: TrainingRecord) -> TrainingRecord:
-        """Return a record with the defaults of settings that were added since it was written."""
-        try:
-            whole = type(self._config).model_validate(before.config)
-        except ValidationError:  # a setting that there is no more: the comparison names it
-            return before
-        return before.model_copy(update={"config": whole.model_dump(mode="json")})
 
     @property
     def interrupted(self) -> bool:
@@ -188,11 +179,11 @@ class Session:
         with deferred_interrupt() as self._interrupted:
             trainee.train(self)
             if self.interrupted:
-                self._write(trainee)
+                self.write(trainee)
                 raise KeyboardInterrupt
             if not self._evaluations or self._evaluations[-1][trainee.unit] < self._counted(trainee):
                 self._evaluate(trainee)
-            self._write(trainee)
+            self.write(trainee)
             self._show(trainee)
 
     def after_update(self, trainee: Trainee) -> None:
@@ -203,7 +194,7 @@ class Session:
         if crossed_multiple(before, self._count, self._config.evaluation_every):
             self._evaluate(trainee)
         if crossed_multiple(before, self._count, self._config.checkpoint_every):
-            self._write(trainee)
+            self.write(trainee)
 
     def report(self, trainee: Trainee) -> None:
         """Report the progress if the last report is :data:`REPORT_EVERY` seconds old."""
@@ -233,7 +224,8 @@ class Session:
         self._evaluations.append(found)
         self._write_record(trainee)
 
-    def _write(self, trainee: Trainee) -> None:
+    def write(self, trainee: Trainee) -> None:
+        """Write the record and the checkpoint."""
         if not self._evaluations:
             trainee.keep(self.out)
         self._write_record(trainee)

@@ -1,4 +1,4 @@
-"""The state of a batch of worlds as arrays, for checkpoints of trainings."""
+"""The state of a batch of worlds (episodes in parallel) as arrays, for checkpoints of trainings."""
 
 from __future__ import annotations
 

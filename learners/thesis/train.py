@@ -13,9 +13,9 @@ from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 
 from indoor_explorers.env.scenarios.scenario import Scenario
-from indoor_explorers.learners.sessions import train as sessions
 from indoor_explorers.learners.sessions.record import new_record
 from indoor_explorers.learners.sessions.session import Session
+from indoor_explorers.learners.sessions.train import TrainingMethod
 from indoor_explorers.learners.thesis.config import MENDED, TrainingConfig
 from indoor_explorers.learners.thesis.training import ThesisTraining
 
@@ -28,4 +28,4 @@ def _trainee(
     return nullcontext(ThesisTraining(config, scenario, seed, session.checkpoint))
 
 
-train = partial(sessions.train, sessions.TrainingMethod(partial(new_record, "dddqn-thesis"), _trainee))
+train = TrainingMethod(partial(new_record, "dddqn-thesis"), _trainee)

@@ -22,7 +22,7 @@ class TrainOptions(Request):
     """Take scenario, hyperparameters and seed from a preset: that of weights that ship, or a quick training. Options
     given here take precedence."""
     scenario: Annotated[str | None, Option(metavar="PRESET|FILE.toml")] = None
-    """The scenario to train on (default thesis-obstacles)."""
+    """The scenario to train on (default thesis-obstacles); not for dddqn-places and pockets, which draw their own."""
     settings: Settings = NO_SETTINGS
     """Hyperparameters of the training, such as batch=512 or observation.tours=false."""
     seed: Annotated[int | None, SEED] = None
@@ -36,13 +36,15 @@ class TrainOptions(Request):
 def run_train(options: TrainOptions, typed: str) -> int:
     """Train a learner on a scenario."""
     from indoor_explorers.env.scenarios.loading import named_scenario
-    from indoor_explorers.evaluation.studies.training import preset_of, run_training
+    from indoor_explorers.evaluation.studies.training import find_learner, preset_of, run_training
 
     preset = None if options.preset is None else preset_of(options.learner, options.preset)
+    default = getattr(find_learner(options.learner), "DEFAULT_SCENARIO", DEFAULT_SCENARIO)
+    scenario = options.scenario or (preset.scenario if preset else default)
     seed = preset.seed if preset else 1
     return run_training(
         options.learner,
-        named_scenario(options.scenario or (preset.scenario if preset else DEFAULT_SCENARIO)),
+        None if scenario is None else named_scenario(scenario),
         {**(preset.settings if preset else {}), **options.settings},
         out=options.out,
         seed=seed if options.seed is None else options.seed,

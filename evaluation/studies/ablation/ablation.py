@@ -1,4 +1,4 @@
-"""The ablate command: train missing variants, score finished ones, write the table and the figure."""
+"""The ``ablate`` command: train the missing variants, score the finished ones, write the table and the figure."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from rich.console import Console
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.evaluation.studies.ablation.drawing import write_figure
-from indoor_explorers.evaluation.studies.ablation.running import Failure, train_all
-from indoor_explorers.evaluation.studies.ablation.runs import TrainingRun, runs_of
+from indoor_explorers.evaluation.studies.ablation.runs import runs_of
 from indoor_explorers.evaluation.studies.ablation.scoring import score
 from indoor_explorers.evaluation.studies.ablation.table import printed, write_table
+from indoor_explorers.evaluation.studies.many_trainings import Failure, Training, train_all
 
 
 def run_ablation(
@@ -59,7 +59,7 @@ def run_ablation(
 
 
 def _conclude(
-    runs: Sequence[TrainingRun],
+    runs: Sequence[Training],
     scenario: Scenario,
     out: Path,
     console: Console,

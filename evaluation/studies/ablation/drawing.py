@@ -150,7 +150,7 @@ def _curve(axes: Axes, variant: VariantScore, style: PolicyStyle) -> None:
 
 
 def on_one_grid(curves: Sequence[NDArray[np.float64]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return moves (K,) and values (S, K) of S curves (2, K'), interpolated linearly."""
+    """Return moves (K,) and values (S, K) of S curves (2, K'), interpolated linearly where all of them have values."""
     first, last = max(curve[0, 0] for curve in curves), min(curve[0, -1] for curve in curves)
     moves = np.unique(np.concatenate([curve[0] for curve in curves]).clip(first, last))
     return moves, np.stack([np.interp(moves, curve[0], curve[1]) for curve in curves])

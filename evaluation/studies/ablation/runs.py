@@ -1,71 +1,16 @@
-"""The trainings of an ablation: every variant that a learner declares, with every seed."""
+"""The list of an ablation's trainings: the variants that a learner declares, each with every seed."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.errors import did_you_mean
-from indoor_explorers.env.scenarios.validation import validated
-from indoor_explorers.evaluation.studies.training import find_learner, nested
-
-#: File with the state of a training, in its folder.
-STATE = "ablation.json"
-
-
-class TrainingRun(NamedTuple):
-    """One training."""
-
-    learner: str
-    scenario: str
-    """Name or file of the scenario."""
-    variant: str
-    seed: int
-    settings: dict[str, Any]
-    """Settings that differ from the learner's defaults, by dotted keys."""
-    folder: str
-    """The folder of the training."""
-
-    @property
-    def title(self) -> str:
-        """Its name in tables and messages."""
-        return f"{self.variant}, seed {self.seed}"
-
-    @property
-    def identity(self) -> dict[str, Any]:
-        """What identifies the training, as its state file stores it."""
-        made: dict[str, Any] = json.loads(json.dumps(self._asdict()))
-        return {key: value for key, value in made.items() if key != "folder"}
-
-
-def read_state(run: TrainingRun) -> dict[str, Any]:
-    """Return the state of a training: its ``minutes``, and ``weights`` once it is finished; empty before it began.
-
-    Raises:
-        InputError: the folder holds another training, or its state file is damaged.
-
-    """
-    path = Path(run.folder) / STATE
-    if not path.exists():
-        return {}
-    try:
-        state: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        found = state["order"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(
-            f"{path}: expected the state of a training, got something else ({error!r}); delete it"
-        ) from error
-    for key, mine in run.identity.items():
-        if found.get(key) != mine:
-            raise InputError(
-                f"{run.folder} holds a training with {key} {found.get(key)}, expected {mine}; give the same as then, "
-                "or another --out"
-            )
-    return state
+from indoor_explorers.evaluation.studies.many_trainings import Training
+from indoor_explorers.evaluation.studies.training import find_learner
 
 
 def runs_of(
@@ -77,7 +22,7 @@ def runs_of(
     settings: Mapping[str, Any],
     seeds: int,
     out: Path,
-) -> list[TrainingRun]:
+) -> list[Training]:
     """Return the trainings of the matching variants and of the full one, ordered by seed.
 
     Raises:
@@ -89,13 +34,12 @@ def runs_of(
     variants = _chosen(_declared(learner, module, scenario.team), patterns)
     shared = {**getattr(module, "ABLATION_SETTINGS", {}), **settings}
     runs = [
-        TrainingRun(learner, scenario_name, name, seed, {**shared, **switches}, str(out / name / f"seed-{seed}"))
+        Training(learner, scenario_name, name, seed, {**shared, **switches}, str(out / name / f"seed-{seed}"))
         for seed in range(1, seeds + 1)
         for name, switches in variants.items()
     ]
     for run in runs:
-        validated(module.TrainingConfig, nested(run.settings), f"settings of learner {learner!r}")
-        read_state(run)
+        run.finished()
     return runs
 
 

@@ -1,8 +1,7 @@
-"""Evaluates the trainings on the same unseen maps, and compares the variants."""
+"""Flies the trained networks of an ablation on the same unseen maps, and averages the times of each variant."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,20 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env import InputError, Scenario
+from indoor_explorers.env import Scenario
 from indoor_explorers.env.scenarios.seed_sets import seed_set
 from indoor_explorers.evaluation.driver import fly_missing
 from indoor_explorers.evaluation.harness.experiment.experiment import build_experiment
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.statistics import Estimate, difference_of_seeds, mean_of_seeds
-from indoor_explorers.evaluation.studies.ablation.runs import TrainingRun, read_state
+from indoor_explorers.evaluation.studies.many_trainings import Training
 from indoor_explorers.evaluation.studies.training import find_learner
 
 #: Folder of the evaluation episodes inside that of the ablation.
 FLIGHTS = "judged"
-#: File that a training writes, with its evaluations.
-RECORD = "training.json"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,30 +56,28 @@ class VariantScore:
 
 
 def score(
-    runs: Sequence[TrainingRun], scenario: Scenario, out: Path, *, episodes: int, workers: int, command: str
+    runs: Sequence[Training], scenario: Scenario, out: Path, *, episodes: int, workers: int, command: str
 ) -> list[VariantScore]:
     """Fly the missing episodes of the finished trainings; return the variants in order, the full one first.
 
     The list is empty while no training of the full variant is finished.
     """
-    finished = [run for run in runs if "weights" in read_state(run)]
-    if not runs or not any(run.variant == runs[0].variant for run in finished):
+    finished = [(run, record) for run in runs if (record := run.finished()) is not None]
+    if not any(run.variant == runs[0].variant for run, _ in finished):
         return []
     module, task = find_learner(runs[0].learner), scenario.for_evaluation()
-    policies = [module.flown(_weights(run)) | {"name": run.title} for run in finished]
+    policies = [module.flown(Path(run.folder) / module.train.weights) | {"name": run.title} for run, _ in finished]
     experiment = build_experiment(policies, [task], episodes=episodes, seed=seed_set("ablation").first, settings={})
     fly_missing(experiment, out / FLIGHTS, ComparisonRequest(workers=workers), command=command)
     results = Results.load(out / FLIGHTS)
     names = dict.fromkeys(run.variant for run in runs)
-    groups = [[run for run in finished if run.variant == name] for name in names]
+    groups = [[each for each in finished if each[0].variant == name] for name in names]
     return [_score(group, results, task.name, episodes) for group in groups if group]
 
 
-def _weights(run: TrainingRun) -> Path:
-    return Path(run.folder) / str(read_state(run)["weights"])
-
-
-def _score(runs: Sequence[TrainingRun], results: Results, scenario: str, episodes: int) -> VariantScore:
+def _score(group: Sequence[tuple[Training, Any]], results: Results, scenario: str, episodes: int) -> VariantScore:
+    """Return the score of one variant from its finished trainings."""
+    runs, records = zip(*group, strict=True)
     titles = [run.title for run in runs]
     groups = [results.groups[scenario, title][:episodes] for title in titles]
     return VariantScore(
@@ -93,16 +88,13 @@ def _score(runs: Sequence[TrainingRun], results: Results, scenario: str, episode
             metric: np.stack([results.values(scenario, title, metric)[:episodes] for title in titles])
             for metric in ("t90", "t99")
         },
-        never=float(np.mean([record.metrics.get("t99") is None for records in groups for record in records])),
-        minutes=float(np.mean([read_state(run)["minutes"] for run in runs])),
-        curves=[_curve(run) for run in runs],
+        never=float(np.mean([flown.metrics.get("t99") is None for flights in groups for flown in flights])),
+        minutes=float(np.mean([record.minutes for record in records])),
+        curves=[_curve(record) for record in records],
     )
 
 
-def _curve(run: TrainingRun) -> NDArray[np.float64]:
-    path = Path(run.folder) / RECORD
-    try:
-        trials = json.loads(path.read_text(encoding="utf-8"))["evaluations"]
-        return np.array([(trial["steps"], trial["t_goal"]) for trial in trials], np.float64).reshape(-1, 2).T
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{path}: expected the record of a training, got something else ({error!r})") from error
+def _curve(record: Any) -> NDArray[np.float64]:
+    """Return (2, K) the moves before each evaluation, and its mean steps to the goal."""
+    trials = [(trial["steps"], trial["t_goal"]) for trial in record.evaluations]
+    return np.array(trials, np.float64).reshape(-1, 2).T

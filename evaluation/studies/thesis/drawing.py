@@ -104,7 +104,7 @@ def _scores(axes: Axes, run: Run, hue: str) -> None:
 
 
 def draw_scores(axes: Axes, scores: NDArray[np.float64], every: int = 1, **look: Any) -> None:
-    """Draw the scores of every so many episodes, and their moving average."""
+    """Draw scores (E,), one for ``every`` episodes, and their moving average."""
     episodes = np.arange(1, len(scores) + 1) * every
     axes.plot(episodes, scores, ".", **{"alpha": 0.35, "markeredgewidth": 0} | look)
     window = max(LEAST_WINDOW, len(scores) // 100)
@@ -114,7 +114,7 @@ def draw_scores(axes: Axes, scores: NDArray[np.float64], every: int = 1, **look:
 
 
 def moving_average(values: NDArray[np.float64], window: int) -> NDArray[np.float64]:
-    """Return the moving average over ``window`` values, or over all if they are fewer."""
+    """Return the moving average (N - window + 1,) of ``values`` (N,); of all if they are fewer than ``window``."""
     window = min(window, len(values))
     return np.asarray(np.convolve(values, np.full(window, 1.0 / window), "valid"))
 
@@ -156,12 +156,12 @@ def coverage_figure(runs: Sequence[Run]) -> Figure:
 
 
 def training_curve(run: Run) -> list[float]:
-    """Return the curve with a NaN for step 0, which training does not record."""
+    """Return the mean coverage by step of training episodes, NaN for step 0, which training does not record."""
     return [float("nan"), *run.record["training_coverage_by_step"]]
 
 
 def greedy_curve(run: Run) -> list[float]:
-    """Return the curve, continued at its last value up to the budget."""
+    """Return the mean coverage by step of the last greedy evaluation, continued at its last value to the budget."""
     curve = list(run.record["greedy_coverage_by_step"])
     return curve + curve[-1:] * (BUDGET + 1 - len(curve))
 

@@ -1,4 +1,4 @@
-"""The thesis's experiments (its section 4.2), what it says about their results, and the versions here."""
+"""The thesis's 14 experiments (section 4.2), what it says of each, and the versions of its learner to train."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads the results of the thesis's experiments, and writes their table."""
+"""Reads the finished trainings of the thesis's experiments from their folders, and writes ``summary.csv``."""
 
 from __future__ import annotations
 

@@ -192,8 +192,11 @@ def test_training_and_evaluation_never_share_an_episode() -> None:
     ("words", "message"),
     [
         ((), "already holds a training; give --resume"),
-        (("--resume", "--set", "hidden=[8]"), "expected hidden [8], got [16]; resume with the same settings"),
-        (("--resume", "--seed", "4"), "expected seed 4, got 3; resume with the same one"),
+        (
+            ("--resume", "--set", "hidden=[8]"),
+            "with hidden [16], expected [8]; give the same as then, or another",
+        ),
+        (("--resume", "--seed", "4"), "with seed 3, expected 4; give the same as then, or another --out"),
     ],
 )
 def test_another_training_in_the_folder_is_refused(

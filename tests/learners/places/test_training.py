@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +11,9 @@ import torch
 
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.search.bfs import distance_field
-from indoor_explorers.learners.places.__main__ import main
 from indoor_explorers.learners.places.choices import Flown, choices_of, read_choices, write_choices
 from indoor_explorers.learners.places.flights import fly
-from indoor_explorers.learners.places.model import AdvantageNet, batch_of, weights_of
-from indoor_explorers.learners.places.network import Loaded, load_weights, write_weights
-from indoor_explorers.learners.places.rounds import Training
-from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Observer
-from indoor_explorers.learners.places.train import (
+from indoor_explorers.learners.places.learning import (
     DISCOUNT,
     advantages,
     explained,
@@ -25,8 +22,15 @@ from indoor_explorers.learners.places.train import (
     minimise,
     outputs,
 )
+from indoor_explorers.learners.places.model import AdvantageNet, batch_of, weights_of
+from indoor_explorers.learners.places.network import Loaded, load_weights
+from indoor_explorers.learners.places.policy import DddqnPlaces
+from indoor_explorers.learners.places.scene import COMMON, MOST, PLACE, Observer
+from indoor_explorers.learners.places.train import TrainingConfig, train
+from indoor_explorers.learners.places.training import PlacesTraining
 from indoor_explorers.learners.places.truth import truth_of
 from indoor_explorers.learners.pockets.maps import TrainingMaps
+from indoor_explorers.learners.sessions.session import Progress
 from tests.learners.places.small import random_choices, world_on_a_floor
 from tests.learners.places.test_scene import pilot_of
 
@@ -94,7 +98,7 @@ def test_values_are_judged_by_the_other_half(monkeypatch: pytest.MonkeyPatch) ->
             network.out.bias.fill_(float(len(taught)))  # type: ignore[union-attr, operator]
         return 0.0
 
-    monkeypatch.setattr("indoor_explorers.learners.places.train.minimise", noted)
+    monkeypatch.setattr("indoor_explorers.learners.places.learning.minimise", noted)
     judged = learn_values(random_choices(16))
     assert taught == [{0}, {1}]
     assert judged.tolist() == ([20.0] * 4 + [10.0] * 4) * 2
@@ -143,40 +147,38 @@ def test_flights_are_the_same_again_and_kept_in_files(tmp_path: Path) -> None:
 
 
 def test_the_weights_of_the_later_rounds_are_averaged(tmp_path: Path) -> None:
-    training = Training(
-        folder=tmp_path,
-        maps=TrainingMaps(),
-        flights=1,
-        rounds=3,
-        seed=1,
-        prior=0.5,
-        guess=True,
-        others=False,
-        workers=1,
-    )
-    rounds = [weights_of(AdvantageNet()) for _ in range(4)]
-    for number, weights in enumerate(rounds):
-        write_weights(training.weights(number), Loaded(weights, 0.5, guess=True, others=False))
-    mean = training.mean()
+    training = PlacesTraining(TrainingConfig(prior=0.5, others=False), 1, tmp_path)
+    training.networks = [weights_of(AdvantageNet()) for _ in range(4)]
+    training.save(tmp_path)
+    mean, rounds = load_weights(tmp_path / "places.safetensors"), training.networks
     assert (mean.prior, mean.guess, mean.others) == (0.5, True, False)
     np.testing.assert_allclose(mean.weights.first, (rounds[2].first + rounds[3].first) / 2, rtol=1e-6)
 
 
 @pytest.mark.slow
-def test_a_training_goes_on_where_it_was(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    def run(folder: str, rounds: int) -> dict[str, object]:
-        words = f"--flights 4 --rounds {rounds} --workers 1 --seed 2 --out".split()
-        assert main([*words, str(tmp_path / folder)]) == 0
-        return dict(json.loads((tmp_path / folder / "places.json").read_text()))
+def test_an_interrupted_training_equals_a_whole_one_bit_for_bit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = TrainingConfig(flights=4, rounds=2, workers=1)
+    train(config, None, tmp_path / "whole", seed=2)
+    monkeypatch.setattr("indoor_explorers.learners.places.training.TOGETHER", 2)
+    interrupted: list[int] = []
 
-    once = run("once", 2)
-    run("twice", 1)
-    twice = run("twice", 2)
-    assert once["rounds"] == twice["rounds"]
-    assert [each["round"] for each in once["rounds"]] == [1, 2]  # type: ignore[attr-defined]
-    paths = [tmp_path / folder / "places.safetensors" for folder in ("once", "twice")]
-    weights = [load_weights(path).weights for path in paths]
-    assert all(np.array_equal(a, b) for a, b in zip(*weights, strict=True))
-    assert not list((tmp_path / "once").glob("round-*/*"))
-    assert main(["--suites", "rooms", "--out", str(tmp_path / "no")]) == 2
-    assert "expected suites of map files, got 'rooms'" in capsys.readouterr().err
+    def interrupt(progress: Progress) -> None:
+        if progress.steps in (2, 6) and progress.steps not in interrupted:  # within the first round and the second
+            interrupted.append(progress.steps)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr("indoor_explorers.learners.sessions.session.REPORT_EVERY", 0.0)
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            train(config, None, tmp_path / "cut", seed=2, resume=True, report=interrupt)
+    weights = train(config, None, tmp_path / "cut", seed=2, resume=True, report=interrupt)
+    for name in ("places.safetensors", "checkpoint.safetensors"):
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "cut" / name).read_bytes()
+    whole, cut = (json.loads((tmp_path / folder / "training.json").read_text()) for folder in ("whole", "cut"))
+    assert whole["evaluations"] == cut["evaluations"]
+    assert [each["rounds"] for each in cut["evaluations"]] == [1, 2]
+    assert cut["done"]
+    assert not list((tmp_path / "cut").glob("flights/*"))
+    assert DddqnPlaces(weights=str(weights.parent)).path == weights

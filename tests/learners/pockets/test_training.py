@@ -1,24 +1,31 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-from indoor_explorers.env import InputError
+from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env.maps.sources import FileMaps
 from indoor_explorers.env.scenarios.suites.suite import Part
 from indoor_explorers.env.search.connected_parts import largest_part
-from indoor_explorers.learners.pockets.__main__ import main
-from indoor_explorers.learners.pockets.examples import examples_of, read_examples
-from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps, cut, map_files, ragged, turned
-from indoor_explorers.learners.pockets.train import loss, train
+from indoor_explorers.learners.pockets.examples import chosen_examples, examples_of
+from indoor_explorers.learners.pockets.learning import PocketLearner, loss
+from indoor_explorers.learners.pockets.maps import GENERATED, TrainingMaps, cut, map_files, map_record, ragged, turned
+from indoor_explorers.learners.pockets.train import TrainingConfig, train
 from indoor_explorers.learners.pockets.validation import auc, judged
+from indoor_explorers.learners.sessions.session import Progress
 from indoor_explorers.planners.toolbox.pockets.estimates import estimates_from, load_weights
 from indoor_explorers.planners.toolbox.pockets.network import OUTPUTS, THRESHOLDS
 from tests.planners.flights import rooms
+from tests.suites import tiny, tiny_clones
+
+__all__ = ["tiny", "tiny_clones"]
 
 
 def random_examples(count: int) -> dict[str, np.ndarray]:
@@ -37,8 +44,13 @@ def random_examples(count: int) -> dict[str, np.ndarray]:
 
 
 def test_training_learns_what_can_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("indoor_explorers.learners.pockets.train.BATCH", 32)
-    losses = [told["loss"] for _, told in train(random_examples(320), epochs=4, seed=0)]
+    monkeypatch.setattr("indoor_explorers.learners.pockets.learning.BATCH", 32)
+    learner = PocketLearner(random_examples(320), epochs=4, seed=0)
+    losses: list[float] = []
+    for _ in range(4):
+        while learner.epochs == len(losses):
+            learner.update()
+        losses.append(learner.mean_loss)
     assert losses[-1] < 0.5 * losses[0]
 
 
@@ -97,16 +109,64 @@ def test_estimates_are_judged_against_what_was_found() -> None:
     assert np.isnan(auc(np.ones(3, np.bool_), np.arange(3.0)))
 
 
-def test_the_command_trains_and_tells_how(tmp_path: Path) -> None:
-    assert main(["--flights", "2", "--epochs", "1", "--seed", "3", "--out", str(tmp_path)]) == 0
-    assert len(read_examples(sorted((tmp_path / "examples").glob("*.npz")))["sizes"]) > 20
-    load_weights(tmp_path / "pockets.safetensors")
-    about = json.loads((tmp_path / "pockets.json").read_text(encoding="utf-8"))
-    assert (about["seed"], about["seen_maps"]) == (3, {"training": []})
+def test_the_examples_of_one_kind_of_map_are_chosen() -> None:
+    examples = {"sizes": np.arange(4), "real": np.array([True, False, True, False])}
+    assert chosen_examples(examples, "both") is examples
+    assert chosen_examples(examples, "real")["sizes"].tolist() == [0, 2]
+    assert chosen_examples(examples, "generated")["sizes"].tolist() == [1, 3]
 
 
-def test_missing_clones_are_told_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--suites", "floors", "--data", str(tmp_path), "--out", str(tmp_path)]) == 2
-    assert "git clone" in capsys.readouterr().err
+def test_an_interrupted_training_equals_a_whole_one_bit_for_bit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("indoor_explorers.learners.pockets.learning.BATCH", 32)
+    monkeypatch.setattr("indoor_explorers.learners.sessions.session.REPORT_EVERY", 0.0)
+    config = TrainingConfig(flights=2, epochs=2)
+    load_weights(train(config, None, tmp_path / "whole", seed=3))
+    for due in (1, 3, 5):  # within the flights, the first epoch and the second
+
+        def interrupt(progress: Progress, due: int = due) -> None:
+            if progress.steps == due:
+                os.kill(os.getpid(), signal.SIGINT)
+
+        with pytest.raises(KeyboardInterrupt):
+            train(config, None, tmp_path / "cut", seed=3, resume=True, report=interrupt)
+    (tmp_path / "cut" / "flights" / "1.npz").unlink()  # is flown again
+    train(config, None, tmp_path / "cut", seed=3, resume=True)
+    for name in ("pockets.safetensors", "checkpoint.safetensors"):
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "cut" / name).read_bytes()
+    whole, cut = (json.loads((tmp_path / folder / "training.json").read_text()) for folder in ("whole", "cut"))
+    assert whole["evaluations"] == cut["evaluations"]
+    assert [each["epochs"] for each in cut["evaluations"]] == [1, 2]
+    assert (cut["done"], cut["seen_maps"], cut["files"], cut["examples"] > 64) == (True, {}, 0, True)
+    with pytest.raises(InputError, match="with seed 3, expected 4"):
+        train(config, None, tmp_path / "cut", seed=4, resume=True)
+
+
+def test_map_files_are_learned_from_and_recorded(tiny: Path, tmp_path: Path) -> None:
+    config = TrainingConfig.model_validate({"suites": "tiny", "data": str(tiny)})
+    assert len(config.maps().paths) == 1
+    record = map_record("pockets", config, None, 1)
+    assert record.seen_maps == {"training": ("tiny/train",)}
+    assert "data" not in record.config
+    with pytest.raises(InputError, match="draws its own maps and tasks, got scenario 'thesis-open'"):
+        map_record("pockets", config, PRESETS["thesis-open"], 1)
+
+
+def test_missing_clones_are_told_before_a_folder_is_made(tmp_path: Path) -> None:
+    config = TrainingConfig(suites=("floors",), data=(str(tmp_path),))
+    with pytest.raises(InputError, match="git clone"):
+        train(config, None, tmp_path / "out", seed=1)
+    assert not (tmp_path / "out").exists()
     with pytest.raises(InputError, match="expected suites of map files, got 'rooms'"):
         map_files("rooms", Part.TRAIN, [])
+
+
+def test_a_training_with_floors_tells_how_good_it_is_on_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    np.save(tmp_path / "floor.npy", (~np.pad(rooms(3, 9, 0), 1)).astype(np.int8))
+    floors = FileMaps(paths=(str(tmp_path / "floor.npy"),), resolution=1.0)
+    for module in ("maps", "train"):
+        monkeypatch.setattr(f"indoor_explorers.learners.pockets.{module}.map_files", lambda *_: floors)
+    train(TrainingConfig(suites=("floors",), flights=1, epochs=1), None, tmp_path / "out", seed=1)
+    table = (tmp_path / "out" / "validation.md").read_text().splitlines()
+    assert [row.split(" | ")[0] for row in table[2:]] == ["| floor", "| all"]

@@ -115,7 +115,7 @@ def test_other_trainings_are_refused(tmp_path: Path) -> None:
     run.run(trainee)
     with pytest.raises(InputError, match="already holds a training; give --resume"):
         session(tmp_path)
-    with pytest.raises(InputError, match="expected seed 2, got 1"):
+    with pytest.raises(InputError, match="with seed 1, expected 2"):
         session(tmp_path, 2, resume=True)
     with pytest.raises(InputError, match="expected a training of dddqn, got one of counter"):
         read_record(tmp_path, TrainingRecord, ["dddqn"])
@@ -137,5 +137,5 @@ def test_a_record_of_before_is_resumed(tmp_path: Path) -> None:
     assert (record.commit, record.commits[0], len(record.commits)) == ("first", "first", 2)
     facts["config"]["network"]["width"] = 8
     (tmp_path / RECORD).write_text(json.dumps(facts))
-    with pytest.raises(InputError, match="expected network"):
+    with pytest.raises(InputError, match="with network"):
         session(tmp_path, resume=True)

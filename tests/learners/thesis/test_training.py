@@ -103,11 +103,11 @@ def test_another_training_in_the_folder_is_refused(tmp_path):
     train(TINY, short("thesis-open"), tmp_path, seed=1)
     with pytest.raises(InputError, match="already holds a training; give --resume"):
         train(TINY, short("thesis-open"), tmp_path, seed=1)
-    with pytest.raises(InputError, match="expected seed 2, got 1"):
+    with pytest.raises(InputError, match="with seed 1, expected 2"):
         train(TINY, short("thesis-open"), tmp_path, seed=2, resume=True)
-    with pytest.raises(InputError, match="expected terminal_target reward, got zero"):
+    with pytest.raises(InputError, match="with terminal_target zero, expected reward"):
         train(changed(terminal_target="reward"), short("thesis-open"), tmp_path, seed=1, resume=True)
-    with pytest.raises(InputError, match="expected task"):
+    with pytest.raises(InputError, match="with task"):
         train(TINY, short("thesis-obstacles"), tmp_path, seed=1, resume=True)
 
 

@@ -14,36 +14,21 @@ from indoor_explorers.env import PRESETS, InputError
 from indoor_explorers.env.scenarios.validation import validated
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.harness.results.results import Results
-from indoor_explorers.evaluation.studies.ablation import running
+from indoor_explorers.evaluation.studies import many_trainings
 from indoor_explorers.evaluation.studies.ablation.drawing import on_one_grid
-from indoor_explorers.evaluation.studies.ablation.running import Failure, train_all
-from indoor_explorers.evaluation.studies.ablation.runs import STATE, TrainingRun, runs_of
+from indoor_explorers.evaluation.studies.ablation.runs import runs_of
 from indoor_explorers.evaluation.studies.ablation.scoring import VariantScore
 from indoor_explorers.evaluation.studies.ablation.table import COLUMNS, write_table
-from indoor_explorers.evaluation.studies.ablation.worker import train_one
+from indoor_explorers.evaluation.studies.many_trainings import Training, train_all
 from indoor_explorers.evaluation.studies.training import nested
 from indoor_explorers.learners.dddqn import train as dddqn
+from indoor_explorers.learners.sessions.record import RECORD
+from tests.evaluation.studies.inline import Inline, inline
 
 SHORT = "prior_notes=2000 total_steps=200 environments=4 warmup_steps=40 batch=8 replay_steps=400 evaluation_every=100"
 SMALL = "evaluation_episodes=2 device=cpu network.width=16 observation.tours=false observation.coarse=0"
 TINY = [*SHORT.split(), *SMALL.split()]
 BROKEN = {"broken": {"replay_steps": 40}}
-
-
-class Inline:
-    """A training in this process, which is over as soon as it began."""
-
-    over = True
-
-    def __init__(self, run):
-        self.run, self.reason = run, None
-        try:
-            train_one(run)
-        except InputError as error:
-            self.reason = str(error)
-
-    def failure(self):
-        return None if self.reason is None else Failure(self.run, self.reason)
 
 
 @pytest.fixture(scope="module")
@@ -63,11 +48,6 @@ def trained(tmp_path_factory, room):
         patch.setattr(dddqn, "ABLATIONS", {**dddqn.ABLATIONS, **BROKEN})
         assert run(out, room, "no-visits", "broken") == 1
     return out
-
-
-def inline(patch):
-    patch.setattr(running, "TrainingProcess", Inline)
-    patch.setattr(running, "CHECK_INTERVAL", 0.0)
 
 
 def run(out, room, *only, seeds="2", more=()):
@@ -92,7 +72,7 @@ def test_every_variant_is_a_training_of_its_own():
 def test_only_what_is_asked_for_is_trained_and_teams_have_more(tmp_path):
     def names(team, *patterns):
         task = PRESETS["thesis-open"].with_settings({"team": team})
-        found = runs_of("dddqn", "x", task, patterns=patterns, settings={}, seeds=2, out=tmp_path)
+        found = runs_of("dddqn", "thesis-open", task, patterns=patterns, settings={}, seeds=2, out=tmp_path)
         return [(run.variant, run.seed) for run in found]
 
     wanted = ("full", "1-step", "no-tour-start", "no-tours")
@@ -134,7 +114,7 @@ def test_the_figure_is_there_in_every_format(trained):
 def test_a_variant_that_fails_leaves_the_others_alone(trained):
     for variant in ("full", "no-visits"):
         for seed in (1, 2):
-            assert json.loads((trained / variant / f"seed-{seed}" / STATE).read_text())["weights"]
+            assert json.loads((trained / variant / f"seed-{seed}" / RECORD).read_text())["done"]
     assert not list((trained / "broken").rglob("weights.safetensors"))
 
 
@@ -142,7 +122,8 @@ def test_a_variant_that_fails_leaves_the_others_alone(trained):
 def test_what_is_finished_is_not_trained_again_and_seeds_may_be_added(trained, room, monkeypatch):
     inline(monkeypatch)
     begun = []
-    monkeypatch.setattr(running, "TrainingProcess", lambda run: begun.append(run.title) or Inline(run))
+    noted = lambda run, shown: begun.append(run.title) or Inline(run, shown=shown)  # noqa: E731
+    monkeypatch.setattr(many_trainings, "TrainingProcess", noted)
     before = (trained / "ablation.csv").read_bytes()
     assert run(trained, room, "no-visits") == 0
     assert begun == []
@@ -156,8 +137,7 @@ def test_what_is_finished_is_not_trained_again_and_seeds_may_be_added(trained, r
 def test_another_ablation_in_the_folder_is_refused_in_one_line(trained, room, capsys):
     assert run(trained, room, "no-visits", more=["batch=16"]) == 2
     line = capsys.readouterr().err
-    assert "holds a training with settings" in line
-    assert "or another --out" in line
+    assert "holds a training with batch 8, expected 16; give the same as then, or another --out" in line
     assert line.count("\n") == 1
 
 
@@ -179,9 +159,9 @@ def test_bad_words_are_told_in_one_line(words, said, tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
-def order_of(folder: Path, room: Path, **settings) -> TrainingRun:
+def order_of(folder: Path, room: Path, **settings) -> Training:
     tiny = {"environments": 4, "warmup_steps": 40, "batch": 8, "replay_steps": 400, "evaluation_episodes": 2}
-    return TrainingRun("dddqn", str(room), "full", 1, {**tiny, "device": "cpu", **settings}, str(folder))
+    return Training("dddqn", str(room), "full", 1, {**tiny, "device": "cpu", **settings}, str(folder))
 
 
 @pytest.mark.slow
@@ -207,9 +187,9 @@ def test_a_process_tells_why_it_failed_and_goes_on_where_it_was_interrupted(tmp_
         stop.set()
         watcher.join()
         signal.signal(signal.SIGINT, before)
-    note = json.loads((tmp_path / "long" / STATE).read_text())
-    assert note["minutes"] > 0
-    assert "weights" not in note
+    note = json.loads((tmp_path / "long" / RECORD).read_text())
+    assert note["seconds"] > 0
+    assert not note["done"]
 
 
 def test_differences_are_paired_by_map_and_counted_over_seeds(tmp_path):

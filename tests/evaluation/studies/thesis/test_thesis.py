@@ -12,6 +12,7 @@ from indoor_explorers.evaluation.studies.thesis.drawing import moving_average, v
 from indoor_explorers.evaluation.studies.thesis.experiments import EXPERIMENTS, chosen, versions
 from indoor_explorers.evaluation.studies.thesis.results import COLUMNS, Run
 from indoor_explorers.learners.thesis.config import MENDED
+from tests.evaluation.studies.inline import inline
 
 SWITCHES = {"terminal_target": "reward", "frame_stack": 4}
 QUICK = ("--set", "environments=4", "evaluation_every=2", "evaluation_episodes=2", "memory=64", "batch=8")
@@ -21,7 +22,9 @@ QUICK = ("--set", "environments=4", "evaluation_every=2", "evaluation_episodes=2
 def flown(tmp_path_factory):
     """What a tiny run of one experiment in the empty room and one of a team leaves behind."""
     out = tmp_path_factory.mktemp("thesis") / "out"
-    assert run(out, "rewards-2-stuck-1,team-2-radio-3") == 0
+    with pytest.MonkeyPatch.context() as patch:
+        inline(patch)
+        assert run(out, "rewards-2-stuck-1,team-2-radio-3") == 0
     return out
 
 
@@ -126,7 +129,7 @@ def test_the_page_holds_everything(flown):
 @pytest.mark.slow
 def test_what_is_finished_is_not_flown_again(flown, monkeypatch):
     before = {path: path.stat().st_mtime_ns for path in flown.rglob("training.json")}
-    monkeypatch.setattr("indoor_explorers.evaluation.studies.thesis.running.run_training", pytest.fail)
+    monkeypatch.setattr("indoor_explorers.evaluation.studies.many_trainings.TrainingProcess", pytest.fail)
     monkeypatch.setattr("indoor_explorers.evaluation.studies.thesis.running.write_figures", lambda runs, folder: None)
     assert run(flown, "rewards-2-stuck-1,team-2-radio-3") == 0
     assert {path: path.stat().st_mtime_ns for path in flown.rglob("training.json")} == before
@@ -136,7 +139,7 @@ def test_what_is_finished_is_not_flown_again(flown, monkeypatch):
 def test_a_folder_of_other_settings_is_refused_in_one_line(flown, capsys):
     assert run(flown, "rewards-2-stuck-1", "--seed", "5") == 2
     line = capsys.readouterr().err
-    assert "holds a training with seed 1, expected 5; give the same settings as then, or another --out" in line
+    assert "holds a training with seed 1, expected 5; give the same as then, or another --out" in line
     assert line.count("\n") == 1
     assert run(flown, "rewards-2-stuck-1", "--set", "gamma=0.5") == 2
     assert "holds a training with gamma 0.99, expected 0.5" in capsys.readouterr().err

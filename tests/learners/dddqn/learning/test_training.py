@@ -18,7 +18,6 @@ from indoor_explorers.evaluation.studies.training import nested
 from indoor_explorers.learners.dddqn.config import TrainingConfig
 from indoor_explorers.learners.dddqn.learning.evaluation import evaluate
 from indoor_explorers.learners.dddqn.learning.learner import Learner
-from indoor_explorers.learners.dddqn.learning.tensorboard import FOLDER
 from indoor_explorers.learners.dddqn.learning.training import Training
 from indoor_explorers.learners.dddqn.learning.vector_flight import VectorFlight
 from indoor_explorers.learners.dddqn.network.config import NetworkConfig
@@ -28,6 +27,7 @@ from indoor_explorers.learners.dddqn.presets import PRESETS as LEARNED
 from indoor_explorers.learners.dddqn.train import Progress, train
 from indoor_explorers.learners.sessions.checkpoint import CHECKPOINT
 from indoor_explorers.learners.sessions.record import RECORD
+from indoor_explorers.learners.sessions.tensorboard import FOLDER
 from indoor_explorers.planners.toolbox.networks.tensors import read_tensors
 from tests.learners.dddqn.rooms import TINY, small_room
 
@@ -102,11 +102,11 @@ def test_another_training_in_the_folder_is_refused(tmp_path: Path) -> None:
     train(TINY, small_room(), tmp_path, seed=1)
     with pytest.raises(InputError, match=r"already holds a training; give --resume"):
         train(TINY, small_room(), tmp_path, seed=1)
-    with pytest.raises(InputError, match="expected seed 2, got 1"):
+    with pytest.raises(InputError, match="with seed 1, expected 2"):
         train(TINY, small_room(), tmp_path, seed=2, resume=True)
-    with pytest.raises(InputError, match="expected batch 8, got 16"):
+    with pytest.raises(InputError, match="with batch 16, expected 8"):
         train(TINY.model_copy(update={"batch": 8}), small_room(), tmp_path, seed=1, resume=True)
-    with pytest.raises(InputError, match="expected task"):
+    with pytest.raises(InputError, match="with task"):
         train(TINY, small_room(3), tmp_path, seed=1, resume=True)
     (tmp_path / CHECKPOINT).write_bytes(b"nonsense")
     with pytest.raises(InputError, match="expected a safetensors file"):

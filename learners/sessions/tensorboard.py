@@ -1,4 +1,4 @@
-"""Scalars of a running training, for TensorBoard."""
+"""TensorBoard: the progress of a running training as event files in ``tensorboard/`` of its folder."""
 
 from __future__ import annotations
 
