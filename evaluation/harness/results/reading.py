@@ -1,7 +1,6 @@
 """Reads a store without changing it: damage is refused in one line.
 
-Every row has its checksum in a table of them. Stores from before that table have none: their rows are checked for
-contradictions instead.
+Every row has its checksum in a table of them; a store from before that table, older than version 0.2.0, is refused.
 """
 
 from __future__ import annotations
@@ -21,7 +20,6 @@ from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.harness.episodes.stored_names import with_own_models
 from indoor_explorers.evaluation.harness.experiment.experiment import Task, merged_experiments
-from indoor_explorers.evaluation.harness.results.contradictions import contradictions
 from indoor_explorers.evaluation.harness.results.damage import (
     NO_CHECKSUM,
     REPLACE,
@@ -30,7 +28,7 @@ from indoor_explorers.evaluation.harness.results.damage import (
     damaged,
     damaged_episodes,
 )
-from indoor_explorers.evaluation.harness.results.rows import TABLES, Row, checksum, floorplan_of, steps_of
+from indoor_explorers.evaluation.harness.results.rows import TABLES, Row, checksum, floorplan_of
 from indoor_explorers.evaluation.harness.results.stored_record import StoredRecord, StoredSteps
 
 FORMAT = 3
@@ -158,22 +156,17 @@ class StoreReader:
     def _episodes(self) -> list[Record | Damage]:
         """Return all episodes in order; those that cannot be read as damage."""
         plans, known = self._maps(), self._checksums()
-        source = StoredSteps(self.path, _connect_read_only, checked=known is not None)
+        source = StoredSteps(self.path, _connect_read_only)
         read: dict[int, Record | Damage] = {}
         last = -(2**63)
         while rows := self._rows(f"{EPISODES} WHERE episode.rowid > {last} ORDER BY 1 LIMIT {CHUNK}"):
             last = rows[-1][0]
-            here = {row[0]: _episode(row, plans, known, source) for row in rows}
-            if known is None:
-                here |= _contradicting(here)
-            read |= here
+            read |= {row[0]: _episode(row, plans, known, source) for row in rows}
         return [read[rowid] for (rowid,) in self._rows(ORDER)]
 
     def _damages(self) -> list[Damage]:
-        """Return the damaged episodes; those with a checksum are not unpacked, as there may be a million."""
+        """Return the damaged episodes; they are not unpacked, as there may be a million."""
         plans, known = self._maps(), self._checksums()
-        if known is None:
-            return [each for each in self._episodes() if isinstance(each, Damage)]
         self._db.text_factory = _decoded
         with self._readable():
             rows = self._db.execute(EPISODES)
@@ -184,7 +177,7 @@ class StoreReader:
         plans, known = {}, self._checksums()
         for row in self._rows("SELECT * FROM floorplan"):
             try:
-                if known is None or checksum("floorplan", row) in known:
+                if checksum("floorplan", row) in known:
                     plans[row[0]] = floorplan_of(row)
             except UNREADABLE:
                 continue
@@ -206,9 +199,12 @@ class StoreReader:
         (first, *_), *_ = self._rows("PRAGMA integrity_check(1)")
         if first != "ok":
             raise damaged(self.path, first)
+        if not self._has("checksum"):
+            raise InputError(
+                f"{self.path}: expected a store with checksums, got one from before version 0.2.0; let compare of "
+                "version 0.2.0 resume the folder, which adds them, or fly the experiment into another folder"
+            )
         known = self._checksums()
-        if known is None:
-            return
         for table in (*SETTINGS, *(["attempt"] if self._has("attempt") else [])):
             for row in self._rows(f"SELECT * FROM {table}"):
                 if checksum(table, row) not in known:
@@ -224,10 +220,8 @@ class StoreReader:
                     f"{one_line(repr(name), 80)}; remove that, or use another folder"
                 )
 
-    def _checksums(self) -> set[bytes] | None:
-        """Return the checksums of all rows; None for a store that is older than they are."""
-        if not self._has("checksum"):
-            return None
+    def _checksums(self) -> set[bytes]:
+        """Return the checksums of all rows."""
         return {digest for (digest,) in self._rows("SELECT digest FROM checksum")}
 
     def _has(self, table: str) -> bool:
@@ -264,37 +258,22 @@ class StoreReader:
             ) from error
 
 
-def _complaint(row: Row, plans: Mapping[str, Floorplan], known: set[bytes] | None) -> str:
+def _complaint(row: Row, plans: Mapping[str, Floorplan], known: set[bytes]) -> str:
     """Return what is wrong with one of :data:`EPISODES`, as far as can be told without unpacking it."""
-    if known is not None and checksum("episode", row[1:-2]) not in known:
+    if checksum("episode", row[1:-2]) not in known:
         return NO_CHECKSUM
     if None in row[-2:]:
         return "its policy or scenario is missing"
     return "" if row[6] in plans else "its map is damaged"
 
 
-def _episode(
-    row: Row, plans: Mapping[str, Floorplan], known: set[bytes] | None, source: StoredSteps
-) -> Record | Damage:
+def _episode(row: Row, plans: Mapping[str, Floorplan], known: set[bytes], source: StoredSteps) -> Record | Damage:
     if why := _complaint(row, plans, known):
         return _damage(row, why)
     try:
-        if known is None:
-            steps_of(row[1:-2])
         return StoredRecord.of_row(row[1:-2], row[0], plans, source)
     except UNREADABLE as error:
         return _damage(row, str(error) or type(error).__name__)
-
-
-def _contradicting(read: Mapping[int, Record | Damage]) -> dict[int, Damage]:
-    """Return the damage of those episodes whose facts contradict each other."""
-    records = {rowid: each for rowid, each in read.items() if isinstance(each, Record)}
-    wrong = contradictions(list(records.values()))
-    return {
-        rowid: Damage(rowid, each.policy, each.task, wrong[each.policy, each.task])
-        for rowid, each in records.items()
-        if (each.policy, each.task) in wrong
-    }
 
 
 def _damage(row: Row, why: str) -> Damage:

@@ -42,7 +42,7 @@ CREATE TABLE episode (
 """
 #: All tables that a store may have, each after those that refer to it.
 TABLES = ("damaged", "episode", "attempt", "floorplan", "scenario", "policy", "run", "checksum", "meta")
-#: Added to older stores when they are written to.
+#: The digests of all rows.
 CHECKSUMS = "CREATE TABLE checksum (digest BLOB PRIMARY KEY) STRICT, WITHOUT ROWID"
 #: Attempts at an episode that do not count, each with how it ended; added to older stores too.
 ATTEMPTS = """

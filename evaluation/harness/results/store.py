@@ -75,7 +75,6 @@ class Store(WrittenRows):
                 self._create()
                 if not fresh:
                     self._check()
-                    self._add_checksums()
                     self._db.execute(ATTEMPTS)
         except SQL_ERRORS as error:
             if getattr(error, "sqlite_errorcode", 0) & 0xFF in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
@@ -96,18 +95,6 @@ class Store(WrittenRows):
             ):
                 self._db.execute(statement)
             self._sign("meta")
-
-    def _add_checksums(self) -> None:
-        """Give a store from before the checksums one for each undamaged row."""
-        if self._checksums() is not None:
-            return
-        _ = self.policies(), self.scenarios(), self.experiment()  # refuses what cannot be understood
-        rowids, plans = [each.rowid for each in self._damages()], self._maps()
-        self._db.execute(CHECKSUMS)
-        for table in SETTINGS:
-            self._sign(table)
-        self._sign("floorplan", "digest IN (SELECT value FROM json_each(?))", json.dumps(list(plans)))
-        self._sign("episode", "rowid NOT IN (SELECT value FROM json_each(?))", json.dumps(rowids))
 
     def _sign(self, table: str, which: str = "true", *values: Any) -> None:
         """Store the checksums of some rows of a table, of all by default."""

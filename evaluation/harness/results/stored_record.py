@@ -37,8 +37,8 @@ Metrics = dict[str, float | None]
 class StoredSteps:
     """The steps of the episodes in a store, which is opened for the first of them."""
 
-    def __init__(self, path: Path, connect: Callable[[Path], sqlite3.Connection], *, checked: bool) -> None:
-        self._path, self._connect, self._checked = path.resolve(), connect, checked
+    def __init__(self, path: Path, connect: Callable[[Path], sqlite3.Connection]) -> None:
+        self._path, self._connect = path.resolve(), connect
         self._kept: OrderedDict[int, Steps] = OrderedDict()
         self._bytes = 0
 
@@ -69,7 +69,7 @@ class StoredSteps:
         row: Row = (None,) * 4
         try:
             row = self._db.execute("SELECT * FROM episode WHERE rowid = ?", (rowid,)).fetchone() or row
-            if self._checked and not self._signed(checksum("episode", row)):
+            if not self._signed(checksum("episode", row)):
                 raise ValueError(NO_CHECKSUM)
             return steps_of(row)
         except (sqlite3.Error, *UNREADABLE) as error:

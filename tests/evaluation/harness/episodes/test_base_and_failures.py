@@ -8,7 +8,6 @@ from indoor_explorers.evaluation.exports.episodes.moments import moments
 from indoor_explorers.evaluation.harness.episodes.metrics import OF_BASE
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
-from indoor_explorers.evaluation.harness.results.contradictions import contradictions
 from indoor_explorers.evaluation.report.replay.packed_episode import resimulated
 
 BASE = {"base.at": "start", "radio.model": "disc", "radio.range": 4.0, "on_collision": "block", "budget": 120}
@@ -33,7 +32,6 @@ def test_both_curves_are_recorded_and_either_may_count():
         assert other.metrics["auc_base"] == other.metrics["auc"] < other.metrics["auc_seen"]
         assert resimulated(other, task).faithful
         assert len(list(moments(other, task))) == other.steps + 1
-    assert contradictions(seen + returned) == {}
 
 
 def test_without_a_base_there_are_no_such_metrics():
@@ -46,5 +44,4 @@ def test_coverage_may_fall_where_uavs_stop_and_everything_agrees():
     task, records = flown({"failures.hazard": 0.02, "radio.model": "none"}, seeds=range(12))
     assert any((np.diff(record.curve) < 0).any() for record in records)
     assert {record.metrics["stopped"] for record in records} >= {1.0, 4.0}
-    assert contradictions(records) == {}
     assert all(resimulated(record, task).faithful for record in records)
