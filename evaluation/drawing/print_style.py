@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox, BboxBase
 
 from indoor_explorers.env.files import written_whole
-from indoor_explorers.evaluation.drawing.fonts import families
 from indoor_explorers.evaluation.drawing.palette import DASHES, MARKERS, PolicyStyle
 
 FORMATS: Mapping[str, dict[str, Any]] = {
@@ -27,6 +26,7 @@ PADDING = 0.08
 #: Widths in inches of one and of two columns of a paper; a figure of this width is written exactly as wide.
 COLUMN, PAGE = 3.5, 7.0
 _LOOK: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
     "font.size": 8.5,
     "axes.labelsize": 8.5,
     "axes.titlesize": 9.5,
@@ -50,7 +50,7 @@ _LOOK: dict[Any, Any] = {
 @contextmanager
 def print_style() -> Iterator[None]:
     """Draw in this style within a ``with`` block."""
-    with mpl.rc_context({**_LOOK, "font.family": families()}):
+    with mpl.rc_context(_LOOK):
         yield
 
 
