@@ -239,7 +239,7 @@ def first_contacts(engine: Engine, b: int) -> None:
 
 @leaf()
 def are_actions(actions: np.ndarray, count: int) -> bool:
-    """Tell whether all of (B, N) numbers are one of so many actions."""
+    """Tell whether all of (B, N) numbers are in [0, count)."""
     good = True
     for action in actions.flat:
         good &= 0 <= action < count

@@ -12,7 +12,7 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, read_only
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.policies.policy import integers
+from indoor_explorers.env.policies.policy import checked_action, integers
 from indoor_explorers.env.policies.view import (
     LIVE_ARRAYS,
     Arrays,
@@ -237,8 +237,8 @@ class World:
                 f"expected actions of shape {self.state.end.shape} (episodes, agents), got {checked.shape}"
             )
         if not are_actions(checked, count):
-            least, most = int(checked.min()), int(checked.max())
-            raise InputError(f"expected actions from 0 to {count - 1}, got {least} to {most}")
+            for action in checked.flat:
+                checked_action(int(action), count)
         return checked
 
     def in_slices(self, work: Callable[[Engine, int, int], object]) -> None:

@@ -8,10 +8,11 @@ from typing import Any
 
 from indoor_explorers.env import Briefing, InputError, View
 from indoor_explorers.env.errors import LONGEST, one_line
+from indoor_explorers.env.policies.policy import checked_action
 from indoor_explorers.env.policies.view import message_numbers, values_of
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.engines.policy_handle import PolicyHandle
-from indoor_explorers.evaluation.episodes.pilots import BatchFailed, Decision, Tallies, any_briefing, checked_action
+from indoor_explorers.evaluation.episodes.pilots import BatchFailed, Decision, Tallies, any_briefing
 from indoor_explorers.evaluation.episodes.tallies import PREFIX, mean_tallies
 from indoor_explorers.evaluation.experiment.experiment import Job
 
