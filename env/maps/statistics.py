@@ -1,4 +1,4 @@
-"""What a floor is like, from its free cells alone: how wide it is, its rooms and doors, loops, furniture and walls.
+"""Geometry statistics of a floor plan, from its free cells alone: widths, rooms, doors, loops, furniture and walls.
 
 A floor is cut into parts at its narrow places: free cells that no free square of more than ``passage`` cells a side
 covers. A narrow place that touches two parts or more is a passage, as a door is; one that touches one part belongs to

@@ -32,7 +32,7 @@ def sense(state: State, lidar: LidarModel, b: int, agent: int, scan: Scan) -> No
 
 @inner()
 def see(state: State, b: int, agent: int, cells: np.ndarray, count: int) -> None:
-    """Enter the first ``count`` of the flat ``cells``, which the agent sees from where it is."""
+    """Mark the first ``count`` of the flat ``cells`` (K,) as observed by an agent from where it is."""
     state.visited[b, agent, state.cell[b, agent, 0], state.cell[b, agent, 1]] = True
     sensed, belief, union = state.sensed[b, agent].flat, state.belief[b, agent].flat, state.union[b].flat
     truth, counts = state.truth[b].flat, state.counts[b].flat
@@ -100,8 +100,8 @@ def _is_stuck(rules: Rules, state: State, b: int, agent: int) -> bool:
 
 
 @inner()
-def settle(rules: Rules, state: State, b: int) -> None:
-    """Compute the flying agents' rewards of the step, and end those that are done."""
+def finish_step(rules: Rules, state: State, b: int) -> None:
+    """Compute the rewards of the flying agents, and end those that are done."""
     team_done = rules.goal_of_team and state.team_covered[b] >= state.needed[b]
     if rules.goal_of_base:
         team_done = state.base_covered[b] >= state.needed[b]
@@ -195,7 +195,7 @@ def _move_all(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int,
 def _contact_and_settle(rules: Rules, state: State, work: Work, b: int) -> None:
     """Apply failures, exchange maps, and end the step."""
     _fail_and_contact(ExactParts(rules, state, work), b)
-    settle(rules, state, b)
+    finish_step(rules, state, b)
 
 
 @kernel()

@@ -1,4 +1,4 @@
-"""Pilots that stand for those of an isolated policy: they ask its process, and check what it answers."""
+"""Proxies for the pilots in the process of an isolated policy; its replies are validated."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class Pilots(Protocol):
 
     @property
     def privileged(self) -> bool:
-        """Whether they are told the true map."""
+        """Whether they receive the ground truth."""
 
     def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> dict[int, str]:
         """Make the pilots of a new batch, given the briefings of each episode; return reasons of failures."""
@@ -68,7 +68,7 @@ class LocalPilots:
 
     @property
     def privileged(self) -> bool:
-        """Whether they are told the true map."""
+        """Whether they receive the ground truth."""
         return self._policy.privileged
 
     def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> dict[int, str]:

@@ -20,7 +20,7 @@ from indoor_explorers.env.simulation.slam.maps import forget_lost, move_scan, pl
 from indoor_explorers.env.simulation.slam.scans import read_scan
 from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.env.simulation.step import clear_step, move, settle, update_legal
+from indoor_explorers.env.simulation.step import clear_step, finish_step, move, update_legal
 
 FLYING = int(End.FLYING)
 NOISE, DRIFT = int(Stream.NOISE), int(Stream.DRIFT)
@@ -156,4 +156,4 @@ def advance_uncertain(
                 _sense(parts, b, n)
         _fail_and_contact(parts, b)
         count_errors(state, parts.slam, b)
-        settle(engine.rules, state, b)
+        finish_step(engine.rules, state, b)
