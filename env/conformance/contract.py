@@ -9,19 +9,21 @@ import numpy as np
 
 from indoor_explorers.env.conformance.findings import CannotFly, Violation, calling, shown
 from indoor_explorers.env.conformance.traces import Trace
+from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import Action
-from indoor_explorers.env.policies.policy import Pilot, is_action, no_action
+from indoor_explorers.env.policies.policy import Pilot, checked_action
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Message
 
 
-def checked_action(answer: object, trace: Trace, count: int = 5) -> int:
+def action_of(answer: object, trace: Trace, count: int = 5) -> int:
     """Return an action, or to stay if the answer is none of ``count`` actions."""
-    if is_action(answer, count):
-        return int(answer)
     names = ", ".join([*(action.name.lower() for action in Action), "turn"][:count])
-    found = no_action(answer, count, f" ({names})")
-    trace.violations.setdefault("actions", Violation(found, "return an int, such as int(np.argmax(values))"))
-    return int(Action.STAY)
+    try:
+        return checked_action(answer, count, f" ({names})")
+    except InputError as error:
+        found = Violation(str(error), "return an int, such as int(np.argmax(values))")
+        trace.violations.setdefault("actions", found)
+        return int(Action.STAY)
 
 
 def checked_message(said: Any, trace: Trace) -> Message:

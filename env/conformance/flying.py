@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from indoor_explorers.env.conformance.contract import (
+    action_of,
     check_briefed,
     check_tallied,
-    checked_action,
     checked_message,
     facts_of,
 )
@@ -196,7 +196,7 @@ class CheckedFlight:
     def _recorded(self, b: int, n: int, answer: object, digest: bytes, share: float) -> int:
         """Record one UAV's answer and post its message; returns the action to fly."""
         trace, world = self.traces[b], self._world
-        action = checked_action(answer, trace, world.scenario.actions)
+        action = action_of(answer, trace, world.scenario.actions)
         with calling("pilot.message"):
             said = self._pilots[b, n].message
         message = checked_message(said, trace)

@@ -137,7 +137,7 @@ def _explored_by(harness: Harness, setups: list[Setup], own: list[Setup]) -> lis
 
 
 def matching_chance(explored: NDArray[np.int64]) -> float:
-    """Return the p-value of the sum of a square matrix's diagonal among those of all permutations of its rows."""
+    """Return the p-value of the sum of the diagonal of a matrix (K, K) among those of all permutations of its rows."""
     orders = np.array(list(permutations(range(len(explored)))))
     sums = explored[orders, np.arange(len(explored))].sum(axis=1)
     return float(np.mean(sums >= np.trace(explored)))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from indoor_explorers.env.conformance.findings import Violation
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.policies.view import Message, View
+from indoor_explorers.env.policies.view import Message, View, arrays_of, values_of
 
 
 class Setup(NamedTuple):
@@ -58,11 +58,10 @@ class Trace:
 def digest_of(view: View) -> bytes:
     """Return a hash of all that a view shows."""
     seen = hashlib.blake2b(digest_size=16)
-    for array in (view.belief, view.legal, view.visited):
-        seen.update(array.tobytes())
-    if view.log_odds is not None:
-        seen.update(view.log_odds.tobytes())
-    seen.update(repr((view.cell, *view[3:6], view.base_age, view.pose_std, view.heading)).encode())
+    for array in arrays_of(view):
+        if array is not None:
+            seen.update(array.tobytes())
+    seen.update(repr(values_of(view)).encode())
     return seen.digest()
 
 

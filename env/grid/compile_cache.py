@@ -1,4 +1,4 @@
-"""Machine code on disk, found by what it was made from.
+"""Content-addressed cache of compiled functions on disk.
 
 An entry's key is a hash of the function with all that it calls (:mod:`indoor_explorers.env.grid.fingerprints`), the
 types of its arguments, the processor and the versions of Python, numba, numpy and llvmlite. So a second copy of the
@@ -9,7 +9,8 @@ Entries lie in the user's cache folder, below ``NUMBA_CACHE_DIR`` where that is 
 files where the former cannot be written. Entries that no process has used for two months are removed.
 
 numba offers no public way to say where and under which key machine code is kept, so this file stands in for
-``numba.core.caching.FunctionCache`` with the five methods that dispatchers call. It is the only one to do so.
+``numba.core.caching.FunctionCache`` with the five methods that dispatchers call; see
+:mod:`indoor_explorers.env.grid.numba_parts`.
 """
 
 from __future__ import annotations
@@ -32,16 +33,11 @@ import llvmlite
 import numba
 import numpy as np
 from filelock import BaseFileLock, FileLock, Timeout
-from numba.core.compiler import CompileResult
-from numba.core.serialize import dumps
 from platformdirs import user_cache_path
 
 from indoor_explorers.env.grid.fingerprints import fingerprint, type_key
+from indoor_explorers.env.grid.numba_parts import CompileResult, dumps
 from indoor_explorers.env.grid.numba_tuning import install
-
-#: Parts of numba that carry no types.
-_Result: Any = CompileResult
-_dumps: Any = dumps
 
 #: Days after which an entry that no process has used is removed.
 KEPT_DAYS = 60
@@ -54,7 +50,7 @@ Listener = Callable[[str | None], None]
 listeners: list[Listener] = []
 
 
-#: Those of all functions that this process has defined.
+#: Caches of all functions defined in this process.
 _caches: list[CompileCache] = []
 
 
@@ -115,7 +111,7 @@ class CompileCache:
             return
         with contextlib.suppress(OSError):
             if not result.library.has_dynamic_globals:  # addresses of this process
-                write_entry(file, _dumps(result._reduce()))
+                write_entry(file, dumps(result._reduce()))
         self._release(file)
 
     def _file(self, sig: Any, codegen: Any) -> Path | None:
@@ -227,7 +223,7 @@ def _read(file: Path, target_context: Any) -> Any:
     except OSError:
         return None
     try:
-        found = _Result._rebuild(target_context, *pickle.loads(data))
+        found = CompileResult._rebuild(target_context, *pickle.loads(data))
     except Exception:  # whatever unpickling raises
         file.unlink(missing_ok=True)
         return None

@@ -5,6 +5,9 @@ same for functions that allocate nothing: without numba's reference counts of ar
 these functions do, and which the arrays' owner, who calls, makes unnecessary. A leaf may call leaves only. ``inner``
 is a leaf that compiled code alone may call, as it has no entry from Python, which would take longer to compile than
 the function itself; a call from Python would crash.
+
+Where numba has not the private parts that this builds on (:mod:`indoor_explorers.env.grid.numba_parts`), all of them
+are ``njit(cache=True)``.
 """
 
 from __future__ import annotations
@@ -15,18 +18,26 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, TypeVar, cast
 
-from numba import njit
-from numba.core.dispatcher import Dispatcher
+import numba
 
 from indoor_explorers.env.grid import compile_cache
 from indoor_explorers.env.grid.compile_cache import CompileCache
+from indoor_explorers.env.grid.numba_parts import MISSING, Dispatcher
 from indoor_explorers.env.grid.numba_tuning import widen_literals
 
 #: Set in the environment, this keeps a process from saying so.
 QUIET = "INDOOR_EXPLORERS_QUIET"
 NOTICE = "indoor-explorers: compiling for this machine, once; this may take half a minute\n"
 
-_njit: Any = njit  # some of its options are left out of its types
+#: What is said where numba has changed.
+SLOWER = (
+    "indoor-explorers: numba {} has changed ({}): compiling takes longer, and compiled code may be slower; results are "
+    "the same. After a change of a compiled function remove __pycache__, as numba misses changes of what others call\n"
+)
+#: Options of njit that are documented.
+_DOCUMENTED = ("error_model", "fastmath", "parallel", "inline", "boundscheck")
+
+_njit: Any = numba.njit  # some of its options are left out of its types
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -36,6 +47,11 @@ def kernel(*, entry: bool = True, **options: Any) -> Callable[[Function], Functi
     Without ``entry`` the function can be called by compiled code alone, which compiles in a fraction of the time.
     """
 
+    def plain(function: Function) -> Function:
+        _warn()
+        documented = {name: value for name, value in options.items() if name in _DOCUMENTED}
+        return cast(Function, _njit(nogil=True, cache=True, **documented)(function))
+
     def compiled(function: Function) -> Function:
         dispatcher = _njit(nogil=True, no_cfunc_wrapper=True, no_cpython_wrapper=not entry, **options)(function)
         if isinstance(dispatcher, Dispatcher):  # a plain function when NUMBA_DISABLE_JIT is set
@@ -43,7 +59,7 @@ def kernel(*, entry: bool = True, **options: Any) -> Callable[[Function], Functi
             widen_literals(dispatcher)
         return cast(Function, dispatcher)
 
-    return compiled
+    return plain if MISSING else compiled
 
 
 def leaf(*, entry: bool = True) -> Callable[[Function], Function]:
@@ -58,6 +74,12 @@ def inner() -> Callable[[Function], Function]:
     few arguments are better called: ``leaf(entry=False)``.
     """
     return kernel(entry=False, error_model="numpy", _nrt=False, forceinline=True)
+
+
+@lru_cache(maxsize=1)
+def _warn() -> None:
+    if not os.environ.get(QUIET):
+        sys.stderr.write(SLOWER.format(numba.__version__, MISSING))
 
 
 @lru_cache(maxsize=1)

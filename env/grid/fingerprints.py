@@ -1,4 +1,4 @@
-"""A hash of what a compiled function depends on: its code, and whatever that names, followed all the way down.
+"""A hash of all that a compiled function depends on, transitively: its code, and whatever that names.
 
 Two functions of equal fingerprints compile to the same machine code. File names, line numbers, docstrings and
 comments are left out, so a change elsewhere, or a second copy of the sources, changes no fingerprint.
@@ -14,7 +14,8 @@ from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numba
-from numba.core.dispatcher import Dispatcher
+
+from indoor_explorers.env.grid.numba_parts import Dispatcher
 
 #: numba's types, half of whose attributes are not declared.
 types: Any = numba.types

@@ -1,7 +1,7 @@
 """Changes to numba that halve the time it takes to compile this project.
 
-numba has no public way to do these four things. :func:`install` does them once in a process, before the first function
-is compiled, and does nothing where numba does not have the parts that they build on. Compiled code stays as fast.
+numba has no public way to do these two things. :func:`install` does the first once in a process, before the first
+function is compiled. Compiled code stays as fast.
 
 - Functions that only compiled code calls are optimised where they are called from, not once more by themselves. numba
   optimises each function together with copies of all that it calls, and then emits machine code for it: a function
@@ -9,44 +9,28 @@ is compiled, and does nothing where numba does not have the parts that they buil
   Here a function without an entry from Python is cleaned up and handed to its callers (:class:`LazyCodeLibrary`).
 - Literals are passed as integers (:func:`widen_literals`). numba compiles a function anew for each constant that it is
   called with.
-- The garbage collector rests while numba compiles, as it finds next to nothing.
-- Compile options are compared by what was set, not by asking for each of two dozen options by name.
 """
 
 from __future__ import annotations
 
-import gc
 from functools import lru_cache
 from typing import Any
 
 from llvmlite import binding as llvm
 from numba import types
-from numba.core import codegen, event
-from numba.core.registry import cpu_target
-from numba.core.targetconfig import TargetConfig
+
+from indoor_explorers.env.grid.numba_parts import Codegen, CodeLibrary, cpu_target
 
 #: Beginnings of the names of functions that C or Python call.
 _ENTRIES = ("_ZN7cpython", "cfunc.")
 #: Entries of numba's own helpers, which only compiled code calls.
 _HELPERS = "_ZN7cpython5numba"
 
-#: What is built on, of numba's class for the code of one function.
-_PARTS = (
-    "_optimize_functions",
-    "_get_module_for_linking",
-    "_finalize_dynamic_globals",
-    "_finalize_final_module",
-    "_unserialize",
-)
-
-_Base: Any = codegen.JITCodeLibrary
-_Options: Any = TargetConfig
 _unliteral: Any = types.unliteral
-_register: Any = event.register
-_set_defined: Any = codegen.JITCPUCodegen.set_env
+_set_defined: Any = getattr(Codegen, "set_env", None)
 
 
-class LazyCodeLibrary(_Base):  # type: ignore[misc]  # a base class without types
+class LazyCodeLibrary(CodeLibrary):  # type: ignore[misc]  # a base class without types
     """The code of one function, with copies of what it calls; machine code only where there is an entry."""
 
     _emitted = False
@@ -127,46 +111,6 @@ def _remember_environment(owner: Any, name: str, environment: Any) -> None:
     _set_environment(owner, name, environment)
 
 
-class _CollectorRests(event.Listener):
-    """Keeps Python's garbage collector from running while numba compiles."""
-
-    def __init__(self) -> None:
-        self._depth = 0
-        self._was_on = False
-
-    def on_start(self, event: Any) -> None:
-        if self._depth == 0:
-            self._was_on = gc.isenabled()
-            gc.disable()
-        self._depth += 1
-
-    def on_end(self, event: Any) -> None:
-        self._depth = max(self._depth - 1, 0)
-        if self._depth == 0 and self._was_on:
-            gc.enable()
-
-
-@lru_cache(maxsize=8)
-def _defaults(kind: Any) -> dict[str, Any]:
-    return {name: option.default for name, option in kind.options.items()}
-
-
-def _all_values(kind: Any, options: Any) -> dict[str, Any]:
-    return {**_defaults(kind), **options._values}
-
-
-def _is_same(options: Any, other: Any) -> bool:
-    """Tell whether two sets of compile options say the same."""
-    kind: Any = type(options)
-    if kind is not type(other):
-        return False
-    return bool(options._values == other._values or _all_values(kind, options) == _all_values(kind, other))
-
-
-def _hash_of_kind(options: Any) -> int:
-    return hash(type(options))
-
-
 def widen_literals(dispatcher: Any) -> None:
     """Have a function compiled once for all integers and truth values instead of anew for each constant."""
     chosen = dispatcher.get_call_template
@@ -182,13 +126,8 @@ def _widened(kind: Any) -> Any:
 
 
 @lru_cache(maxsize=1)
-def install() -> bool:
-    """Let numba compile this way from now on in this process; tell whether it does."""
+def install() -> None:
+    """Let numba compile this way from now on in this process."""
     owner = type(cpu_target.target_context.codegen())
-    if owner._library_class is not _Base or not all(hasattr(_Base, name) for name in _PARTS):
-        return False
     owner._library_class = LazyCodeLibrary
     owner.set_env = _remember_environment
-    _Options.__eq__, _Options.__hash__ = _is_same, _hash_of_kind
-    _register("numba:compile", _CollectorRests())
-    return True

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.errors import InputError, did_you_mean, shown
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.observations.base import Encoder
-from indoor_explorers.env.policies.policy import integers, is_action, no_action
+from indoor_explorers.env.policies.policy import checked_action, integers
 from indoor_explorers.env.scenarios.loading import named_scenario
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.simulation.state import End, State
@@ -79,12 +79,10 @@ def one_action(action: Any, count: int) -> int:
         InputError: it is none of ``count`` actions.
 
     """
-    number = action if is_action(action, count) else integers(action, count)
-    if not isinstance(number, np.ndarray):
-        return int(number)
-    if number.ndim or not is_action(number.item(), count):
-        raise InputError(no_action(action, count))
-    return int(number)
+    if isinstance(action, (int, np.integer)):
+        return checked_action(action, count)
+    array = integers(action, count)
+    return checked_action(action if array.ndim else array.item(), count)
 
 
 def draw_seed(rng: np.random.Generator) -> int:

@@ -1,4 +1,4 @@
-"""A true map: what the world is made of and no UAV may see."""
+"""The ground-truth occupancy grid of an episode, hidden from policies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Geometry statistics of a floor plan: widths, rooms and doors, loops, furniture and walls."""
+"""Geometry statistics of a floor plan, from its free cells alone: widths, rooms, doors, loops, furniture and walls."""
 
 from __future__ import annotations
 

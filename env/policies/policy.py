@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import operator
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, TypeGuard
+from typing import Any, ClassVar, SupportsIndex, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,17 +14,28 @@ from indoor_explorers.env.errors import InputError, one_line, shown
 from indoor_explorers.env.policies.view import Briefing, Message, View
 
 
-def is_action(action: object, count: int = 5) -> TypeGuard[int]:
-    """Tell whether a pilot's answer is one of ``count`` actions: an integer from 0, and no bool."""
-    return isinstance(action, (int, np.integer)) and not isinstance(action, bool) and bool(0 <= action < count)
+def checked_action(answer: object, count: int = 5, names: str = "") -> int:
+    """Return the action in [0, count) that an answer means: an integer, of a subclass of int its true value.
 
+    Args:
+        answer: Any object; a bool is no action.
+        count: Number of actions.
+        names: Their names for the error.
 
-def no_action(answer: object, count: int = 5, names: str = "") -> str:
-    """Say what was expected, with the ``names`` of the actions, and what was received that is none of them."""
-    span, kind = f"from 0 to {count - 1}{names}", one_line(type(answer).__name__)
-    if answer is None or (isinstance(answer, (int, np.integer)) and not isinstance(answer, bool)):
-        return f"expected an action {span}, got {shown(answer)}"
-    return f"expected an int {span}, got the {kind} {shown(answer)}"
+    Raises:
+        InputError: it is none of them.
+
+    """
+    if type(answer) is int and 0 <= answer < count:  # nearly always; all else takes longer
+        return answer
+    number = isinstance(answer, (int, np.integer)) and not isinstance(answer, bool)
+    action = operator.index(cast("SupportsIndex", answer)) if number else -1
+    if 0 <= action < count:
+        return action
+    span = f"from 0 to {count - 1}{names}"
+    if number or answer is None:
+        raise InputError(f"expected an action {span}, got {shown(answer)}")
+    raise InputError(f"expected an int {span}, got the {one_line(type(answer).__name__)} {shown(answer)}")
 
 
 def integers(actions: ArrayLike, count: int = 5) -> NDArray[np.integer[Any]]:
@@ -36,11 +48,11 @@ def integers(actions: ArrayLike, count: int = 5) -> NDArray[np.integer[Any]]:
     try:
         array = np.asarray(actions)
     except (TypeError, ValueError):  # lists of different lengths
-        raise InputError(no_action(actions, count)) from None
+        checked_action(actions, count)  # which it is not
+        raise
     if array.dtype.kind not in "iu":
         for each in array.reshape(-1).tolist():
-            if not is_action(each, count):
-                raise InputError(no_action(each, count))
+            checked_action(each, count)
     return array
 
 

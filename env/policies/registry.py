@@ -32,7 +32,6 @@ WANTED = "expected a subclass of indoor_explorers.env.Policy"
 #: Which extra of the distribution brings an optional module.
 EXTRAS = {
     "torch": "rl",
-    "safetensors": "rl",
     "pettingzoo": "marl",
     "stable_baselines3": "sb3",
     "sb3_contrib": "sb3",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from operator import itemgetter
+from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,14 +53,35 @@ class Mate(NamedTuple):
     """Its last received message."""
 
 
-class View(NamedTuple):
-    """The knowledge of one UAV at a step."""
+@dataclass(frozen=True)
+class LiveArray:
+    """Marks a field of :class:`View` that is an array of the world's; its annotation is all that has to be said of it.
 
-    belief: Belief
+    Such fields reach the process of an isolated policy through shared memory, all others as plain values.
+    """
+
+    dtype: type[np.generic]
+    shape: tuple[int, ...] | None = None
+    """None for that of the map, (H, W)."""
+    uncertain: bool = False
+    """Whether the field is None where maps are certain."""
+
+    def shape_on(self, shape: tuple[int, int]) -> tuple[int, ...]:
+        """Return the field's shape on an (H, W) map."""
+        return shape if self.shape is None else self.shape
+
+
+class View(NamedTuple):
+    """The knowledge of one UAV at a step.
+
+    Each field is declared here alone: how views are shared with other processes and compared follows from this class.
+    """
+
+    belief: Annotated[Belief, LiveArray(np.uint8)]
     """(H, W) uint8, 0 unknown, 1 free, 2 occupied. Read-only and live: copy it to keep it."""
     cell: Cell
     """The UAV's own (row, column)."""
-    legal: Mask
+    legal: Annotated[Mask, LiveArray(np.bool_, (5,))]
     """(5,) bool: actions that end neither in a wall nor off the map. A teammate may still be in the way."""
     step: int
     """Steps flown so far."""
@@ -66,11 +89,11 @@ class View(NamedTuple):
     """Steps of the whole episode."""
     mates: tuple[Mate, ...]
     """All teammates heard so far, by number."""
-    visited: Mask
+    visited: Annotated[Mask, LiveArray(np.bool_)]
     """(H, W) bool: cells the UAV itself has been in, its own included. Read-only and live."""
     base_age: int | None = None
     """Steps since the last contact with the home base, directly or through teammates; None for never, or no base."""
-    log_odds: NDArray[np.float32] | None = None
+    log_odds: Annotated[NDArray[np.float32] | None, LiveArray(np.float32, uncertain=True)] = None
     """(H, W) log-odds that each cell is occupied, 0 without evidence; ``belief`` shows the more probable. Read-only and
     live. None where maps are certain."""
     pose_std: float = 0.0
@@ -85,6 +108,33 @@ class View(NamedTuple):
         if self.log_odds is None:
             return np.array((0.5, 0.0, 1.0))[self.belief]
         return np.asarray(1.0 / (1.0 + np.exp(-self.log_odds.astype(np.float64))))
+
+
+def _live_arrays() -> dict[str, LiveArray]:
+    hints = get_type_hints(View, include_extras=True)
+    marks = {name: getattr(hints[name], "__metadata__", (None,))[0] for name in View._fields}
+    return {name: mark for name, mark in marks.items() if isinstance(mark, LiveArray)}
+
+
+#: The fields of a view that are arrays, and the others, in the order of the fields.
+LIVE_ARRAYS: Final = _live_arrays()
+PLAIN_FIELDS: Final = tuple(name for name in View._fields if name not in LIVE_ARRAYS)
+
+#: The arrays of a view as a tuple, in the order of LIVE_ARRAYS; None for one that is not there.
+Arrays = tuple[NDArray[Any] | None, ...]
+#: Returns the arrays of a view.
+arrays_of: Callable[[View], Arrays] = itemgetter(*map(View._fields.index, LIVE_ARRAYS))
+#: Returns all else that a view tells, in the order of PLAIN_FIELDS.
+values_of: Callable[[View], tuple[Any, ...]] = itemgetter(*map(View._fields.index, PLAIN_FIELDS))
+
+_in_order: Callable[[tuple[Any, ...]], Any] = itemgetter(*map((*LIVE_ARRAYS, *PLAIN_FIELDS).index, View._fields))
+_made: Any = tuple.__new__  # what View's constructor calls, in half its time
+
+
+def view_of(arrays: Arrays, values: tuple[Any, ...]) -> View:
+    """Return the view that has these arrays and these values: the inverse of ``arrays_of`` and ``values_of``."""
+    view: View = _made(View, _in_order(arrays + values))
+    return view
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -70,7 +70,7 @@ def paint_team_map(canvas: Canvas, box: Box, scene: Scene) -> None:
     _team_map(canvas, box, scene, _colours(scene))
 
 
-def gone(scene: Scene) -> Mask:
+def ended_early(scene: Scene) -> Mask:
     """Return (N,) the UAVs to mark as ended: none when the team has flown together to its goal or budget."""
     together = np.isin(scene.ends, (End.GOAL, End.BUDGET)).all()
     return np.asarray((scene.ends != End.FLYING) & ~together)
@@ -97,7 +97,7 @@ def percent(share: float) -> str:
 def _colours(scene: Scene) -> NDArray[np.uint8]:
     """Return (N, 3) the colours of the UAVs, paler where they have ended."""
     full = uav_colours(scene.team)
-    return np.where(gone(scene)[:, None], paler(full), full)
+    return np.where(ended_early(scene)[:, None], paler(full), full)
 
 
 def _caption(canvas: Canvas, layout: FrameLayout, scene: Scene) -> None:
@@ -144,7 +144,7 @@ def _team_map(canvas: Canvas, box: Box, scene: Scene, colours: NDArray[np.uint8]
     overlays.links(chart, *_drawn_links(scene))
     if scene.base is not None:
         overlays.base(chart, np.array(scene.base))
-    for agent in np.flatnonzero(gone(scene)).tolist() if scene.team <= LABELLED else ():
+    for agent in np.flatnonzero(ended_early(scene)).tolist() if scene.team <= LABELLED else ():
         end = End(int(scene.ends[agent]))
         overlays.label(chart, scene.cells, agent, f"{agent}: {ENDS[end]}" if end == End.STOPPED else ENDS[end])
     for agent in np.argsort(flying, kind="stable").tolist():  # those that fly last, on top
@@ -185,7 +185,7 @@ def _title(canvas: Canvas, box: Box, scene: Scene, agent: int, colour: NDArray[n
     title = f"UAV {agent}"
     known, most = (f"{count:,} cells" for count in (np.count_nonzero(scene.beliefs[agent]), scene.truth.size))
     line, room = box.top - 10.0, box.width - 14
-    if gone(scene)[agent]:
+    if ended_early(scene)[agent]:
         long, short = f"{title}: {ENDS[end]}", f"{agent}: {ENDS[end]}"
         title = long if text_width(long, 13) <= room else short
     disc(canvas, (box.left + 5.0, line), 4.5, colour)

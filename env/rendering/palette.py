@@ -63,7 +63,7 @@ def uav_colours(team: int) -> NDArray[np.uint8]:
 
 
 def paler(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return the colours (..., 3) of UAVs that have ended."""
+    """Return colours (..., 3) uint8 as those of UAVs that have ended."""
     return np.asarray(0.42 * colours + 0.58 * 232, np.uint8)
 
 

@@ -49,7 +49,7 @@ class Renderer:
         return paint(scene_of(self._world, episode, self._trails[episode]))
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture of the first episode, or show it in the window, or do nothing."""
+        """Return a picture (h, w, 3) of the first episode, or show it in the window, or do nothing."""
         if self._window is not None:
             self._window.show(self.picture(0))
             return None

@@ -50,7 +50,7 @@ class Window:
         return *made_anew, {"closed": self.closed}
 
     def show(self, picture: NDArray[np.uint8]) -> None:
-        """Show a picture, scaled to the window, and wait until the next one is due."""
+        """Show a picture (h, w, 3), scaled to the window, and wait until the next one is due."""
         pygame = self._pygame
         if not self.closed and (self._clock is None or not pygame.display.get_init()):
             self._open(picture)
@@ -70,7 +70,7 @@ class Window:
         self._clock.tick(self._fps)
 
     def linger(self, picture: NDArray[np.uint8]) -> None:
-        """Show a picture until the window is closed; return at once where there is no window to see."""
+        """Show a picture (h, w, 3) until the window is closed; return at once where there is no window to see."""
         self.show(picture)
         while not self.closed and self._pygame.display.get_driver() not in BLIND:
             self.show(picture)

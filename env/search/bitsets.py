@@ -82,25 +82,25 @@ def hash_keys(count: int) -> NDArray[np.uint64]:
 
 @inner()
 def holds(words: np.ndarray, cell: int) -> bool:
-    """Tell whether a set has a cell."""
+    """Tell whether a set (W,) uint64 has a cell."""
     return bool((words[cell >> 6] >> np.uint64(cell & 63)) & _ONE)
 
 
 @inner()
 def insert(words: np.ndarray, cell: int) -> None:
-    """Put a cell into a set."""
+    """Put a cell into a set (W,) uint64."""
     words[cell >> 6] |= _ONE << np.uint64(cell & 63)
 
 
 @inner()
 def remove(words: np.ndarray, cell: int) -> None:
-    """Take a cell out of a set."""
+    """Take a cell out of a set (W,) uint64."""
     words[cell >> 6] &= ~(_ONE << np.uint64(cell & 63))
 
 
 @inner()
 def intersect(first: np.ndarray, second: np.ndarray) -> bool:
-    """Tell whether two sets have a cell in common."""
+    """Tell whether two sets (W,) uint64 have a cell in common."""
     common = np.uint64(0)
     for w in range(first.shape[0]):
         common |= first[w] & second[w]
@@ -109,7 +109,7 @@ def intersect(first: np.ndarray, second: np.ndarray) -> bool:
 
 @inner()
 def is_subset(first: np.ndarray, second: np.ndarray) -> bool:
-    """Tell whether all cells of the first set are in the second."""
+    """Tell whether all cells of the first set (W,) uint64 are in the second (W,)."""
     outside = np.uint64(0)
     for w in range(first.shape[0]):
         outside |= first[w] & ~second[w]

@@ -129,7 +129,7 @@ def _adjust(
 
 @kernel()
 def cell_prices(graph: WalkGraph, team: int, missable: int, rounds: int) -> CellPrices:
-    """Return prices and potentials after so many rounds, for ``team`` UAVs that may miss ``missable`` cells."""
+    """Return prices and potentials after ``rounds`` iterations, for ``team`` UAVs that may miss ``missable`` cells."""
     count, states, steps = graph.unseen.shape[0], graph.first.shape[0] - 1, graph.target.shape[0]
     most = 1
     for step in range(steps):

@@ -10,7 +10,7 @@ from indoor_explorers.env.grid.compiled import kernel, leaf
 
 @leaf(entry=False)
 def touches_unknown(belief: np.ndarray, row: int, col: int) -> bool:
-    """Tell whether a cell is 4-adjacent to an unknown one."""
+    """Tell whether a cell of a belief (H, W) uint8 is 4-adjacent to an unknown one."""
     height, width = belief.shape
     return bool(
         (row > 0 and belief[row - 1, col] == UNKNOWN)
@@ -22,7 +22,7 @@ def touches_unknown(belief: np.ndarray, row: int, col: int) -> bool:
 
 @leaf()
 def on_frontier(belief: np.ndarray, cell: int) -> bool:
-    """Tell whether a flat cell is a frontier cell."""
+    """Tell whether a flat cell of a belief (H, W) uint8 is a frontier cell."""
     row, col = divmod(cell, belief.shape[1])
     return bool(belief[row, col] == FREE and touches_unknown(belief, row, col))
 

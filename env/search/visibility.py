@@ -97,7 +97,7 @@ def _scan_into(
 
 @kernel(entry=False)
 def grown(words: np.ndarray, size: int) -> np.ndarray:
-    """Return a copy of an array with room for ``size`` numbers."""
+    """Return a copy of an array (K,) with room for ``size`` numbers, (size,)."""
     larger = np.empty(size, words.dtype)
     for k in range(words.shape[0]):
         larger[k] = words[k]

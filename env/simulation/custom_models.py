@@ -25,7 +25,7 @@ from indoor_explorers.env.simulation.step import begin_step, end_step, enter_sca
 
 @dataclass(frozen=True)
 class CustomModels:
-    """The plug-ins of a scenario; one of the two at least."""
+    """The plug-ins of a scenario: at least one is not None."""
 
     scenario: Scenario
     lidar: Callable[..., Any] | None
@@ -44,7 +44,7 @@ class CustomModels:
             first_contacts(engine, b)
 
     def advance(self, engine: Engine, state: State, actions: NDArray[np.int64], first: int, last: int) -> None:
-        """Advance episodes first to last - 1 by one step, as :func:`~indoor_explorers.env.simulation.step.advance`."""
+        """Advance episodes first to last - 1 by one step with actions (B, N), as ``advance`` of exact worlds does."""
         flying = np.zeros(len(state.end), np.bool_)
         begin_step(engine, actions, flying, first, last)
         for b in np.flatnonzero(flying).tolist():

@@ -34,6 +34,14 @@ class Work(NamedTuple):
     """(N,) lengths of the discovery logs before an exchange."""
 
 
+class ExactParts(NamedTuple):
+    """What the compiled functions of a step without errors read and write."""
+
+    rules: Rules
+    state: State
+    work: Work
+
+
 @kernel()
 def new_work(lidar: LidarModel, team: int) -> Work:
     """Allocate the working arrays of steps."""

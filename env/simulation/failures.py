@@ -10,6 +10,7 @@ from __future__ import annotations
 from indoor_explorers.env.grid.cells import UNKNOWN
 from indoor_explorers.env.grid.compiled import inner
 from indoor_explorers.env.grid.randomness import uniform
+from indoor_explorers.env.simulation.engine import ExactParts
 from indoor_explorers.env.simulation.state import End, Rules, State
 
 FLYING, STOPPED = int(End.FLYING), int(End.STOPPED)
@@ -35,7 +36,7 @@ def silence_radios(rules: Rules, state: State, b: int) -> None:
 
 
 @inner()
-def stops(rules: Rules, state: State, b: int, agent: int) -> bool:
+def _stops(rules: Rules, state: State, b: int, agent: int) -> bool:
     """Stop an agent if it fails in this step; return whether it did."""
     listed = rules.stop_step[agent] == state.step[b]
     if state.end[b, agent] != FLYING or not (listed or _happens(state, b, agent, UAV, rules.hazard)):
@@ -46,11 +47,20 @@ def stops(rules: Rules, state: State, b: int, agent: int) -> bool:
 
 
 @inner()
-def stop_uavs(rules: Rules, state: State, b: int) -> None:
-    """Stop the UAVs that fail in this step; the team loses what they alone knew."""
+def stop_uavs(rules: Rules, state: State, b: int) -> bool:
+    """Stop the UAVs that fail in this step; return whether any did."""
+    any_stopped = False
     for n in range(state.end.shape[1]):
-        if stops(rules, state, b, n):
-            _forget(rules, state, b, n)
+        any_stopped |= _stops(rules, state, b, n)
+    return any_stopped
+
+
+@inner()
+def forget_lost(parts: ExactParts, b: int) -> None:
+    """Take out of the team's union what only agents know that have stopped."""
+    for n in range(parts.state.end.shape[1]):
+        if parts.state.end[b, n] == STOPPED:
+            _forget(parts.rules, parts.state, b, n)
 
 
 @inner()

@@ -7,9 +7,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.cells import Action
-from indoor_explorers.env.policies.policy import Pilot, Policy, is_action, no_action
+from indoor_explorers.env.policies.policy import Pilot, Policy, checked_action
 from indoor_explorers.env.simulation.world import World
 
 #: A UAV of a batch: (episode, agent).
@@ -44,9 +43,8 @@ def ask_pilots(policy: Policy, pilots: Mapping[Uav, Pilot], world: World) -> Ask
         for group in [flying] if policy.batched else [[uav] for uav in flying]:
             actions = policy.act([pilots[uav] for uav in group], [world.view(*uav) for uav in group])
             for uav, action in zip(group, actions, strict=True):
-                if not is_action(action, world.scenario.actions):
-                    raise InputError(no_action(action, world.scenario.actions))
+                checked = checked_action(action, world.scenario.actions)
                 world.post(*uav, pilots[uav].message)
-                yield uav, action
+                yield uav, checked
 
     return ask

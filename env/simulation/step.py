@@ -9,15 +9,16 @@ from indoor_explorers.env.grid.compiled import inner, kernel, leaf
 from indoor_explorers.env.grid.randomness import shuffled
 from indoor_explorers.env.scenarios.codes import RadioModel, StuckRule
 from indoor_explorers.env.sensing.lidar import LidarModel, Scan, visible_cells
-from indoor_explorers.env.simulation.engine import Engine, Work
-from indoor_explorers.env.simulation.failures import silence_radios, stop_uavs
-from indoor_explorers.env.simulation.home_base import link_base, report
-from indoor_explorers.env.simulation.radio import exchange, learn, link
+from indoor_explorers.env.simulation.contacts import contacts_of
+from indoor_explorers.env.simulation.engine import Engine, ExactParts, Work
+from indoor_explorers.env.simulation.failures import forget_lost
+from indoor_explorers.env.simulation.home_base import report
+from indoor_explorers.env.simulation.radio import exchange, learn
 from indoor_explorers.env.simulation.state import End, Rules, State
 
 FLYING, GOAL, COLLISION, OUT_OF_BOUNDS, STUCK, BUDGET, _ = (int(end) for end in End)
 NO_DISCOVERY, OSCILLATION = int(StuckRule.NO_DISCOVERY), int(StuckRule.OSCILLATION)
-NO_RADIO, CUSTOM_RADIO = int(RadioModel.NONE), int(RadioModel.CUSTOM)
+CUSTOM_RADIO = int(RadioModel.CUSTOM)
 
 
 @inner()
@@ -31,7 +32,7 @@ def sense(state: State, lidar: LidarModel, b: int, agent: int, scan: Scan) -> No
 
 @inner()
 def see(state: State, b: int, agent: int, cells: np.ndarray, count: int) -> None:
-    """Enter the first ``count`` of the flat ``cells``, which the agent sees from where it is."""
+    """Mark the first ``count`` of the flat ``cells`` (K,) as observed by an agent from where it is."""
     state.visited[b, agent, state.cell[b, agent, 0], state.cell[b, agent, 1]] = True
     sensed, belief, union = state.sensed[b, agent].flat, state.belief[b, agent].flat, state.union[b].flat
     truth, counts = state.truth[b].flat, state.counts[b].flat
@@ -99,8 +100,8 @@ def _is_stuck(rules: Rules, state: State, b: int, agent: int) -> bool:
 
 
 @inner()
-def settle(rules: Rules, state: State, b: int) -> None:
-    """Compute the flying agents' rewards of the step, and end those that are done."""
+def finish_step(rules: Rules, state: State, b: int) -> None:
+    """Compute the rewards of the flying agents, and end those that are done."""
     team_done = rules.goal_of_team and state.team_covered[b] >= state.needed[b]
     if rules.goal_of_base:
         team_done = state.base_covered[b] >= state.needed[b]
@@ -148,18 +149,19 @@ def begin(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int) -> 
             sense(state, lidar, b, n, work.scan)
         update_legal(state, b, n, state.truth[b])
     if rules.exact_scans and rules.radio_model != CUSTOM_RADIO:
-        _contact(rules, state, work, b)
+        _contact(ExactParts(rules, state, work), b)
 
 
 @inner()
-def _contact(rules: Rules, state: State, work: Work, b: int) -> None:
+def _share_beliefs(parts: ExactParts, b: int, linked: bool, based: bool) -> None:
     """Exchange what linked agents, and the base, know."""
-    linked = link(rules, state, b, work.component)
-    based = rules.base and link_base(rules, state, b, work.component)
     if linked or based:
-        exchange(state, b, work.component, work.before)
+        exchange(parts.state, b, parts.work.component, parts.work.before)
     if based:
-        report(state, b)
+        report(parts.state, b)
+
+
+_contact, _fail_and_contact = contacts_of(_share_beliefs, forget_lost)
 
 
 @inner()
@@ -191,16 +193,9 @@ def _move_all(rules: Rules, state: State, lidar: LidarModel, work: Work, b: int,
 
 @inner()
 def _contact_and_settle(rules: Rules, state: State, work: Work, b: int) -> None:
-    """Let fail what fails, exchange what linked agents know, and end the step."""
-    if rules.failures:
-        silence_radios(rules, state, b)
-        if not rules.last_word:
-            stop_uavs(rules, state, b)
-    if rules.base or (state.end.shape[1] > 1 and rules.radio_model != NO_RADIO):
-        _contact(rules, state, work, b)
-    if rules.failures and rules.last_word:
-        stop_uavs(rules, state, b)
-    settle(rules, state, b)
+    """Apply failures, exchange maps, and end the step."""
+    _fail_and_contact(ExactParts(rules, state, work), b)
+    finish_step(rules, state, b)
 
 
 @kernel()
@@ -239,12 +234,12 @@ def end_step(engine: Engine, flying: np.ndarray, first: int, last: int) -> None:
 @kernel()
 def first_contacts(engine: Engine, b: int) -> None:
     """Make the radio contacts of an episode that has just begun."""
-    _contact(engine.rules, engine.state, engine.work, b)
+    _contact(ExactParts(engine.rules, engine.state, engine.work), b)
 
 
 @leaf()
 def are_actions(actions: np.ndarray, count: int) -> bool:
-    """Tell whether all of (B, N) numbers are one of so many actions."""
+    """Tell whether all of (B, N) numbers are in [0, count)."""
     good = True
     for action in actions.flat:
         good &= 0 <= action < count

@@ -12,8 +12,17 @@ from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask, read_only
 from indoor_explorers.env.grid.randomness import Stream, generator
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.policies.policy import integers
-from indoor_explorers.env.policies.view import Briefing, Mate, Message, View, message_numbers
+from indoor_explorers.env.policies.policy import checked_action, integers
+from indoor_explorers.env.policies.view import (
+    LIVE_ARRAYS,
+    Arrays,
+    Briefing,
+    Mate,
+    Message,
+    View,
+    message_numbers,
+    view_of,
+)
 from indoor_explorers.env.scenarios.scenario import Scenario
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.env.simulation.custom_models import CustomModels
@@ -58,8 +67,8 @@ class World:
         """Make the attributes that a copy makes anew."""
         self._priors: dict[int, Belief] = {}
         """Prior maps of the episodes that were asked for theirs."""
-        self._shown: dict[tuple[int, int], tuple[Belief, Mask, Mask]] = {}
-        """Belief, legal moves and visited cells of each (episode, agent) that was viewed."""
+        self._shown: dict[tuple[int, int], Arrays] = {}
+        """The arrays of each (episode, agent) that was viewed."""
         self._models: CustomModels | UncertainModel | None = CustomModels.of(self.scenario)
         self._threads = Threads(max(1, min(threads, self.batch)))
         self._preparation = Preparation(self.scenario, self.batch, self._threads)
@@ -228,8 +237,8 @@ class World:
                 f"expected actions of shape {self.state.end.shape} (episodes, agents), got {checked.shape}"
             )
         if not are_actions(checked, count):
-            least, most = int(checked.min()), int(checked.max())
-            raise InputError(f"expected actions from 0 to {count - 1}, got {least} to {most}")
+            for action in checked.flat:
+                checked_action(int(action), count)
         return checked
 
     def in_slices(self, work: Callable[[Engine, int, int], object]) -> None:
@@ -247,28 +256,16 @@ class World:
 
     def view(self, episode: int, agent: int) -> View:
         """Return the current view of one agent."""
-        state = self.state
-        belief, legal, visited = self._shown.get((episode, agent)) or self._show(episode, agent)
-        shown = View(
-            belief=belief,
-            cell=(state.believed_cell.item(episode, agent, 0), state.believed_cell.item(episode, agent, 1)),
-            legal=legal,
-            step=state.step.item(episode),
-            budget=state.budget.item(episode),
-            mates=self._mates(episode, agent) if self.scenario.team > 1 else (),
-            visited=visited,
-            base_age=self._base_age(episode, agent),
-        )
-        return shown if self.slam is None else shown._replace(**self._uncertain(self.slam, episode, agent))
-
-    def _uncertain(self, slam: Slam, episode: int, agent: int) -> dict[str, Any]:
-        """Return the fields of a view that only UAVs with maps of log-odds have."""
-        step = self.state.step.item(episode)
-        return {
-            "log_odds": read_only(slam.log_odds[episode, agent]),
-            "pose_std": slam.variance.item(episode, agent, step) ** 0.5,
-            "heading": slam.heading.item(episode, agent, step) if self.scenario.turns else None,
-        }
+        state, slam = self.state, self.slam
+        arrays = self._shown.get((episode, agent)) or self._show(episode, agent)
+        cell = (state.believed_cell.item(episode, agent, 0), state.believed_cell.item(episode, agent, 1))
+        step, budget = state.step.item(episode), state.budget.item(episode)
+        mates = self._mates(episode, agent) if self.scenario.team > 1 else ()
+        base_age, pose_std, heading = self._base_age(episode, agent), 0.0, None
+        if slam is not None:
+            pose_std = slam.variance.item(episode, agent, step) ** 0.5
+            heading = slam.heading.item(episode, agent, step) if self.scenario.turns else None
+        return view_of(arrays, (cell, step, budget, mates, base_age, pose_std, heading))
 
     def _base_age(self, episode: int, agent: int) -> int | None:
         """Return the steps since an agent's last contact with the base; None for never."""
@@ -277,13 +274,13 @@ class World:
         when = self.state.base_step.item(episode, agent)
         return None if when < 0 else self.state.step.item(episode) - when
 
-    def _show(self, episode: int, agent: int) -> tuple[Belief, Mask, Mask]:
+    def _show(self, episode: int, agent: int) -> Arrays:
         """Make the arrays of an agent's views, each with a window of its own: their ``base`` is never the batch."""
-        belief, legal, visited = (
-            read_only(array[episode, agent]) for array in (self.state.belief, self.state.legal, self.state.visited)
+        owners = [(name, self.slam if kind.uncertain else self.state) for name, kind in LIVE_ARRAYS.items()]
+        self._shown[episode, agent] = shown = tuple(
+            None if owner is None else read_only(getattr(owner, name)[episode, agent]) for name, owner in owners
         )
-        self._shown[episode, agent] = belief, legal, visited
-        return belief, legal, visited
+        return shown
 
     def _mates(self, episode: int, agent: int) -> tuple[Mate, ...]:
         state = self.state

@@ -48,7 +48,7 @@ def furnish(free: NDArray[np.bool_], rooms: NDArray[np.int64], share: float, key
 
 @kernel()
 def spares_the_way(free: NDArray[np.bool_], top: int, left: int, tall: int, wide: int) -> bool:
-    """Tell whether a free rectangle can become solid without disconnecting other free cells.
+    """Tell whether a rectangle of free cells (H, W) bool can become solid without disconnecting other free cells.
 
     It can if the free cells of the ring around it are one run: every path through the rectangle enters and leaves
     through the ring, and can follow the run instead. The ring must lie inside the map.

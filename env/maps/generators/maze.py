@@ -88,7 +88,7 @@ def spanning_tree(rows: int, cols: int, key: np.uint64) -> NDArray[np.bool_]:
 
 @kernel()
 def braided(lattice: NDArray[np.bool_], share: float, key: np.uint64) -> None:
-    """Open a ``share`` of the dead ends of a lattice in place, each into a random neighbour."""
+    """Open a ``share`` of the dead ends of a lattice (H, W) bool in place, each into a random neighbour."""
     rows, cols = lattice.shape[0] // 2, lattice.shape[1] // 2
     choices = np.empty(4, np.int64)
     for junction in range(rows * cols):

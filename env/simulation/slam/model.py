@@ -27,5 +27,5 @@ class UncertainModel:
         begin_uncertain(engine, self.rules, self.slam, *begun)
 
     def advance(self, engine: Engine, state: State, actions: NDArray[np.int64], first: int, last: int) -> None:
-        """Advance episodes first to last - 1 by one step, as :func:`~indoor_explorers.env.simulation.step.advance`."""
+        """Advance episodes first to last - 1 by one step with actions (B, N), as ``advance`` of exact worlds does."""
         advance_uncertain(engine, self.rules, self.slam, actions, first, last)

@@ -1,4 +1,4 @@
-"""What worlds with errors of sensors or poses hold besides the state of every world.
+"""Additional state of worlds with sensor noise or drift.
 
 Axes as in :mod:`indoor_explorers.env.simulation.state`; K = N + 1 map holders, the agents and the team, and one more
 with a home base; T scans of one agent, one for each step and one for the start.

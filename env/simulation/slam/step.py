@@ -12,17 +12,15 @@ import numpy as np
 from indoor_explorers.env.grid.cells import TURN
 from indoor_explorers.env.grid.compiled import inner, kernel
 from indoor_explorers.env.grid.randomness import Stream, draw, shuffled, stream_key
+from indoor_explorers.env.simulation.contacts import contacts_of
 from indoor_explorers.env.simulation.engine import Engine
-from indoor_explorers.env.simulation.failures import silence_radios, stops
-from indoor_explorers.env.simulation.home_base import link_base
-from indoor_explorers.env.simulation.radio import link
 from indoor_explorers.env.simulation.slam.exchange import share
 from indoor_explorers.env.simulation.slam.localisation import close_loop, count_errors, drift, meet_mates
 from indoor_explorers.env.simulation.slam.maps import forget_lost, move_scan, place_agent
 from indoor_explorers.env.simulation.slam.scans import read_scan
 from indoor_explorers.env.simulation.slam.state import ErrorRules, Parts, Readings, Slam
 from indoor_explorers.env.simulation.state import End
-from indoor_explorers.env.simulation.step import clear_step, move, settle, update_legal
+from indoor_explorers.env.simulation.step import clear_step, finish_step, move, update_legal
 
 FLYING = int(End.FLYING)
 NOISE, DRIFT = int(Stream.NOISE), int(Stream.DRIFT)
@@ -77,11 +75,9 @@ def _stay_ended(slam: Slam, b: int, agent: int, number: int) -> None:
 
 
 @inner()
-def _contact(parts: Parts, b: int) -> None:
+def _share_scans(parts: Parts, b: int, linked: bool, based: bool) -> None:
     """Let linked agents correct each other's poses, and exchange what they and the base know."""
-    rules, state, component = parts.rules, parts.state, parts.work.component
-    linked = link(rules, state, b, component)
-    based = rules.base and link_base(rules, state, b, component)
+    state = parts.state
     if linked and parts.errors.mates and parts.errors.drift > 0.0:
         meet_mates(parts, b)
     if linked or based:
@@ -91,28 +87,7 @@ def _contact(parts: Parts, b: int) -> None:
         update_legal(state, b, n, state.belief[b, n])
 
 
-@inner()
-def _stop_uavs(parts: Parts, b: int) -> None:
-    any_stopped = False
-    for n in range(parts.state.end.shape[1]):
-        any_stopped |= stops(parts.rules, parts.state, b, n)
-    if any_stopped:
-        forget_lost(parts, b)
-
-
-@inner()
-def _contact_and_settle(parts: Parts, b: int) -> None:
-    """Let fail what fails, exchange what linked agents know, and end the step."""
-    rules, state = parts.rules, parts.state
-    if rules.failures:
-        silence_radios(rules, state, b)
-        if not rules.last_word:
-            _stop_uavs(parts, b)
-    _contact(parts, b)
-    if rules.failures and rules.last_word:
-        _stop_uavs(parts, b)
-    count_errors(state, parts.slam, b)
-    settle(rules, state, b)
+_contact, _fail_and_contact = contacts_of(_share_scans, forget_lost)
 
 
 @kernel(entry=False)
@@ -179,4 +154,6 @@ def advance_uncertain(
                 if errors.drift > 0.0:
                     close_loop(parts, b, n)
                 _sense(parts, b, n)
-        _contact_and_settle(parts, b)
+        _fail_and_contact(parts, b)
+        count_errors(state, parts.slam, b)
+        finish_step(engine.rules, state, b)

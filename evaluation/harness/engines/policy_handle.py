@@ -1,4 +1,4 @@
-"""The process of an isolated policy as the process that asks it sees it."""
+"""Worker-side handle of the process of an isolated policy."""
 
 from __future__ import annotations
 

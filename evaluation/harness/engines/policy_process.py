@@ -14,10 +14,10 @@ from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import Any
 
-from indoor_explorers.env import Briefing, InputError, Policy, View
+from indoor_explorers.env import Briefing, InputError, Policy
 from indoor_explorers.env.errors import PolicyError
-from indoor_explorers.env.grid.arrays import Cell, read_only
-from indoor_explorers.env.policies.view import Mate
+from indoor_explorers.env.grid.arrays import read_only
+from indoor_explorers.env.policies.view import view_of
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.harness.engines.serving import begin_serving
 from indoor_explorers.evaluation.harness.episodes.failures import BREAKING, describe_error
@@ -35,9 +35,6 @@ from indoor_explorers.evaluation.harness.experiment.policy_facts import policy_f
 
 #: What is timed when a policy is loaded.
 LOADING = "importing and making it"
-#: What is shown of a UAV besides the arrays: who, cell, step, budget, mates, age of the contact with the base, standard
-#: deviation of the pose, and heading.
-Shown = tuple[Uav, Cell, int, int, tuple[Mate, ...], int | None, float, int | None]
 
 
 def serve_policy(connection: Connection, views: SharedViews, parent: int) -> None:
@@ -99,33 +96,25 @@ class PolicyServer:
         mine = {episode: [_sealed(briefing) for briefing in told] for episode, told in briefings.items()}
         return list(self._pilots.brief(mine).items())
 
-    def decide(self, shown: Sequence[Shown]) -> list[Decision | None] | None:
-        """Return the decisions of some UAVs in order, None for one that is left out; None alone if the batch failed."""
+    def decide(self, shown: Sequence[tuple[Uav, tuple[Any, ...]]]) -> list[Decision | None] | None:
+        """Return the decisions of some UAVs in order, None for one that is left out; None alone if the batch failed.
+
+        Args:
+            shown: The UAVs whose views are in the shared memory, with what these tell besides: their ``values_of``.
+
+        """
         assert self._pilots is not None
+        arrays = self._views.arrays
         try:
-            decided = self._pilots.decide({each[0]: self._view(*each) for each in shown})
+            decided = self._pilots.decide({uav: view_of(arrays[uav], values) for uav, values in shown})
         except BatchFailed:
             return None
-        return [decided.get(each[0]) for each in shown]
+        return [decided.get(uav) for uav, _ in shown]
 
     def tally(self, episodes: Collection[int]) -> list[tuple[int, Tallies | str]]:
         """Return the statistics of episodes that have ended, or the reason of a failure."""
         assert self._pilots is not None
         return list(self._pilots.tally(episodes).items())
-
-    def _view(
-        self,
-        uav: Uav,
-        cell: Cell,
-        step: int,
-        budget: int,
-        mates: tuple[Mate, ...],
-        base_age: int | None,
-        pose_std: float,
-        heading: int | None,
-    ) -> View:
-        belief, legal, visited, log_odds = self._views.arrays(uav)
-        return View(belief, cell, legal, step, budget, mates, visited, base_age, log_odds, pose_std, heading)
 
 
 def _not_loaded(choice: PolicyChoice, error: BaseException) -> str:

@@ -1,4 +1,4 @@
-"""A process that serves this one, as this one sees it: its limits are enforced and its end is told."""
+"""Parent-side handle of a child process: enforces its limits and reports how it ended."""
 
 from __future__ import annotations
 

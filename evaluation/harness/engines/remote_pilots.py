@@ -1,30 +1,25 @@
-"""Pilots that stand for those of an isolated policy: they ask its process, and check what it answers."""
+"""Proxies for the pilots in the process of an isolated policy; its replies are validated."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from indoor_explorers.env import Briefing, InputError, View
 from indoor_explorers.env.errors import LONGEST, one_line
-from indoor_explorers.env.policies.view import message_numbers
+from indoor_explorers.env.policies.policy import checked_action
+from indoor_explorers.env.policies.view import message_numbers, values_of
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.harness.engines.policy_handle import PolicyHandle
-from indoor_explorers.evaluation.harness.engines.policy_process import Shown
-from indoor_explorers.evaluation.harness.episodes.pilots import (
-    BatchFailed,
-    Decision,
-    Tallies,
-    any_briefing,
-    checked_action,
-)
+from indoor_explorers.evaluation.harness.episodes.pilots import BatchFailed, Decision, Tallies, any_briefing
 from indoor_explorers.evaluation.harness.episodes.tallies import PREFIX, mean_tallies
 from indoor_explorers.evaluation.harness.experiment.experiment import Job
 
 #: Seconds by which what a process tells of its decisions may exceed the time from the question to the answer.
 TOLERANCE = 0.01
+#: What reading an answer raises that is not what it has to be.
+UNEXPECTED = (TypeError, ValueError, LookupError, AttributeError, OverflowError)
 
 
 class RemotePilots:
@@ -41,9 +36,10 @@ class RemotePilots:
 
         """
         self._process = process
+        self._checking = _Checking(process)
         self._actions = 5
         self.privileged = job.privileged
-        with self._checking():
+        with self._checking:
             told = process.load(job.policy)
             if "refused" in told:
                 raise InputError(_line(told["refused"]))
@@ -57,21 +53,19 @@ class RemotePilots:
         self._actions = one.scenario.actions
         uavs = [(episode, agent) for episode, told in briefings.items() for agent in range(len(told))]
         self._process.views.begin(uavs, one.shape, writing=True, uncertain=one.scenario.uncertain)
-        with self._checking():
+        with self._checking:
             failed = self._process.ask("brief", dict(briefings))
             return {_one_of(briefings, episode): _line(reason) for episode, reason in failed}
 
     def decide(self, views: Mapping[Uav, View]) -> dict[Uav, Decision]:
         """Ask for the decisions of all UAVs at once; there, one UAV is asked after the other unless in a batch."""
-        shown: list[Shown] = []
+        shown = []
         for uav, view in views.items():
             self._process.views.write(uav, view)
-            shown.append(
-                (uav, view.cell, view.step, view.budget, view.mates, view.base_age, view.pose_std, view.heading)
-            )
+            shown.append((uav, values_of(view)))
         if not shown:
             return {}
-        with self._checking():
+        with self._checking:
             answers = self._process.ask("decide", shown)
             if answers is None and len({episode for episode, _ in views}) > 1:
                 raise BatchFailed
@@ -86,7 +80,7 @@ class RemotePilots:
         """Return the statistics of episodes that have ended, or the reason of a failure."""
         if self._failure:
             return {}
-        with self._checking():
+        with self._checking:
             told = self._process.ask("tally", list(episodes))
             return {_one_of(episodes, episode): _tallies(tallies) for episode, tallies in told}
 
@@ -94,14 +88,18 @@ class RemotePilots:
         """Have the policy deleted."""
         self._process.ask("unload")
 
-    @contextmanager
-    def _checking(self) -> Iterator[None]:
-        """End the process if an answer is not what it has to be."""
-        try:
-            yield
-        except InputError:
-            raise
-        except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as error:
+
+class _Checking:
+    """Ends the process if an answer is not what it has to be; a generator would take longer than all else here."""
+
+    def __init__(self, process: PolicyHandle) -> None:
+        self._process = process
+
+    def __enter__(self) -> None:
+        """Begin to check."""
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, UNEXPECTED) and not isinstance(error, InputError):
             raise self._process.unreadable() from error
 
 

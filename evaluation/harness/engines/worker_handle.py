@@ -1,4 +1,4 @@
-"""A worker process as its driver sees it: it is sent jobs and sends back records."""
+"""Driver-side handle of a worker process: sends it jobs and receives records."""
 
 from __future__ import annotations
 

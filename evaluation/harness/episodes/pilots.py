@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import operator
 from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
-from indoor_explorers.env import Briefing, InputError, Pilot, Policy, View
+from indoor_explorers.env import Briefing, Pilot, Policy, View
 from indoor_explorers.env.grid.cells import Action
-from indoor_explorers.env.policies.policy import is_action, no_action
+from indoor_explorers.env.policies.policy import checked_action
 from indoor_explorers.env.policies.view import Message, message_numbers
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.harness.episodes.failures import BREAKING, describe_error
@@ -42,7 +41,7 @@ class Pilots(Protocol):
 
     @property
     def privileged(self) -> bool:
-        """Whether they are told the true map."""
+        """Whether they receive the ground truth."""
 
     def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> dict[int, str]:
         """Make the pilots of a new batch, given the briefings of each episode; return reasons of failures."""
@@ -69,7 +68,7 @@ class LocalPilots:
 
     @property
     def privileged(self) -> bool:
-        """Whether they are told the true map."""
+        """Whether they receive the ground truth."""
         return self._policy.privileged
 
     def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> dict[int, str]:
@@ -144,19 +143,3 @@ def _decision(answer: object, pilot: Pilot, seconds: float, actions: int) -> Dec
         return Decision(seconds, checked_action(answer, actions), message_numbers(pilot.message), done=bool(pilot.done))
     except (Exception, SystemExit) as error:
         return Decision(seconds, failure=describe_error(error))
-
-
-def checked_action(answer: object, count: int = 5) -> int:
-    """Return the action that an answer means: of a subclass of int its true value, whatever its methods say.
-
-    Raises:
-        InputError: it is none of ``count`` actions.
-
-    """
-    if type(answer) is int and 0 <= answer < count:  # nearly always; all else takes longer
-        return answer
-    if is_action(answer, count):
-        action = operator.index(answer)
-        if 0 <= action < count:
-            return action
-    raise InputError(no_action(answer, count))

@@ -11,12 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env import View
-from indoor_explorers.env.grid.arrays import Belief, Mask, read_only
+from indoor_explorers.env.grid.arrays import read_only
+from indoor_explorers.env.policies.view import LIVE_ARRAYS, Arrays, arrays_of
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.harness.episodes.shared_clock import SharedClock
-
-#: Belief, legal moves, visited cells, and log-odds where maps can be wrong.
-Shown = tuple[Belief, Mask, Mask, NDArray[np.float32] | None]
 
 
 class SharedViews(SharedClock):
@@ -32,35 +30,24 @@ class SharedViews(SharedClock):
 
         ``uncertain``: the maps are of log-odds.
         """
-        rows = self._rows(len(uavs), shape, writing=writing, uncertain=uncertain)
+        there = {name: array for name, array in LIVE_ARRAYS.items() if uncertain or not array.uncertain}
+        fields = [(name, array.dtype, array.shape_on(shape)) for name, array in there.items()]
+        rows = self._rows(len(uavs), np.dtype(fields, align=True), writing=writing)
         shown = np.asarray if writing else read_only
-        self._shown: dict[Uav, Shown] = {
-            uav: (
-                shown(row["belief"]),
-                shown(row["legal"]),
-                shown(row["visited"]),
-                shown(row["log_odds"]) if uncertain else None,
-            )
+        self.arrays: dict[Uav, Arrays] = {
+            uav: tuple(shown(row[name]) if name in there else None for name in LIVE_ARRAYS)
             for uav, row in zip(uavs, rows, strict=True)
         }
+        """The arrays of each UAV's latest view; in the reader they are read-only and live."""
 
     def write(self, uav: Uav, view: View) -> None:
         """Show the arrays of a view to the other process."""
-        belief, legal, visited, log_odds = self._shown[uav]
-        belief[...], legal[...], visited[...] = view.belief, view.legal, view.visited
-        if log_odds is not None:
-            log_odds[...] = view.log_odds
+        for shared, array in zip(self.arrays[uav], arrays_of(view), strict=False):
+            if shared is not None:
+                shared[...] = array
 
-    def arrays(self, uav: Uav) -> Shown:
-        """Return belief, legal moves, visited cells and log-odds of a UAV's latest view; read-only and live."""
-        return self._shown[uav]
-
-    def _rows(self, count: int, shape: tuple[int, int], *, writing: bool, uncertain: bool) -> NDArray[np.void]:
+    def _rows(self, count: int, kind: np.dtype[Any], *, writing: bool) -> NDArray[np.void]:
         """Map the memory; it never gets smaller, since a policy may still look at the views of an earlier batch."""
-        kind: np.dtype[Any] = np.dtype(
-            [("log_odds", np.float32, shape)] * uncertain
-            + [("belief", np.uint8, shape), ("visited", np.bool_, shape), ("legal", np.bool_, (5,))]
-        )
         size = count * kind.itemsize
         if os.fstat(self._file).st_size < mmap.PAGESIZE + size:
             os.ftruncate(self._file, mmap.PAGESIZE + size)

@@ -59,5 +59,5 @@ def test_planes_show_the_believed_cell_and_the_map_as_it_is_now():
 def test_turning_is_no_action_where_the_lidar_sees_all_around():
     env = made("channels", **{"lidar.field_of_view": 360.0})
     env.reset(seed=1)
-    with pytest.raises(InputError, match="expected actions from 0 to 4, got 5 to 5"):
+    with pytest.raises(InputError, match="expected an action from 0 to 4, got 5"):
         env.step(TURN)

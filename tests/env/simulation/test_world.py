@@ -460,7 +460,8 @@ def test_spawns_are_free_connected_and_distinct():
 
 
 @pytest.mark.parametrize(
-    ("actions", "message"), [([[0, 1]], r"expected actions of shape \(1, 1\)"), ([[5]], "expected actions from 0 to 4")]
+    ("actions", "message"),
+    [([[0, 1]], r"expected actions of shape \(1, 1\)"), ([[5]], "expected an action from 0 to 4, got 5")],
 )
 def test_wrong_actions_are_refused(actions, message):
     world = World(PRESETS["thesis-open"])

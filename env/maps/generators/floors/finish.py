@@ -1,4 +1,4 @@
-"""What makes a plan look like a map: furniture, pillars, walls at any angle, and walls as SLAM leaves them."""
+"""Post-processing of generated plans: furniture, pillars, walls at any angle, and walls as SLAM leaves them."""
 
 from __future__ import annotations
 

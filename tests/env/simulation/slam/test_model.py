@@ -166,5 +166,5 @@ def test_what_only_uncertain_maps_have():
 
 def test_turning_needs_a_limited_field_of_view():
     world = begun(task(1, {"noise.misses": 0.1}), 3)
-    with pytest.raises(InputError, match="expected actions from 0 to 4, got 5 to 5"):
+    with pytest.raises(InputError, match="expected an action from 0 to 4, got 5"):
         world.step(np.array([[TURN]]))

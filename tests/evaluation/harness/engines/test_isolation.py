@@ -1,16 +1,20 @@
 """An isolated policy flies as it does elsewhere, in a process that never has the world."""
 
 import os
+import pickle
 import signal
 import sys
 import time
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, World
+from indoor_explorers.env import InputError, Policy, View, World
+from indoor_explorers.env.grid.cells import Action
+from indoor_explorers.env.policies.view import LIVE_ARRAYS, PLAIN_FIELDS, arrays_of, values_of, view_of
 from indoor_explorers.evaluation.driver import _flies_isolated, _of_all_runs
 from indoor_explorers.evaluation.harness.engines.policy_handle import PolicyHandle, ProcessEnded
 from indoor_explorers.evaluation.harness.engines.policy_process import PolicyServer
@@ -32,6 +36,15 @@ from tests.evaluation.harness.engines.test_supervisor import TEAM, facts, job, o
 from tests.evaluation.plugins import NotesItsEnd, Raises, Searches, Wander
 
 LIMITS = Limits(decision_timeout=60.0, memory=2_000_000_000)
+#: Settings of a task in which every field of a view tells something.
+EVERY_FIELD = {
+    "noise.misses": 0.1,
+    "drift.rate": 0.1,
+    "lidar.field_of_view": 120.0,
+    "base.at": "start",
+    "base.radius": 1.0,
+    "radio.loss": 0.5,
+}
 #: No other number of a process is this one by chance.
 SEED = 987_654_321_012_345
 
@@ -246,31 +259,92 @@ def test_views_are_live_read_only_and_outlast_their_batch():
     for uavs in ([(0, 0), (0, 1)], [(0, 0)]):
         writer.begin(uavs, (16, 16), writing=True)
         reader.begin(uavs, (16, 16))
-    belief, legal, visited, log_odds = reader.arrays((0, 0))
-    assert log_odds is None
-    assert not belief.any()
     view = world.view(0, 0)
+    shown = view_of(reader.arrays[0, 0], values_of(view))
+    assert shown.log_odds is None
+    assert not shown.belief.any()
     writer.write((0, 0), view)
-    for mine, other in ((belief, view.belief), (legal, view.legal), (visited, view.visited)):
-        np.testing.assert_array_equal(mine, other)
-        assert mine.dtype == other.dtype
-        assert mine.flags.c_contiguous
-        assert not mine.flags.writeable
+    assert_same(shown, view)
     writer.begin([(place, 0) for place in range(100)], (64, 64), writing=True)
-    assert belief.any()
+    assert shown.belief.any()
 
 
-def test_maps_of_log_odds_are_shared_too():
-    world = World(TEAM.with_settings({"noise.misses": 0.1}))
-    world.reset([0])
-    writer = SharedViews()
-    reader = SharedViews(SimpleNamespace(detach=lambda: os.dup(writer._file)))
-    writer.begin([(0, 0)], (16, 16), writing=True, uncertain=True)
-    reader.begin([(0, 0)], (16, 16), uncertain=True)
-    writer.write((0, 0), world.view(0, 0))
-    *_, log_odds = reader.arrays((0, 0))
-    assert log_odds.any()
-    np.testing.assert_array_equal(log_odds, world.view(0, 0).log_odds)
+def assert_same(shown, view):
+    """A view is another one in all its fields, and its arrays can be read only."""
+    for name, mine, other in zip(View._fields, shown, view, strict=True):
+        assert type(mine) is type(other), name
+        if name in PLAIN_FIELDS:
+            assert mine == other, name
+        elif mine is not None:
+            np.testing.assert_array_equal(mine, other, name)
+            assert mine.dtype == other.dtype, name
+            assert mine.flags.c_contiguous, name
+            assert mine.flags.aligned, name
+            assert not mine.flags.writeable, name
+
+
+@dataclass(frozen=True)
+class Looks(Policy):
+    """Keeps the views that it is shown."""
+
+    views: list[View] = field(default_factory=list)
+
+    def pilot(self, briefing):
+        return SimpleNamespace(message=None, done=False, tally=dict)
+
+    def act(self, pilots, views):
+        self.views.extend(views)
+        return [int(Action.STAY) for _ in views]
+
+
+class SamePlace:
+    """A process that answers here, where all that is sent is pickled."""
+
+    def __init__(self, policy):
+        self.views, self.seconds = SharedViews(), 60.0
+        reader = SharedViews(SimpleNamespace(detach=lambda: os.dup(self.views._file)))
+        self.server = PolicyServer(reader)
+        self.policy = policy
+
+    def load(self, choice):
+        return self.server.load(SimpleNamespace(make=lambda: self.policy))
+
+    def ask(self, question, *arguments):
+        return getattr(self.server, question)(*pickle.loads(pickle.dumps(arguments)))
+
+
+@pytest.mark.parametrize("settings", [{}, EVERY_FIELD], ids=["exact", "uncertain"])
+def test_every_field_of_a_view_travels_unchanged(settings):
+    task = TEAM.with_settings(settings)
+    world, policy = World(task), Looks()
+    world.reset([3])
+    pilots = RemotePilots(SamePlace(policy), job("Wander"))
+    assert pilots.brief({0: [world.briefing(0, agent) for agent in range(task.team)]}) == {}
+    for step in range(20):
+        for agent in range(task.team):
+            world.post(0, agent, (float(step), 0.5))
+        views = {(0, agent): world.view(0, agent) for agent in range(task.team)}
+        assert len(pilots.decide(views)) == task.team
+        for shown, view in zip(policy.views[-task.team :], views.values(), strict=True):
+            assert_same(shown, view)
+        world.step(np.full((1, task.team), step % task.actions))
+    if settings:
+        told = dict(zip(View._fields, zip(*policy.views, strict=True), strict=True))
+        assert all(any(map(bool, told[name])) for name in PLAIN_FIELDS)
+        assert all(any(array.any() for array in told[name]) for name in LIVE_ARRAYS)
+
+
+def test_a_field_is_an_array_of_the_worlds_or_a_plain_value():
+    assert {*LIVE_ARRAYS, *PLAIN_FIELDS} == set(View._fields)
+    task = TEAM.with_settings(EVERY_FIELD)
+    world = World(task)
+    world.reset([3])
+    view = world.view(0, 0)
+    assert view_of(arrays_of(view), values_of(view)) == view
+    for name, array in LIVE_ARRAYS.items():
+        shown = getattr(view, name)
+        assert (shown.dtype, shown.shape) == (array.dtype, array.shape_on((16, 16)))
+    assert not any(isinstance(value, np.ndarray) for value in values_of(view))
 
 
 def test_policies_are_deleted_while_the_clock_runs():
