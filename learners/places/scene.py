@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Mask
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
 from indoor_explorers.env.policies.view import Mate, View
-from indoor_explorers.planners.toolbox.frontiers.cluster_places import (
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
+from indoor_explorers.planners.toolbox.information.cluster_places import (
     LEFT_TO_OTHERS,
     ClusterPlaces,
     PlaceParameters,
@@ -21,7 +22,6 @@ from indoor_explorers.planners.toolbox.frontiers.cluster_places import (
     log_gains,
     waiting_weights,
 )
-from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, PocketEstimator

@@ -12,7 +12,8 @@ from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.toolbox.frontiers.cluster_places import (
+from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
+from indoor_explorers.planners.toolbox.information.cluster_places import (
     LEFT_TO_OTHERS,
     ClusterPlaces,
     PlaceParameters,
@@ -20,7 +21,6 @@ from indoor_explorers.planners.toolbox.frontiers.cluster_places import (
     log_gains,
     waiting_weights,
 )
-from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import remembered
 from indoor_explorers.planners.toolbox.pockets.outlook import Outlook

@@ -24,8 +24,8 @@ from indoor_explorers.learners.places.scene import (
     Scene,
 )
 from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
-from indoor_explorers.planners.toolbox.frontiers.cluster_places import CLOSER_MATE, LEFT_TO_OTHERS, SAME, STRIDE
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters
+from indoor_explorers.planners.toolbox.information.cluster_places import CLOSER_MATE, LEFT_TO_OTHERS, SAME, STRIDE
 from tests.learners.places.small import world_on_a_floor
 
 
