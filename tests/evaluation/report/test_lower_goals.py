@@ -26,8 +26,8 @@ from indoor_explorers.evaluation.analysis.tables.league_table import league_tabl
 from indoor_explorers.evaluation.analysis.tables.results_table import columns_of, results_table
 from indoor_explorers.evaluation.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.drawing.palette import policy_styles
-from indoor_explorers.evaluation.exports.cells import caption
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
+from indoor_explorers.evaluation.exports.scenario_tables import caption, scenario_tables
 from indoor_explorers.evaluation.exports.tidy import write_episodes
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
@@ -221,7 +221,7 @@ def test_ratios_to_a_policy_that_knows_the_map_are_empty_where_99_was_not_asked_
 
 
 def test_tables_for_papers_are_of_the_level(near: Results) -> None:
-    text, comparison = markdown_tables(near), Comparison(near, "near")
+    text, comparison = markdown_tables(scenario_tables(near)), Comparison(near, "near")
     assert "| policy | T90 [steps] | T99 [steps] | 90 % reached |" in text
     assert re.search(r"\| quick \| \**50\.3\** \[.*?\] \| \u2013 \| 100\u202f% \[.*?\]\u202f% \|", text)
     assert "T90 is the first step with 90 % coverage" in " ".join(caption(comparison))

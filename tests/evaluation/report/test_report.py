@@ -15,6 +15,7 @@ from indoor_explorers.evaluation.analysis.tables.ratio_table import ratio_lines
 from indoor_explorers.evaluation.exports.figures import write_figures
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
+from indoor_explorers.evaluation.exports.scenario_tables import scenario_tables
 from indoor_explorers.evaluation.harness.results.ratios import Ratios
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report import write_report
@@ -128,8 +129,12 @@ def test_policies_that_read_the_generators_settings_are_marked(results: Results,
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
     for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
         ratios = Ratios.of(found)
-        texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(ratios))]
-        for text in (*texts, markdown_ratios(ratios), latex_tables(found).replace(r"$\dagger$", DAGGER)):
+        texts = [printed(headline_table(found)), markdown_tables(scenario_tables(found)), printed(*ratio_lines(ratios))]
+        for text in (
+            *texts,
+            markdown_ratios(ratios),
+            latex_tables(scenario_tables(found)).replace(r"$\dagger$", DAGGER),
+        ):
             assert (f"{name} {DAGGER}" in text) == expected
             assert (f"{DAGGER} reads the settings of the maps' generator" in " ".join(text.split())) == expected
         assert ("knows the generator</span>" in page) == expected
@@ -141,8 +146,12 @@ def test_policies_that_failed_a_check_are_marked(results: Results, plain: str) -
     policies = results.policies | {name: results.policies[name] | {"failed_check": told}}
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
     for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
-        texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(Ratios.of(found)))]
-        for text in (*texts, latex_tables(found).replace(r"$\ddagger$", DOUBLE_DAGGER)):
+        texts = [
+            printed(headline_table(found)),
+            markdown_tables(scenario_tables(found)),
+            printed(*ratio_lines(Ratios.of(found))),
+        ]
+        for text in (*texts, latex_tables(scenario_tables(found)).replace(r"$\ddagger$", DOUBLE_DAGGER)):
             assert (f"{name} {DOUBLE_DAGGER}" in text) == expected
             plainly = " ".join(text.replace("\\", "").split())
             assert (f"{DOUBLE_DAGGER} {name} failed the check {told}." in plainly) == expected
@@ -159,8 +168,12 @@ def test_policies_from_outside_that_were_not_isolated_are_marked(results: Result
     ):
         policies = results.policies | {name: results.policies[name] | {"isolated": isolated, "class": kind}}
         found = Results(policies, results.scenarios, results.runs, list(results.records))
-        texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(Ratios.of(found)))]
-        for text in (*texts, latex_tables(found).replace(r"\S", SECTION)):
+        texts = [
+            printed(headline_table(found)),
+            markdown_tables(scenario_tables(found)),
+            printed(*ratio_lines(Ratios.of(found))),
+        ]
+        for text in (*texts, latex_tables(scenario_tables(found)).replace(r"\S", SECTION)):
             assert (f"{name} {SECTION}" in text) == expected
             assert (f"{SECTION} flew in the process that has the true map" in " ".join(text.split())) == expected
         page = render(found)
@@ -174,7 +187,11 @@ def test_shares_of_a_batch_are_marked(results: Results, plain: str) -> None:
     policies = results.policies | {name: results.policies[name] | {"batched": True}}
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
     for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
-        for text in (printed(headline_table(found, 200)), markdown_tables(found), latex_tables(found)):
+        for text in (
+            printed(headline_table(found, 200)),
+            markdown_tables(scenario_tables(found)),
+            latex_tables(scenario_tables(found)),
+        ):
             assert ("s (batch share)" in text) == expected
             assert ("Batch share: the policy decides" in text) == expected
         assert ("batch times</span>" in page) == expected
