@@ -15,9 +15,9 @@ from rich.text import Text
 
 @dataclass(frozen=True)
 class Cell:
-    """A figure, or words."""
+    """A figure, or words; empty where there is none."""
 
-    text: str
+    text: str = ""
     value: float | None = None
     """The figure unrounded."""
     detail: str | Markup = ""
@@ -62,8 +62,7 @@ class Row(NamedTuple):
     """The cells of one policy; a row without cells is a heading of those below it."""
 
     name: str
-    cells: Sequence[Cell | None] = ()
-    """None where there is no figure."""
+    cells: Sequence[Cell] = ()
     style: str = ""
     """Colour and weight of the name at the terminal."""
 
@@ -108,7 +107,5 @@ def terminal_table(table: Table, *, sections: bool = False) -> terminal.Table:
     return drawn
 
 
-def _shown(cell: Cell | None) -> Text:
-    if cell is None:
-        return Text()
+def _shown(cell: Cell) -> Text:
     return Text(cell.line, cell.style or ("bold" if cell.best else "bold red" if cell.bad else ""))

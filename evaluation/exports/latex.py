@@ -75,10 +75,9 @@ def _table(table: Table) -> str:
 
 def _row(row: Row) -> list[str]:
     """Return a line of figures and, where there are any, one of their intervals; a group guards a leading bracket."""
-    cells = [cell or Cell("") for cell in row.cells]
-    lines = ["    " + " & ".join((f"{{{escaped(row.name)}}}", *map(_figure, cells))) + r" \\"]
-    if any(cell.detail for cell in cells):
-        lines.append("    " + "".join(f" & {_interval(cell)}".rstrip() for cell in cells).strip() + r" \\")
+    lines = ["    " + " & ".join((f"{{{escaped(row.name)}}}", *map(_figure, row.cells))) + r" \\"]
+    if any(cell.detail for cell in row.cells):
+        lines.append("    " + "".join(f" & {_interval(cell)}".rstrip() for cell in row.cells).strip() + r" \\")
     return lines
 
 

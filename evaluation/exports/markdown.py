@@ -22,7 +22,7 @@ def markdown_tables(tables: Sequence[Table]) -> str:
 
 def _section(table: Table, figure: Callable[[Cell], str]) -> str:
     titles = [column.title for column in table.columns]
-    rows = [[escaped(name), *(figure(cell) if cell else "" for cell in cells)] for name, cells, _ in table.rows]
+    rows = [[escaped(name), *map(figure, cells)] for name, cells, _ in table.rows]
     notes = [escaped(" ".join(table.notes)), ""] if table.notes else []
     aligned = ["---", *["---:"] * (len(titles) - 1)]
     return "\n".join([f"## {escaped(table.title)}", "", *map(line, [titles, aligned, *rows]), "", *notes])

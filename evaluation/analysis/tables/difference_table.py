@@ -38,7 +38,7 @@ def _table(results: Results, minus: str, rows: Sequence[DifferenceRow]) -> Table
         table.append(Row(scenario))
         found = {(row.policy, row.metric): _cell(row.contrast) for row in rows if row.scenario == scenario}
         for policy in dict.fromkeys(policy for policy, _ in found):
-            table.append(Row(marked(results, policy), [found.get((policy, metric)) for metric in times]))
+            table.append(Row(marked(results, policy), [found.get((policy, metric), Cell()) for metric in times]))
     return Table([words(f"steps - {minus}'s", 24), *(Column(MEASURES[metric].title) for metric in times)], table)
 
 

@@ -64,7 +64,7 @@ def headline_table(results: Results, width: int = WIDE, *, notes: bool = True) -
             cells[len(times) :] = [replace(cell, detail="") for cell in cells[len(times) :]]
             cells += ratios(comparison, policy, to_bound=to_bound, to_reference=known is not None)
             rows.append(_named(comparison, policy, cells))
-    bounds = {cell.text[0] for row in rows for cell in row.cells if cell and cell.text.startswith((">", "<"))}
+    bounds = {cell.text[0] for row in rows for cell in row.cells if cell.text.startswith((">", "<"))}
     lines += [f"{' and '.join(sorted(bounds))}: a bound, as some episodes never reached it."] if bounds else []
     return terminal_table(Table(columns, rows, notes=lines if notes else ()), sections=True)
 

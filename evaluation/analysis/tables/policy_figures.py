@@ -77,7 +77,7 @@ def ratios(comparison: Comparison, policy: str, *, to_bound: bool, to_reference:
     """Return the mean ratios of a policy's steps to the lower bound and to the policy that knows the map."""
     found = [_ratio_to_bound(comparison, policy)] if to_bound else []
     found += [_ratio_to_reference(comparison, policy)] if to_reference else []
-    return [_ratio(*each) if each else Cell("") for each in found]
+    return [_ratio(*each) if each else Cell() for each in found]
 
 
 def _ratio(sign: str, estimate: Estimate) -> Cell:

@@ -59,7 +59,7 @@ def _table(ratios: Ratios, to: str, metric: str) -> Table:
     policies = dict.fromkeys(name for name in ratios.results.policies for row in rows if row.policy == name)
     return Table(
         [Column("policy"), *columns],
-        [Row(name, [cells.get((name, column.title)) for column in columns]) for name in policies],
+        [Row(name, [cells.get((name, column.title), Cell()) for column in columns]) for name in policies],
         f"{MEASURES[metric].title} as a ratio to {to}",
         f"{metric}_to_{to}",
         [f"Steps divided by those of {to}; below 1 is faster."],
@@ -108,7 +108,9 @@ def _by_scenario(to: str, ratios: Ratios, rows: list[RatioRow]) -> Table:
         for policy in dict.fromkeys(row.policy for row in rows):
             found = {row.metric: row for row in rows if (row.scenario, row.policy) == (scenario, policy)}
             if found:
-                pairs = (_pair(each, scenarios) if each else (None, None) for each in map(found.get, ratios.metrics))
+                pairs = (
+                    _pair(each, scenarios) if each else (Cell(), Cell()) for each in map(found.get, ratios.metrics)
+                )
                 table.append(Row(marked(ratios.results, policy), [cell for pair in pairs for cell in pair]))
     return Table(columns, table)
 
