@@ -16,8 +16,9 @@ from indoor_explorers.evaluation.analysis.panels import ScenarioPanels, scenario
 from indoor_explorers.evaluation.analysis.tables.constant_columns import constant_columns
 from indoor_explorers.evaluation.analysis.tables.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.analysis.tables.measures_table import MeasureRow, measures_table
-from indoor_explorers.evaluation.analysis.tables.results_table import Column, TableCell, columns_of, results_table
+from indoor_explorers.evaluation.analysis.tables.results_table import Column, columns_of, results_table
 from indoor_explorers.evaluation.drawing.palette import Styles
+from indoor_explorers.evaluation.drawing.table import Cell, Row
 from indoor_explorers.evaluation.harness.episodes.record import AXES, Record
 from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, refusal
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
@@ -83,9 +84,9 @@ class SectionTables:
 
     columns: list[Column]
     """Those of the results that are shown."""
-    results: list[tuple[str, list[TableCell]]]
+    results: list[Row]
     """By policy, a cell for each column."""
-    constant: list[tuple[Column, TableCell]]
+    constant: list[tuple[Column, Cell]]
     """The columns that are left out, as all policies have the same figure, with that."""
     measures: list[MeasureRow]
     baseline: str
@@ -180,7 +181,7 @@ def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
     kept = [place for place, column in enumerate(columns) if column not in [each for each, _ in constant]]
     return SectionTables(
         columns=[columns[place] for place in kept],
-        results=[(policy, [cells[place] for place in kept]) for policy, cells in rows],
+        results=[Row(policy, [cells[place] for place in kept]) for policy, cells, _ in rows],
         constant=constant,
         measures=measures_table(comparison),
         baseline=comparison.ranked_policies[0] if flown else "",

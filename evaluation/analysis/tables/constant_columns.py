@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from indoor_explorers.evaluation.analysis.tables.results_table import Column, TableCell
+from indoor_explorers.evaluation.analysis.tables.results_table import Column
+from indoor_explorers.evaluation.drawing.table import Cell, Row
 
-Rows = Sequence[tuple[str, Sequence[TableCell]]]
 
-
-def constant_columns(columns: Sequence[Column], rows: Rows) -> list[tuple[Column, TableCell]]:
+def constant_columns(columns: Sequence[Column], rows: Sequence[Row]) -> list[tuple[Column, Cell]]:
     """Return the columns with the same figure in every row, with that figure; none for a single row.
 
     Times and drawings are always shown, as is a figure that is shown to be bad.
     """
     if len(rows) < 2:
         return []
-    shown = [(column, [cells[place] for _, cells in rows]) for place, column in enumerate(columns)]
+    shown = [(column, [row.cells[place] for row in rows]) for place, column in enumerate(columns)]
     return [(column, cells[0]) for column, cells in shown if _may_go(column) and _same(cells)]
 
 
@@ -24,6 +23,6 @@ def _may_go(column: Column) -> bool:
     return column.kind != "dots" and (column.kind == "reached" or not column.of_time)
 
 
-def _same(cells: Sequence[TableCell]) -> bool:
+def _same(cells: Sequence[Cell]) -> bool:
     first = cells[0]
     return not first.bad and all((each.text, each.value) == (first.text, first.value) for each in cells)

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from markupsafe import Markup
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.failures import failed
@@ -17,6 +16,7 @@ from indoor_explorers.evaluation.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.drawing.dot_plots import Scale, episode_dot_plot
 from indoor_explorers.evaluation.drawing.formatting import decimals_for, fixed, interval, percent, percent_interval
 from indoor_explorers.evaluation.drawing.palette import Styles
+from indoor_explorers.evaluation.drawing.table import Cell, Row
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, WASTED, excused
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import Estimate
@@ -55,18 +55,6 @@ class Column:
         return "reached" if self.kind == "reached" else self.metric
 
 
-@dataclass(frozen=True)
-class TableCell:
-    """One figure of a table."""
-
-    text: str
-    value: float | None = None
-    """The figure unrounded."""
-    detail: str | Markup = ""
-    best: bool = False
-    bad: bool = False
-
-
 #: The columns after those of times.
 OTHERS = (
     Column("auc", "AUC", "", False),
@@ -99,14 +87,14 @@ def _time_columns(level: CoverageThreshold, asked: bool) -> list[Column]:
     return [time, reached] if asked else [time]
 
 
-def results_table(comparison: Comparison, styles: Styles) -> list[tuple[str, list[TableCell]]]:
+def results_table(comparison: Comparison, styles: Styles) -> list[Row]:
     """Return the cells of each policy, in the order of :func:`columns_of`; rows in the experiment's order."""
     columns = [_column(comparison, column, styles) for column in columns_of(comparison.level)]
-    return [(policy, [cells[policy] for cells in columns]) for policy in comparison.groups]
+    return [Row(policy, [cells[policy] for cells in columns]) for policy in comparison.groups]
 
 
-def _column(comparison: Comparison, column: Column, styles: Styles) -> dict[str, TableCell]:
-    special: dict[str, Callable[[Comparison], dict[str, TableCell]]] = {
+def _column(comparison: Comparison, column: Column, styles: Styles) -> dict[str, Cell]:
+    special: dict[str, Callable[[Comparison], dict[str, Cell]]] = {
         "reached": partial(_reached, metric=column.metric),
         "dots": partial(_dot_plots, metric=column.metric, styles=styles),
         "failures": _failures,
@@ -117,7 +105,7 @@ def _column(comparison: Comparison, column: Column, styles: Styles) -> dict[str,
     return emphasised(comparison, column, cells) if column.ranked else cells
 
 
-def _measured(comparison: Comparison, metric: str) -> dict[str, TableCell]:
+def _measured(comparison: Comparison, metric: str) -> dict[str, Cell]:
     estimates = {policy: comparison.estimate(policy, metric) for policy in comparison.groups}
     largest = max((each.mean for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
     divisor = DIVISOR.get(metric, 1.0)
@@ -126,14 +114,12 @@ def _measured(comparison: Comparison, metric: str) -> dict[str, TableCell]:
     return {policy: _figure(each, metric, divisor, decimals) for policy, each in estimates.items()}
 
 
-def _figure(estimate: Estimate, metric: str, divisor: float, decimals: int) -> TableCell:
+def _figure(estimate: Estimate, metric: str, divisor: float, decimals: int) -> Cell:
     mean = estimate.mean / divisor
     if math.isnan(mean):
-        return TableCell(fixed(None, 0))
+        return Cell(fixed(None, 0))
     digits = max(decimals, _needed(mean)) if divisor != 1.0 else decimals
-    return TableCell(
-        fixed(mean, digits), estimate.mean, interval(estimate, decimals) if metric in WITH_INTERVAL else ""
-    )
+    return Cell(fixed(mean, digits), estimate.mean, interval(estimate, decimals) if metric in WITH_INTERVAL else "")
 
 
 def _needed(value: float) -> int:
@@ -141,26 +127,26 @@ def _needed(value: float) -> int:
     return 0 if value >= 10 or value == 0 else min(3, 1 - math.floor(math.log10(value)))
 
 
-def _reached(comparison: Comparison, metric: str) -> dict[str, TableCell]:
+def _reached(comparison: Comparison, metric: str) -> dict[str, Cell]:
     cells = {}
     for policy, records in comparison.groups.items():
         share = comparison.results.success(comparison.scenario, policy, metric)
         detail = f"{round(share.mean * len(records))}/{len(records)} {percent_interval(share)}".strip()
-        cells[policy] = TableCell(percent(share.mean), share.mean, detail)
+        cells[policy] = Cell(percent(share.mean), share.mean, detail)
     return cells
 
 
-def _dot_plots(comparison: Comparison, metric: str, styles: Styles) -> dict[str, TableCell]:
+def _dot_plots(comparison: Comparison, metric: str, styles: Styles) -> dict[str, Cell]:
     values = {policy: comparison.results.values(comparison.scenario, policy, metric) for policy in comparison.groups}
     far = far_behind(comparison)
     scale = Scale(0.0, max(float(each.max()) for policy, each in values.items() if policy not in far), 110)
     return {
-        policy: TableCell("", None, episode_dot_plot(each, comparison.estimate(policy, metric), scale, styles[policy]))
+        policy: Cell("", None, episode_dot_plot(each, comparison.estimate(policy, metric), scale, styles[policy]))
         for policy, each in values.items()
     }
 
 
-def _wasted(comparison: Comparison, metric: str) -> dict[str, TableCell]:
+def _wasted(comparison: Comparison, metric: str) -> dict[str, Cell]:
     """Return the mean over episodes and the maximum; marked as bad if that is more than :func:`excused`."""
     cells = {}
     for policy, records in comparison.groups.items():
@@ -169,16 +155,16 @@ def _wasted(comparison: Comparison, metric: str) -> dict[str, TableCell]:
         most, mean = (float(measured.max()), float(measured.mean())) if len(measured) else (0.0, math.nan)
         detail = f"≤ {fixed(most, 0)}" if len(measured) else ""
         bad = most > excused(metric, records[0].team)
-        cells[policy] = TableCell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
+        cells[policy] = Cell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
     return cells
 
 
-def _failures(comparison: Comparison) -> dict[str, TableCell]:
+def _failures(comparison: Comparison) -> dict[str, Cell]:
     counts = {policy: len(failed(records)) for policy, records in comparison.groups.items()}
-    return {policy: TableCell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
+    return {policy: Cell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
 
 
-def emphasised(comparison: Comparison, column: Column, cells: dict[str, TableCell]) -> dict[str, TableCell]:
+def emphasised(comparison: Comparison, column: Column, cells: dict[str, Cell]) -> dict[str, Cell]:
     """Mark the cells that are shown to be the best; mostly there is none."""
     winners = shown_best(comparison, column.key, lower_is_better=column.lower_is_better)
     return {policy: replace(cell, best=policy in winners) for policy, cell in cells.items()}
