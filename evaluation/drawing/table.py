@@ -26,7 +26,7 @@ class Cell:
     """Whether it is significantly better than that of every other policy."""
     bad: bool = False
     shade: int = 0
-    """Colour on the page, from -4 for the worst to 4 for the best."""
+    """Number of its colour on the page."""
     title: str = ""
     """What the page says where a reader points at it."""
     style: str = ""
