@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.evaluation.drawing.formatting import counted
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
@@ -69,6 +70,13 @@ class Comparison:
     def building_count(self) -> int:
         """How many they are when those of one building count as one."""
         return len({label for policy in self.groups for label in self.maps(policy).tolist()})
+
+    @property
+    def maps_flown(self) -> str:
+        """``8 maps``, or ``8 maps of 3 buildings`` where some have several."""
+        maps = counted(self.map_count, "map")
+        several = self.building_count < self.map_count
+        return f"{maps} of {counted(self.building_count, 'building')}" if several else maps
 
     @cached_property
     def over_maps(self) -> bool:

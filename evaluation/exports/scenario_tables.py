@@ -9,7 +9,13 @@ from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.facts import denominator
 from indoor_explorers.evaluation.analysis.notes import narrow_notes, scenario_notes
 from indoor_explorers.evaluation.analysis.shown_best import BOLD
-from indoor_explorers.evaluation.analysis.tables.policy_figures import best_of, figures, headings, ratios, reference_of
+from indoor_explorers.evaluation.analysis.tables.policy_cells import (
+    best_of,
+    headings,
+    ratio_cells,
+    reference_of,
+    result_cells,
+)
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.drawing.formatting import counted, percent, slug
 from indoor_explorers.evaluation.drawing.table import Column, Row, Table
@@ -39,8 +45,8 @@ def _table(comparison: Comparison, key: str, missing: Sequence[str]) -> Table:
         Row(
             marked(results, policy),
             [
-                *figures(comparison, policy, tabled([level]), best, lambda mean: 1),
-                *ratios(comparison, policy, to_bound=level == T99, to_reference=known is not None),
+                *result_cells(comparison, policy, tabled([level]), best, lambda mean: 1),
+                *ratio_cells(comparison, policy, to_bound=level == T99, to_reference=known is not None),
             ],
         )
         for policy in comparison.groups
@@ -56,7 +62,7 @@ def caption(comparison: Comparison) -> list[str]:
     limit = f"{budgets[0]}" if len(budgets) == 1 else f"{budgets[0]} to {budgets[-1]}"
     settings = comparison.results.scenarios[comparison.scenario]
     return [
-        f"{span} of each policy on {_maps(comparison)}{_of_suite(comparison)}.",
+        f"{span} of each policy on {comparison.maps_flown}{_of_suite(comparison)}.",
         _interval_kind(comparison, min(counts)),
         f"Coverage is the {denominator(settings)}.",
         f"{_times(comparison.level)}; an episode that never reaches it counts as its budget of {limit} steps.",
@@ -67,13 +73,6 @@ def caption(comparison: Comparison) -> list[str]:
         *(["Policies that know the map are not ranked."] if any(map(comparison.privileged, comparison.groups)) else []),
         *footnotes(comparison.results, comparison.groups),
     ]
-
-
-def _maps(comparison: Comparison) -> str:
-    """Return the number of maps, and of buildings where some have several maps."""
-    maps = counted(comparison.map_count, "map")
-    several = comparison.building_count < comparison.map_count
-    return f"{maps} of {counted(comparison.building_count, 'building')}" if several else maps
 
 
 def _of_suite(comparison: Comparison) -> str:

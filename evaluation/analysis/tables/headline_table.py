@@ -11,12 +11,12 @@ from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.failures import failed_of
 from indoor_explorers.evaluation.analysis.notes import scenario_notes
 from indoor_explorers.evaluation.analysis.shown_best import BOLD
-from indoor_explorers.evaluation.analysis.tables.policy_figures import (
+from indoor_explorers.evaluation.analysis.tables.policy_cells import (
     best_of,
-    figures,
     headings,
-    ratios,
+    ratio_cells,
     reference_of,
+    result_cells,
     short_headings,
 )
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
@@ -60,9 +60,9 @@ def headline_table(results: Results, width: int = WIDE, *, notes: bool = True) -
         lines += missing_episodes(results, scenario) + _notes(comparison, named=several)
         best = best_of(comparison)
         for policy in comparison.groups:
-            cells = figures(comparison, policy, times, best, decimals_for)[: len(shown)]
+            cells = result_cells(comparison, policy, times, best, decimals_for)[: len(shown)]
             cells[len(times) :] = [replace(cell, detail="") for cell in cells[len(times) :]]
-            cells += ratios(comparison, policy, to_bound=to_bound, to_reference=known is not None)
+            cells += ratio_cells(comparison, policy, to_bound=to_bound, to_reference=known is not None)
             rows.append(_named(comparison, policy, cells))
     bounds = {cell.text[0] for row in rows for cell in row.cells if cell.text.startswith((">", "<"))}
     lines += [f"{' and '.join(sorted(bounds))}: a bound, as some episodes never reached it."] if bounds else []

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.tables.policy_cells import result_cells
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
 from indoor_explorers.evaluation.drawing.formatting import (
@@ -14,11 +15,10 @@ from indoor_explorers.evaluation.drawing.formatting import (
     decimals_for,
     fixed,
     interval,
-    percent,
 )
 from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table
 from indoor_explorers.evaluation.exports.markdown import escaped, line
-from indoor_explorers.evaluation.statistics import CONFIDENCE, Estimate
+from indoor_explorers.evaluation.statistics import CONFIDENCE
 from indoor_explorers.evaluation.studies.leaderboard.board import Board, BoardRow
 
 #: What the columns mean, and what nobody has tested, below the tables.
@@ -62,25 +62,17 @@ def _table(board: Board, comparison: Comparison, page: bool) -> Table:
         cells = _cells(comparison, row, times) + ([Cell(row.origin.flown)] if several else [])
         rank = row.rank.text if row.rank else ""
         rows.append(Row(rank, cells if page else [Cell(one_line(cell.line, LONGEST_CELL)) for cell in cells]))
-    maps = counted(comparison.map_count, "map")
-    if comparison.building_count < comparison.map_count:
-        maps += f" of {counted(comparison.building_count, 'building')}"
-    return Table(columns, rows, f"{comparison.title}: {counted(tasks, 'task')} on {maps}")
+    return Table(columns, rows, f"{comparison.title}: {counted(tasks, 'task')} on {comparison.maps_flown}")
 
 
 def _cells(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> list[Cell]:
-    return [
-        Cell(marked(comparison.results, row.policy)),
-        *(_steps(comparison.estimate(row.policy, metric)) for metric in times),
-        _ratio(row),
-        Cell(percent(comparison.reached(row.policy))),
-        Cell(fixed(comparison.estimate(row.policy, "auc").mean, 3)),
-    ]
+    *steps, reached, _, auc, _ = result_cells(comparison, row.policy, times, {}, _decimals)
+    name = Cell(marked(comparison.results, row.policy))
+    return [name, *steps, _ratio(row), Cell(reached.text), Cell(auc.text)]
 
 
-def _steps(time: Estimate) -> Cell:
-    decimals = decimals_for(time.mean) if time.mean < MANY else 0
-    return Cell(fixed(time.mean, decimals), detail=interval(time, decimals))
+def _decimals(steps: float) -> int:
+    return decimals_for(steps) if steps < MANY else 0
 
 
 def _ratio(row: BoardRow) -> Cell:
