@@ -68,7 +68,7 @@ class Comparison:
 
     @cached_property
     def building_count(self) -> int:
-        """How many they are when those of one building count as one."""
+        """How many buildings they are of."""
         return len({label for policy in self.groups for label in self.maps(policy).tolist()})
 
     @property
@@ -189,6 +189,7 @@ class Comparison:
         return not few and self.success_p_values.get(policy, 1.0) <= 1 - CONFIDENCE
 
     def _reached(self, policy: str) -> NDArray[np.bool_]:
+        """Return (E,) whether each episode reached the threshold of the scenario."""
         return self.results.reached(self.scenario, policy, self.level.key)
 
     def _family(self, policies: Sequence[str], *, chosen: bool = False) -> dict[str, Contrast]:
@@ -215,7 +216,7 @@ class Comparison:
         return {name: names[0] for names in self.twins for name in names[1:]}
 
     def differences(self, policy: str) -> NDArray[np.float64]:
-        """Return steps of a policy minus those of the best-ranked, where both finished; needs :attr:`aligned`."""
+        """Return (B,) steps minus the best-ranked policy's on the B tasks that both finished; needs :attr:`aligned`."""
         first = self.ranked_policies[0]
         both = self._reached(policy) & self._reached(first)
         return np.asarray(self._times(policy) - self._times(first))[both]

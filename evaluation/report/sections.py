@@ -23,7 +23,7 @@ from indoor_explorers.evaluation.harness.episodes.record import AXES, Record
 from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, refusal
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.harness.results.results import Results
-from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, times_data, whose
+from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, coverage_scopes, times_data
 from indoor_explorers.evaluation.report.charts.small_multiples import SmallMultiples, map_multiples
 from indoor_explorers.evaluation.report.replay.selection import replay_data
 from indoor_explorers.evaluation.statistics import FEWEST
@@ -160,7 +160,7 @@ def _sample(comparison: Comparison) -> Sample:
 
 
 def _charts(comparison: Comparison, styles: Styles) -> SectionCharts:
-    who = [(each, WHO[each]) for each in whose(comparison.results.scenarios[comparison.scenario])]
+    who = [(each, WHO[each]) for each in coverage_scopes(comparison.results.scenarios[comparison.scenario])]
     if not comparison.records:
         return SectionCharts(None, who, [], None, [], None)
     coverage, times = chart_data(comparison, styles, _points(comparison.results)), times_data(comparison, styles)
@@ -192,7 +192,7 @@ def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
 
 def _points(results: Results) -> int:
     """Return the number of points of a curve for which all charts stay within their limit."""
-    who = max(len(whose(settings)) for settings in results.scenarios.values())
+    who = max(len(coverage_scopes(settings)) for settings in results.scenarios.values())
     curves = max(1, len(results.groups)) * who * 3 * (1 + (len(AXES) - 1) / 2)
     episodes = max(map(len, results.groups.values()), default=1)
     return int(min(400, max(60, min(CHART_BYTES / (curves * 2.7), CHART_VALUES / (episodes * who)))))

@@ -107,6 +107,7 @@ def _place(
     column: int,
     task: Task,
 ) -> ReplayCell:
+    """Return the cell of a policy; ``times`` (P,) are the steps of all policies on this map or task."""
     reached = bool(here.reached[:, column].any())
     level = len(SHADES) if not reached else int(np.searchsorted(SHADES, ratio - 1e-9))
     decided = bool((times > times.min() + 1e-9).any())
@@ -121,7 +122,7 @@ def _place(
 
 
 def _ratio(times: NDArray[np.float64], column: int) -> float:
-    """Return a policy's steps as a multiple of the best one's; a threshold reached at the start counts as 1 step."""
+    """Return a policy's steps as a multiple of the fewest of (P,) steps; a threshold reached at once counts as 1."""
     counted_steps = np.maximum(times, 1.0)
     return float(counted_steps[column] / counted_steps.min())
 

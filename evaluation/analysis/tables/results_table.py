@@ -17,7 +17,7 @@ from indoor_explorers.evaluation.drawing.dot_plots import Scale, episode_dot_plo
 from indoor_explorers.evaluation.drawing.formatting import decimals_for, fixed, interval, percent, percent_interval
 from indoor_explorers.evaluation.drawing.palette import Styles
 from indoor_explorers.evaluation.drawing.table import Cell, Row
-from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, WASTED, excused
+from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, WASTED, tolerated_steps
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import Estimate
 
@@ -62,7 +62,7 @@ OTHERS = (
     Column("overlap", "overlap"),
     Column("collisions", "collisions"),
     Column("longest_idle", "idle", "steps", ranked=False),
-    Column("longest_dither", "dither", "steps", ranked=False),
+    Column("longest_dither", "oscillation", "steps", ranked=False),
     Column("failures", "failed episodes", ranked=False),
     Column("messages_bytes", "messages", "kB"),
     Column("latency_p50_us", "decision p50", "ms"),
@@ -147,14 +147,14 @@ def _dot_plots(comparison: Comparison, metric: str, styles: Styles) -> dict[str,
 
 
 def _wasted(comparison: Comparison, metric: str) -> dict[str, Cell]:
-    """Return the mean over episodes and the maximum; marked as bad if that is more than :func:`excused`."""
+    """Return the mean over episodes and the maximum; marked as bad if that is more than :func:`tolerated_steps`."""
     cells = {}
     for policy, records in comparison.groups.items():
         values = comparison.results.values(comparison.scenario, policy, metric)
         measured = values[~np.isnan(values)]
         most, mean = (float(measured.max()), float(measured.mean())) if len(measured) else (0.0, math.nan)
         detail = f"≤ {fixed(most, 0)}" if len(measured) else ""
-        bad = most > excused(metric, records[0].team)
+        bad = most > tolerated_steps(metric, records[0].team)
         cells[policy] = Cell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
     return cells
 
