@@ -16,7 +16,7 @@ from indoor_explorers.evaluation.analysis.panels import ScenarioPanels, scenario
 from indoor_explorers.evaluation.analysis.tables.constant_columns import constant_columns
 from indoor_explorers.evaluation.analysis.tables.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.analysis.tables.measures_table import MeasureRow, measures_table
-from indoor_explorers.evaluation.analysis.tables.results_table import Column, columns_of, results_table
+from indoor_explorers.evaluation.analysis.tables.results_table import MeasureColumn, columns_of, results_table
 from indoor_explorers.evaluation.drawing.palette import Styles
 from indoor_explorers.evaluation.drawing.table import Cell, Row
 from indoor_explorers.evaluation.harness.episodes.record import AXES, Record
@@ -82,11 +82,11 @@ class SectionCharts:
 class SectionTables:
     """The section's tables."""
 
-    columns: list[Column]
+    columns: list[MeasureColumn]
     """Those of the results that are shown."""
     results: list[Row]
     """By policy, a cell for each column."""
-    constant: list[tuple[Column, Cell]]
+    constant: list[tuple[MeasureColumn, Cell]]
     """The columns that are left out, as all policies have the same figure, with that."""
     measures: list[MeasureRow]
     baseline: str

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from indoor_explorers.evaluation.analysis.tables.results_table import Column
+from indoor_explorers.evaluation.analysis.tables.results_table import MeasureColumn
 from indoor_explorers.evaluation.drawing.table import Cell, Row
 
 
-def constant_columns(columns: Sequence[Column], rows: Sequence[Row]) -> list[tuple[Column, Cell]]:
+def constant_columns(columns: Sequence[MeasureColumn], rows: Sequence[Row]) -> list[tuple[MeasureColumn, Cell]]:
     """Return the columns with the same figure in every row, with that figure; none for a single row.
 
     Times and drawings are always shown, as is a figure that is shown to be bad.
@@ -19,7 +19,7 @@ def constant_columns(columns: Sequence[Column], rows: Sequence[Row]) -> list[tup
     return [(column, cells[0]) for column, cells in shown if _may_go(column) and _same(cells)]
 
 
-def _may_go(column: Column) -> bool:
+def _may_go(column: MeasureColumn) -> bool:
     return column.kind != "dots" and (column.kind == "reached" or not column.of_time)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
-from indoor_explorers.evaluation.analysis.tables.results_table import Column, columns_of, emphasised
+from indoor_explorers.evaluation.analysis.tables.results_table import MeasureColumn, columns_of, emphasised
 from indoor_explorers.evaluation.drawing.formatting import decimals_for, fixed, interval
 from indoor_explorers.evaluation.drawing.table import Cell
 from indoor_explorers.evaluation.statistics import Estimate
@@ -16,10 +16,8 @@ from indoor_explorers.evaluation.statistics import Estimate
 DECIMALS = {"t99_to_bound": 2, "t99_to_reference": 2}
 #: Measures that are only about teams.
 OF_TEAMS = {"auc_worst", "auc_mean", "path_max", "balance", "blocked"}
-
-
 #: One measure, and the cell of each policy.
-MeasureRow = tuple[Column, list[Cell]]
+MeasureRow = tuple[MeasureColumn, list[Cell]]
 
 
 def measures_table(comparison: Comparison) -> list[MeasureRow]:
@@ -32,14 +30,14 @@ def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
     left_out = {column.key for column in columns_of(comparison.level)} | (OF_TEAMS if alone else set())
     for key, measure in comparison.results.measures.items():
         if key not in left_out:
-            column = Column(key, measure.title, measure.unit, measure.lower_is_better)
+            column = MeasureColumn(measure.title, measure.unit, key, lower_is_better=measure.lower_is_better)
             yield column, _cells(comparison, column)
     for key in comparison.tallies:
-        column = Column(key, key.removeprefix("pilot_").replace("_", " "), "pilot statistic", ranked=False)
+        column = MeasureColumn(key.removeprefix("pilot_").replace("_", " "), "pilot statistic", key, ranked=False)
         yield column, _cells(comparison, column)
 
 
-def _cells(comparison: Comparison, column: Column) -> list[Cell]:
+def _cells(comparison: Comparison, column: MeasureColumn) -> list[Cell]:
     estimates = {policy: comparison.estimate(policy, column.key) for policy in comparison.groups}
     largest = max((abs(each.mean) for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
     usual = 3 if largest < 1 or not column.ranked else decimals_for(largest, most=2)

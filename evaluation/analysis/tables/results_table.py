@@ -16,19 +16,16 @@ from indoor_explorers.evaluation.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.drawing.dot_plots import Scale, episode_dot_plot
 from indoor_explorers.evaluation.drawing.formatting import decimals_for, fixed, interval, percent, percent_interval
 from indoor_explorers.evaluation.drawing.palette import Styles
-from indoor_explorers.evaluation.drawing.table import Cell, Row
+from indoor_explorers.evaluation.drawing.table import Cell, Column, Row
 from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, WASTED, tolerated_steps
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import Estimate
 
 
 @dataclass(frozen=True)
-class Column:
-    """One column of the results table."""
+class MeasureColumn(Column):
+    """A column of the results table; its key is a metric, or a time with what is made from it."""
 
-    key: str
-    title: str
-    unit: str = ""
     lower_is_better: bool = True
     ranked: bool = True
     """Whether a value shown to be the best is bold."""
@@ -57,16 +54,16 @@ class Column:
 
 #: The columns after those of times.
 OTHERS = (
-    Column("auc", "AUC", "", False),
-    Column("path_length", "path length", "cells"),
-    Column("overlap", "overlap"),
-    Column("collisions", "collisions"),
-    Column("longest_idle", "idle", "steps", ranked=False),
-    Column("longest_dither", "oscillation", "steps", ranked=False),
-    Column("failures", "failed episodes", ranked=False),
-    Column("messages_bytes", "messages", "kB"),
-    Column("latency_p50_us", "decision p50", "ms"),
-    Column("latency_p99_us", "decision p99", "ms"),
+    MeasureColumn("AUC", key="auc", lower_is_better=False),
+    MeasureColumn("path length", "cells", "path_length"),
+    MeasureColumn("overlap", key="overlap"),
+    MeasureColumn("collisions", key="collisions"),
+    MeasureColumn("idle", "steps", "longest_idle", ranked=False),
+    MeasureColumn("oscillation", "steps", "longest_dither", ranked=False),
+    MeasureColumn("failed episodes", key="failures", ranked=False),
+    MeasureColumn("messages", "kB", "messages_bytes"),
+    MeasureColumn("decision p50", "ms", "latency_p50_us"),
+    MeasureColumn("decision p99", "ms", "latency_p99_us"),
 )
 #: Divisors from the stored unit to that of the table.
 DIVISOR = {"messages_bytes": 1000.0, "latency_p50_us": 1000.0, "latency_p99_us": 1000.0}
@@ -75,15 +72,15 @@ DECIMALS = {"auc": 3, "overlap": 2, "collisions": 2}
 WITH_INTERVAL = (*LEVELS, "auc", "path_length")
 
 
-def columns_of(level: CoverageThreshold) -> tuple[Column, ...]:
+def columns_of(level: CoverageThreshold) -> tuple[MeasureColumn, ...]:
     """Return the columns of a scenario with this threshold; thresholds above it only have a time, which is a dash."""
     times = (column for key in tabled([level]) for column in _time_columns(CoverageThreshold(key), key in level.times))
-    return (*times, Column(f"{level.key}_dots", f"{level.title} by episode", "steps", ranked=False), *OTHERS)
+    return (*times, MeasureColumn(f"{level.title} by episode", "steps", f"{level.key}_dots", ranked=False), *OTHERS)
 
 
-def _time_columns(level: CoverageThreshold, asked: bool) -> list[Column]:
-    time = Column(level.key, level.title, "steps")
-    reached = Column(f"{level.key}_reached", f"reached {percent(level.share)}", ranked=False)
+def _time_columns(level: CoverageThreshold, asked: bool) -> list[MeasureColumn]:
+    time = MeasureColumn(level.title, "steps", level.key)
+    reached = MeasureColumn(f"reached {percent(level.share)}", key=f"{level.key}_reached", ranked=False)
     return [time, reached] if asked else [time]
 
 
@@ -93,7 +90,7 @@ def results_table(comparison: Comparison, styles: Styles) -> list[Row]:
     return [Row(policy, [cells[policy] for cells in columns]) for policy in comparison.groups]
 
 
-def _column(comparison: Comparison, column: Column, styles: Styles) -> dict[str, Cell]:
+def _column(comparison: Comparison, column: MeasureColumn, styles: Styles) -> dict[str, Cell]:
     special: dict[str, Callable[[Comparison], dict[str, Cell]]] = {
         "reached": partial(_reached, metric=column.metric),
         "dots": partial(_dot_plots, metric=column.metric, styles=styles),
@@ -164,7 +161,7 @@ def _failures(comparison: Comparison) -> dict[str, Cell]:
     return {policy: Cell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
 
 
-def emphasised(comparison: Comparison, column: Column, cells: dict[str, Cell]) -> dict[str, Cell]:
+def emphasised(comparison: Comparison, column: MeasureColumn, cells: dict[str, Cell]) -> dict[str, Cell]:
     """Mark the cells that are shown to be the best; mostly there is none."""
     winners = shown_best(comparison, column.key, lower_is_better=column.lower_is_better)
     return {policy: replace(cell, best=policy in winners) for policy, cell in cells.items()}
