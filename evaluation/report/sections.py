@@ -13,10 +13,14 @@ from indoor_explorers.evaluation.analysis.failures import failed_or_ended
 from indoor_explorers.evaluation.analysis.headline import headline
 from indoor_explorers.evaluation.analysis.notes import detectable_notes, narrow_notes, unseen_notes
 from indoor_explorers.evaluation.analysis.panels import ScenarioPanels, scenario_panels
-from indoor_explorers.evaluation.analysis.tables.constant_columns import constant_columns
 from indoor_explorers.evaluation.analysis.tables.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.analysis.tables.measures_table import MeasureRow, measures_table
-from indoor_explorers.evaluation.analysis.tables.results_table import MeasureColumn, columns_of, results_table
+from indoor_explorers.evaluation.analysis.tables.results_table import (
+    MeasureColumn,
+    columns_of,
+    constant_columns,
+    results_table,
+)
 from indoor_explorers.evaluation.drawing.palette import Styles
 from indoor_explorers.evaluation.drawing.table import Cell, Row
 from indoor_explorers.evaluation.harness.episodes.record import AXES, Record

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -165,3 +165,23 @@ def emphasised(comparison: Comparison, column: MeasureColumn, cells: dict[str, C
     """Mark the cells that are shown to be the best; mostly there is none."""
     winners = shown_best(comparison, column.key, lower_is_better=column.lower_is_better)
     return {policy: replace(cell, best=policy in winners) for policy, cell in cells.items()}
+
+
+def constant_columns(columns: Sequence[MeasureColumn], rows: Sequence[Row]) -> list[tuple[MeasureColumn, Cell]]:
+    """Return the columns with the same figure in every row, with that figure: the page names them below the table.
+
+    None for a single row. Times and drawings are always in the table, as is a figure that is shown to be bad.
+    """
+    if len(rows) < 2:
+        return []
+    shown = [(column, [row.cells[place] for row in rows]) for place, column in enumerate(columns)]
+    return [(column, cells[0]) for column, cells in shown if _may_go(column) and _same(cells)]
+
+
+def _may_go(column: MeasureColumn) -> bool:
+    return column.kind != "dots" and (column.kind == "reached" or not column.of_time)
+
+
+def _same(cells: Sequence[Cell]) -> bool:
+    first = cells[0]
+    return not first.bad and all((each.text, each.value) == (first.text, first.value) for each in cells)
