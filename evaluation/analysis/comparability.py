@@ -251,11 +251,7 @@ def _sentences(notes: Sequence[str]) -> list[str]:
 def _buildings(results: Results) -> Iterator[str]:
     """Tell where maps of one building count as one."""
     comparisons = [Comparison(results, name) for name in results.scenarios]
-    told = {
-        f"{counted(each.map_count, 'map')} of {counted(each.building_count, 'building')}"
-        for each in comparisons
-        if each.building_count < each.map_count
-    }
+    told = {each.maps_flown for each in comparisons if each.building_count < each.map_count}
     if told:
         yield f"Intervals and tests count maps of one building as one, as they are alike: {', '.join(sorted(told))}."
 

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from indoor_explorers.evaluation.drawing.formatting import counted
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
@@ -67,8 +68,15 @@ class Comparison:
 
     @cached_property
     def building_count(self) -> int:
-        """How many they are when those of one building count as one."""
+        """How many buildings they are of."""
         return len({label for policy in self.groups for label in self.maps(policy).tolist()})
+
+    @property
+    def maps_flown(self) -> str:
+        """``8 maps``, or ``8 maps of 3 buildings`` where some have several."""
+        maps = counted(self.map_count, "map")
+        several = self.building_count < self.map_count
+        return f"{maps} of {counted(self.building_count, 'building')}" if several else maps
 
     @cached_property
     def over_maps(self) -> bool:
@@ -181,6 +189,7 @@ class Comparison:
         return not few and self.success_p_values.get(policy, 1.0) <= 1 - CONFIDENCE
 
     def _reached(self, policy: str) -> NDArray[np.bool_]:
+        """Return (E,) whether each episode reached the threshold of the scenario."""
         return self.results.reached(self.scenario, policy, self.level.key)
 
     def _family(self, policies: Sequence[str], *, chosen: bool = False) -> dict[str, Contrast]:
@@ -207,7 +216,7 @@ class Comparison:
         return {name: names[0] for names in self.twins for name in names[1:]}
 
     def differences(self, policy: str) -> NDArray[np.float64]:
-        """Return steps of a policy minus those of the best-ranked, where both finished; needs :attr:`aligned`."""
+        """Return (B,) steps minus the best-ranked policy's on the B tasks that both finished; needs :attr:`aligned`."""
         first = self.ranked_policies[0]
         both = self._reached(policy) & self._reached(first)
         return np.asarray(self._times(policy) - self._times(first))[both]

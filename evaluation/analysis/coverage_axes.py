@@ -61,7 +61,7 @@ def _spending(comparison: Comparison, key: str, points: int) -> CoverageAxis:
 
 
 def _focus(comparison: Comparison, key: str, amounts: NDArray[np.float64]) -> float:
-    """Return the amount at which the last mean curve reaches the threshold; the largest if none does."""
+    """Return which of (T,) amounts the last mean curve reaches the threshold at; the largest if none does."""
     groups = [group[:: 1 + len(group) // ENOUGH] for group in near_groups(comparison).values()]
     means = [coverage_at(group, amounts, axis=key).mean(axis=0) for group in groups]
     enough = comparison.level.share
@@ -69,7 +69,7 @@ def _focus(comparison: Comparison, key: str, amounts: NDArray[np.float64]) -> fl
 
 
 def sampled_steps(comparison: Comparison, points: int) -> NDArray[np.int64]:
-    """Return at most about ``points`` steps: dense while any curve still rises, and the last step of all."""
+    """Return (T,) steps, at most about ``points``: dense while any curve still rises, and the last step of all."""
     records = comparison.records
     budget, last = max(record.budget for record in records), max(record.steps for record in records)
     focus = min(focus_step(comparison), last)
@@ -95,12 +95,13 @@ def last_active_step(groups: Sequence[Sequence[Record]], share: float) -> int:
 
 
 def _active_until(curves: Sequence[NDArray[np.float64]], budget: int, share: float) -> int:
+    """Return the last step, plus a margin, at which one of the (T,) curves reaches the share; else the budget."""
     reached = [step for curve in curves if (step := _reaches(curve, share)) is not None]
     return min(budget, int(np.ceil(max(reached) * MARGIN)) + 1) if reached else budget
 
 
 def _reaches(curve: NDArray[np.float64], share: float) -> int | None:
-    """Return the first step at which a mean curve is at least a share, by bisection; None for never."""
+    """Return the first step at which a (T,) mean curve is at least a share, by bisection; None for never."""
     there = curve >= share - 1e-12
     low, high = 0, len(curve) - 1
     if not there[high]:
@@ -124,9 +125,9 @@ def coverage_at(
 def coverage_along(
     records: Sequence[Record], axes: Mapping[str, NDArray[np.integer | np.floating]], who: Sequence[str]
 ) -> dict[tuple[str, str], NDArray[np.float64]]:
-    """Return :func:`coverage_at` by axis and ``who`` for the amounts of several axes; each episode is read once.
+    """Return :func:`coverage_at`, (E, T), by axis and ``who`` for (T,) amounts of each axis; episodes are read once.
 
-    All of them lie side by side in one array, the ``base`` of each.
+    All are views of one array.
     """
     total = sum(len(amounts) for amounts in axes.values())
     whole = np.empty((len(records), len(who) * total))
@@ -139,7 +140,7 @@ def coverage_along(
 
 
 def _step(record: Record, amounts: NDArray[np.integer | np.floating], axis: str) -> NDArray[np.integer]:
-    """Return the last step up to which no more than each amount was spent."""
+    """Return (T,) the last step up to which no more than each of (T,) amounts was spent."""
     if axis == "steps":
         return np.asarray(np.minimum(amounts, record.steps), np.int64)
     return np.asarray(np.maximum(np.searchsorted(record.spent(axis), amounts, side="right") - 1, 0))

@@ -1,4 +1,4 @@
-"""Sentences below a scenario's table: who flew the same episodes, who fails more often, what could have been seen."""
+"""Sentences below a scenario's table: identical flights, differing success rates, detectable differences."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def success_notes(comparison: Comparison) -> list[str]:
 
 
 def detectable_notes(comparison: Comparison) -> list[str]:
-    """Say what difference to the best-ranked policy would have been seen, by those not told apart from it if any."""
+    """State the smallest detectable differences to the best-ranked policy, of those not shown to differ if any."""
     rivals = [comparison.contrasts[name] for name in _sound(comparison) if name in comparison.contrasts]
     tested = [each for each in rivals if each.difference.low is not None and 0 < each.detectable < math.inf]
     sizes = sorted(each.detectable for each in [each for each in tested if not each.shown] or tested)

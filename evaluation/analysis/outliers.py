@@ -1,18 +1,18 @@
-"""Policies so far behind the others that the range of a chart leaves them out: chance, and what is much slower."""
+"""Policies that axis ranges leave out: those that move at random, and those far slower than the best."""
 
 from __future__ import annotations
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.harness.episodes.record import Record
 
-#: What a policy states that it plans for if it flies by chance.
+#: What a policy states that it plans for if it moves at random.
 NOTHING = "nothing"
 #: Multiple of the best mean time from which a policy is far behind.
 FAR = 3.0
 
 
 def far_behind(comparison: Comparison) -> list[str]:
-    """Return the policies that no scale is made for: chance, and those with :data:`FAR` times the best mean time.
+    """Return the policies that axis ranges leave out: random ones, and those above :data:`FAR` times the best mean.
 
     Empty where that would leave no policy.
     """
@@ -29,6 +29,6 @@ def far_behind(comparison: Comparison) -> list[str]:
 
 
 def near_groups(comparison: Comparison) -> dict[str, list[Record]]:
-    """Return the records by policy without those :func:`far_behind`: what a scale is made for."""
+    """Return the records by policy without those :func:`far_behind`."""
     far = far_behind(comparison)
     return {policy: records for policy, records in comparison.groups.items() if policy not in far}

@@ -9,6 +9,7 @@ from indoor_explorers.evaluation.exports.figures import write_figures
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
 from indoor_explorers.evaluation.exports.planner_arena import write_planner_arena
+from indoor_explorers.evaluation.exports.scenario_tables import scenario_tables
 from indoor_explorers.evaluation.exports.tidy import write_curves, write_episodes
 from indoor_explorers.evaluation.harness.results.differences import differences, write_differences
 from indoor_explorers.evaluation.harness.results.ratios import Ratios, write_ratios
@@ -32,7 +33,8 @@ def write_exports(results: Results, folder: Path, *, ratio_to: Sequence[str] | N
     write_ratios(ratios, tables / "ratios.csv")
     write_differences(differences(results, ratios.to), tables / "differences.csv")
     texts = {folder / name: text for name, text in experiment_files(results).items()}
-    texts |= {tables / "results.md": markdown_tables(results), tables / "results.tex": latex_tables(results)}
+    shown = scenario_tables(results)
+    texts |= {tables / "results.md": markdown_tables(shown), tables / "results.tex": latex_tables(shown)}
     texts |= {tables / "ratios.md": markdown_ratios(ratios)}
     for path, text in texts.items():
         with written_whole(path) as partial:

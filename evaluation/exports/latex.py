@@ -10,12 +10,9 @@ import re
 import unicodedata
 from collections.abc import Sequence
 
-from indoor_explorers.evaluation.analysis.comparability import missing_episodes
-from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.tables.policy_names import DAGGER, DOUBLE_DAGGER, SECTION
-from indoor_explorers.evaluation.drawing.formatting import EN_DASH, MINUS, THIN_SPACE, slug
-from indoor_explorers.evaluation.exports.cells import ExportCell, ExportRow, caption, table_headings, table_rows
-from indoor_explorers.evaluation.harness.results.results import Results
+from indoor_explorers.evaluation.drawing.formatting import EN_DASH, MINUS, THIN_SPACE
+from indoor_explorers.evaluation.drawing.table import Cell, Row, Table
 
 #: Characters with a meaning in LaTeX, or that not every engine supports.
 COMMANDS = {
@@ -51,30 +48,23 @@ ACCENTS = {
 PREAMBLE = "% One table a scenario. Needs \\usepackage{booktabs} in the preamble; include with \\input{results}.\n"
 
 
-def latex_tables(results: Results) -> str:
-    """Return a floating table for each scenario that was flown."""
-    common = results.on_common_tasks
-    comparisons = {f"{k:02d}": Comparison(common, name) for k, name in enumerate(results.scenarios, 1)}
-    return PREAMBLE + "".join(
-        _table(each, number, missing_episodes(results, each.scenario))
-        for number, each in comparisons.items()
-        if each.groups
-    )
+def latex_tables(tables: Sequence[Table]) -> str:
+    """Return a floating table for each of the tables."""
+    return PREAMBLE + "".join(map(_table, tables))
 
 
-def _table(comparison: Comparison, number: str, missing: Sequence[str]) -> str:
-    name, shown = escaped(comparison.title), table_headings(comparison)
+def _table(table: Table) -> str:
     lines = [
         "",
         r"\begin{table}[htbp]",
         r"  \centering\footnotesize\setlength{\tabcolsep}{4pt}",
-        rf"  \caption{{Scenario {name}. {escaped(' '.join([*caption(comparison), *missing]))}}}",
-        rf"  \label{{tab:{number}-{slug(comparison.scenario)}}}",
-        rf"  \begin{{tabular}}{{l{'r' * len(shown)}}}",
+        rf"  \caption{{Scenario {escaped(table.title)}. {escaped(' '.join(table.notes))}}}",
+        rf"  \label{{tab:{table.key}}}",
+        rf"  \begin{{tabular}}{{l{'r' * (len(table.columns) - 1)}}}",
         r"    \toprule",
-        "    " + " & ".join(map(escaped, ("policy", *shown))) + r" \\",
+        "    " + " & ".join(escaped(column.title) for column in table.columns) + r" \\",
         r"    \midrule",
-        *(line for row in table_rows(comparison) for line in _row(row)),
+        *(line for row in table.rows for line in _row(row)),
         r"    \bottomrule",
         r"  \end{tabular}",
         r"\end{table}",
@@ -83,20 +73,20 @@ def _table(comparison: Comparison, number: str, missing: Sequence[str]) -> str:
     return "\n".join(lines)
 
 
-def _row(row: ExportRow) -> list[str]:
+def _row(row: Row) -> list[str]:
     """Return a line of figures and, where there are any, one of their intervals; a group guards a leading bracket."""
-    lines = ["    " + " & ".join((f"{{{escaped(row.policy)}}}", *map(_figure, row.cells))) + r" \\"]
-    if any(cell.interval for cell in row.cells):
+    lines = ["    " + " & ".join((f"{{{escaped(row.name)}}}", *map(_figure, row.cells))) + r" \\"]
+    if any(cell.detail for cell in row.cells):
         lines.append("    " + "".join(f" & {_interval(cell)}".rstrip() for cell in row.cells).strip() + r" \\")
     return lines
 
 
-def _figure(cell: ExportCell) -> str:
+def _figure(cell: Cell) -> str:
     return rf"\textbf{{{escaped(cell.text)}}}" if cell.best else escaped(cell.text)
 
 
-def _interval(cell: ExportCell) -> str:
-    return rf"{{\scriptsize {escaped(cell.interval)}}}" if cell.interval else ""
+def _interval(cell: Cell) -> str:
+    return rf"{{\scriptsize {escaped(cell.detail)}}}" if cell.detail else ""
 
 
 def escaped(text: str) -> str:

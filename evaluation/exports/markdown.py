@@ -3,50 +3,39 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
-from indoor_explorers.evaluation.analysis.comparability import missing_episodes
-from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
-from indoor_explorers.evaluation.analysis.tables.ratio_table import RatioTable, bound_notes, ratio_tables
-from indoor_explorers.evaluation.exports.cells import ExportCell, caption, table_headings, table_rows
+from indoor_explorers.evaluation.analysis.tables.ratio_table import bound_notes, ratio_tables
+from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table
 from indoor_explorers.evaluation.harness.results.ratios import Ratios
-from indoor_explorers.evaluation.harness.results.results import Results
 
 #: Characters with a meaning in Markdown, and in GitHub's tables and mathematics.
 SPECIAL = re.compile(r"([\\`*_\[\]>|~$#])")
 
 
-def markdown_tables(results: Results) -> str:
-    """Return a heading, a table and its caption for each scenario that was flown."""
-    comparisons = [Comparison(results.on_common_tasks, scenario) for scenario in results.scenarios]
-    missing = {scenario: missing_episodes(results, scenario) for scenario in results.scenarios}
-    return "\n".join(_section(each, missing[each.scenario]) for each in comparisons if each.groups)
+def markdown_tables(tables: Sequence[Table]) -> str:
+    """Return a heading, a table and its notes for each of the tables."""
+    return "\n".join(_section(table, _figure) for table in tables)
 
 
-def _section(comparison: Comparison, missing: Sequence[str]) -> str:
-    shown = table_headings(comparison)
-    lines = [
-        f"## {escaped(comparison.title)}",
-        "",
-        _line(["policy", *shown]),
-        _line(["---", *["---:"] * len(shown)]),
-        *(_line([escaped(row.policy), *map(_figure, row.cells)]) for row in table_rows(comparison)),
-        "",
-        escaped(" ".join([*caption(comparison), *missing])),
-        "",
-    ]
-    return "\n".join(lines)
+def _section(table: Table, figure: Callable[[Cell], str]) -> str:
+    titles = [column.title for column in table.columns]
+    rows = [[escaped(name), *map(figure, cells)] for name, cells, _ in table.rows]
+    notes = [escaped(" ".join(table.notes)), ""] if table.notes else []
+    aligned = ["---", *["---:"] * (len(titles) - 1)]
+    return "\n".join([f"## {escaped(table.title)}", "", *map(line, [titles, aligned, *rows]), "", *notes])
 
 
-def _line(cells: list[str]) -> str:
+def line(cells: Iterable[str]) -> str:
+    """Return a line of a table."""
     return f"| {' | '.join(cells)} |"
 
 
-def _figure(cell: ExportCell) -> str:
+def _figure(cell: Cell) -> str:
     text = SPECIAL.sub(r"\\\1", cell.text)
-    text = f"**{text}**" if cell.best else text
-    return f"{text} {cell.interval}".strip()
+    return replace(cell, text=f"**{text}**" if cell.best else text).line
 
 
 def escaped(text: str) -> str:
@@ -59,17 +48,17 @@ def escaped(text: str) -> str:
 
 def markdown_ratios(ratios: Ratios) -> str:
     """Return a heading and a table of policies by scenarios for each baseline and time."""
-    tables = ratio_tables(ratios)
-    policies = [name for table in tables for name, _ in table.rows]
-    notes = [*bound_notes(ratios.rows), *footnotes(ratios.results, policies, times=False)]
-    return "\n".join([*(_ratios(table, ratios.results) for table in tables), *(f"{escaped(note)}\n" for note in notes)])
-
-
-def _ratios(table: RatioTable, results: Results) -> str:
-    names = [escaped(results.title(name)) for name, _ in table.scenarios]
-    rows = [
-        [escaped(marked(results, policy)), *(f"{c.text} {c.interval}".strip() if c else "" for c in cells)]
-        for policy, cells in table.rows
+    tables, results = ratio_tables(ratios), ratios.results
+    notes = [*bound_notes(ratios.rows), *footnotes(results, [row.name for t in tables for row in t.rows], times=False)]
+    shown = [
+        replace(
+            table,
+            columns=[Column(escaped(results.title(column.title))) for column in table.columns],
+            rows=[Row(marked(results, name), cells) for name, cells, _ in table.rows],
+            notes=(),
+        )
+        for table in tables
     ]
-    lines = [f"## {escaped(table.title)}", "", _line(["policy", *names]), _line(["---", *["---:"] * len(names)])]
-    return "\n".join([*lines, *map(_line, rows), ""])
+    return "\n".join(
+        [*(_section(table, lambda cell: cell.line) for table in shown), *(f"{escaped(note)}\n" for note in notes)]
+    )

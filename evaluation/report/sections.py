@@ -13,16 +13,21 @@ from indoor_explorers.evaluation.analysis.failures import failed_or_ended
 from indoor_explorers.evaluation.analysis.headline import headline
 from indoor_explorers.evaluation.analysis.notes import detectable_notes, narrow_notes, unseen_notes
 from indoor_explorers.evaluation.analysis.panels import ScenarioPanels, scenario_panels
-from indoor_explorers.evaluation.analysis.tables.constant_columns import constant_columns
 from indoor_explorers.evaluation.analysis.tables.contrast_table import ContrastRow, contrast_table
 from indoor_explorers.evaluation.analysis.tables.measures_table import MeasureRow, measures_table
-from indoor_explorers.evaluation.analysis.tables.results_table import Column, TableCell, columns_of, results_table
+from indoor_explorers.evaluation.analysis.tables.results_table import (
+    MeasureColumn,
+    columns_of,
+    constant_columns,
+    results_table,
+)
 from indoor_explorers.evaluation.drawing.palette import Styles
+from indoor_explorers.evaluation.drawing.table import Cell, Row
 from indoor_explorers.evaluation.harness.episodes.record import AXES, Record
 from indoor_explorers.evaluation.harness.episodes.stored_names import MODELS, refusal
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold
 from indoor_explorers.evaluation.harness.results.results import Results
-from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, times_data, whose
+from indoor_explorers.evaluation.report.charts.interactive import WHO, chart_data, coverage_scopes, times_data
 from indoor_explorers.evaluation.report.charts.small_multiples import SmallMultiples, map_multiples
 from indoor_explorers.evaluation.report.replay.selection import replay_data
 from indoor_explorers.evaluation.statistics import FEWEST
@@ -81,11 +86,11 @@ class SectionCharts:
 class SectionTables:
     """The section's tables."""
 
-    columns: list[Column]
+    columns: list[MeasureColumn]
     """Those of the results that are shown."""
-    results: list[tuple[str, list[TableCell]]]
+    results: list[Row]
     """By policy, a cell for each column."""
-    constant: list[tuple[Column, TableCell]]
+    constant: list[tuple[MeasureColumn, Cell]]
     """The columns that are left out, as all policies have the same figure, with that."""
     measures: list[MeasureRow]
     baseline: str
@@ -159,7 +164,7 @@ def _sample(comparison: Comparison) -> Sample:
 
 
 def _charts(comparison: Comparison, styles: Styles) -> SectionCharts:
-    who = [(each, WHO[each]) for each in whose(comparison.results.scenarios[comparison.scenario])]
+    who = [(each, WHO[each]) for each in coverage_scopes(comparison.results.scenarios[comparison.scenario])]
     if not comparison.records:
         return SectionCharts(None, who, [], None, [], None)
     coverage, times = chart_data(comparison, styles, _points(comparison.results)), times_data(comparison, styles)
@@ -180,7 +185,7 @@ def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
     kept = [place for place, column in enumerate(columns) if column not in [each for each, _ in constant]]
     return SectionTables(
         columns=[columns[place] for place in kept],
-        results=[(policy, [cells[place] for place in kept]) for policy, cells in rows],
+        results=[Row(policy, [cells[place] for place in kept]) for policy, cells, _ in rows],
         constant=constant,
         measures=measures_table(comparison),
         baseline=comparison.ranked_policies[0] if flown else "",
@@ -191,7 +196,7 @@ def _tables(comparison: Comparison, styles: Styles) -> SectionTables:
 
 def _points(results: Results) -> int:
     """Return the number of points of a curve for which all charts stay within their limit."""
-    who = max(len(whose(settings)) for settings in results.scenarios.values())
+    who = max(len(coverage_scopes(settings)) for settings in results.scenarios.values())
     curves = max(1, len(results.groups)) * who * 3 * (1 + (len(AXES) - 1) / 2)
     episodes = max(map(len, results.groups.values()), default=1)
     return int(min(400, max(60, min(CHART_BYTES / (curves * 2.7), CHART_VALUES / (episodes * who)))))

@@ -11,7 +11,7 @@ import numpy as np
 
 from indoor_explorers.env import Scenario, make_policy, scenario
 from indoor_explorers.env.scenarios.presets import on_files
-from indoor_explorers.evaluation.harness.episodes.metrics import WASTED, excused
+from indoor_explorers.evaluation.harness.episodes.metrics import WASTED, tolerated_steps
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.episodes.stalling import longest_run, to_and_fro
@@ -91,7 +91,7 @@ def violations(record: Record) -> list[str]:
     return found + [
         f"{metric.replace('_', ' ')} {record.metrics[metric]:g}"
         for metric in WASTED
-        if (record.metrics[metric] or 0) > excused(metric, record.team)
+        if (record.metrics[metric] or 0) > tolerated_steps(metric, record.team)
     ]
 
 

@@ -9,8 +9,13 @@ from html.parser import HTMLParser
 from typing import Any
 
 import numpy as np
+from rich.console import Console
 
 from indoor_explorers.env import Briefing, Pilot, Policy, Scenario, View, scenario
+from indoor_explorers.evaluation.analysis.tables.headline_table import headline_table
+from indoor_explorers.evaluation.exports.latex import latex_tables
+from indoor_explorers.evaluation.exports.markdown import markdown_tables
+from indoor_explorers.evaluation.exports.scenario_tables import scenario_tables
 from indoor_explorers.evaluation.harness.episodes.runner import fly
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.results.results import Results
@@ -61,6 +66,14 @@ def results_of(policies: dict[str, Wander], scenarios: Sequence[Scenario], episo
     settings = {each.name: {"fingerprint": each.fingerprint, **each.model_dump(mode="json")} for each in scenarios}
     runs_of = [{"command": "indoor-explorers compare --out a", "python": "3.11", "cores": 2}]
     return Results(about, settings, runs_of, records)
+
+
+def texts_of(results: Results) -> list[str]:
+    """Return what the terminal, on one line, Markdown and LaTeX say about results."""
+    tables, console = scenario_tables(results), Console(width=200, markup=False)
+    with console.capture() as shown:
+        console.print(headline_table(results, 200))
+    return [" ".join(shown.get().split()), markdown_tables(tables), latex_tables(tables)]
 
 
 class Page(HTMLParser):

@@ -127,7 +127,7 @@ class Identity:
 
     @property
     def text(self) -> str:
-        """The line about it."""
+        """Its line in the report."""
         what = f"{self.same} of {counted(self.tasks, 'episode')} identical, step for step"
         return what + (f"; the policy differs: {self.parameters}" if self.parameters else "")
 
@@ -196,6 +196,7 @@ def _compared(results: Results, scenario: str) -> list[str]:
 
 
 def _values(results: Results, scenario: str, policy: str, metric: str) -> NDArray[np.float64]:
+    """Return (E,) values of a metric, or 1 where an episode reached its goal."""
     if metric != "success":
         return results.values(scenario, policy, metric)
     return np.array([r.outcome is Outcome.COMPLETE for r in results.groups[scenario, policy]], np.float64)

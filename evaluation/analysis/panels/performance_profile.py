@@ -43,7 +43,7 @@ def profile_plot(task_times: TaskTimes, styles: Styles, far: Sequence[str] = ())
 def _stairs(
     name: str, style: PolicyStyle, tau: NDArray[np.float64], share: NDArray[np.float64], end: float
 ) -> PlotSeries:
-    """Return the line of one policy: the places where it rises, and the right edge."""
+    """Return the line of (T,) shares against (T,) factors ``tau``: the places where it rises, and the right edge."""
     rises = np.flatnonzero(np.diff(share, prepend=-1.0) > 0)
     if len(rises) > STAIRS:
         rises = rises[np.linspace(0, len(rises) - 1, STAIRS).round().astype(np.int64)]

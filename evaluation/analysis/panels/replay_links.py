@@ -3,8 +3,17 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 
+from indoor_explorers.evaluation.drawing.table import Cell
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
+
+
+@dataclass(frozen=True)
+class ReplayCell(Cell):
+    """A cell that opens a replay."""
+
+    replay: str = ""
 
 
 def replay_link(policy: str, task: Task) -> str:

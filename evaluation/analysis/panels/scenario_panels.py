@@ -14,8 +14,9 @@ from indoor_explorers.evaluation.analysis.panels.pareto_plot import pareto_plot
 from indoor_explorers.evaluation.analysis.panels.performance_profile import profile_plot
 from indoor_explorers.evaluation.analysis.panels.plot_data import Plot
 from indoor_explorers.evaluation.analysis.panels.rank_plot import Improvement, RankRow, rank_rows
+from indoor_explorers.evaluation.analysis.panels.replay_links import ReplayCell
 from indoor_explorers.evaluation.analysis.panels.times_by_map import TimesTable, times_table
-from indoor_explorers.evaluation.analysis.panels.win_matrix import WinCell, win_matrix
+from indoor_explorers.evaluation.analysis.panels.win_matrix import win_matrix
 from indoor_explorers.evaluation.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.drawing.palette import Styles
 
@@ -33,7 +34,7 @@ class RankPlotRow:
 class ScenarioPanels:
     """The panels of a scenario; one without content is None or empty and is left out."""
 
-    duels: list[tuple[str, list[WinCell | None]]]
+    duels: list[tuple[str, list[ReplayCell]]]
     ranks: TimesTable | None
     rank_plot: list[RankPlotRow]
     pareto: Plot | None

@@ -72,6 +72,7 @@ def _maps(results: Results, scenario: str, policy: str) -> dict[tuple[int, int],
 
 
 def _gain(team: int, alone: NDArray[np.float64], together: NDArray[np.float64], maps: list[str]) -> SpeedUp:
+    """Compare a team with one UAV by (E, 2) arrays: steps, and 1 where the threshold was reached."""
     censored = not bool(alone[:, 1].all() and together[:, 1].all())
     if team == 1:
         return SpeedUp(1, Estimate(1.0, None, None), [], censored)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
-from indoor_explorers.evaluation.analysis.panels.replay_links import replay_link
+from indoor_explorers.evaluation.analysis.panels.replay_links import ReplayCell, replay_link
 from indoor_explorers.evaluation.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.drawing.formatting import counted, fixed, interval, seed_base
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
@@ -21,18 +20,6 @@ MAPS, SEEDS = 60, 40
 SHADES = (1.0, 1.1, 1.25, 1.5, 2.0)
 
 
-class TimesCell(NamedTuple):
-    """The result of one policy on one map or task."""
-
-    text: str
-    detail: str
-    winner: bool
-    shade: int
-    """From 0 for the best to 5 for more than twice its steps or never reached."""
-    title: str
-    replay: str
-
-
 @dataclass(frozen=True)
 class TimesTable:
     """A table of units, which are maps or seeds, by policies."""
@@ -42,8 +29,8 @@ class TimesTable:
     base: int
     """What the rows' seeds are counted from; 0 for whole seeds and for maps."""
     policies: list[str]
-    rows: list[tuple[str, list[TimesCell]]]
-    """By unit; a cell a policy."""
+    rows: list[tuple[str, list[ReplayCell]]]
+    """By unit; a cell a policy, shaded from 0 for the best to 5 for more than twice its steps or never reached."""
     won: list[tuple[int, int]]
     """By policy: how many units it won alone, and how many together with others."""
     units: int
@@ -87,7 +74,7 @@ def _won(times: NDArray[np.float64]) -> list[tuple[int, int]]:
     return list(zip(alone.sum(axis=0).tolist(), (first & ~alone & ~everyone).sum(axis=0).tolist(), strict=True))
 
 
-def _on_map(here: TaskTimes, column: int, name: str) -> TimesCell:
+def _on_map(here: TaskTimes, column: int, name: str) -> ReplayCell:
     """Return the cell of a policy on one map; it links to the episode nearest to the mean."""
     estimate = bootstrap_mean(here.times[:, column])
     means = here.times.mean(axis=0)
@@ -100,7 +87,7 @@ def _on_map(here: TaskTimes, column: int, name: str) -> TimesCell:
     return _place(fixed(estimate.mean, 1), detail, ratio, means, title, here, column, here.tasks[typical])
 
 
-def _on_task(common: TaskTimes, row: int, column: int) -> TimesCell:
+def _on_task(common: TaskTimes, row: int, column: int) -> ReplayCell:
     times, task = common.times[row], common.tasks[row]
     ratio = _ratio(times, column)
     there = bool(common.reached[row, column])
@@ -119,17 +106,23 @@ def _place(
     here: TaskTimes,
     column: int,
     task: Task,
-) -> TimesCell:
+) -> ReplayCell:
+    """Return the cell of a policy; ``times`` (P,) are the steps of all policies on this map or task."""
     reached = bool(here.reached[:, column].any())
     level = len(SHADES) if not reached else int(np.searchsorted(SHADES, ratio - 1e-9))
     decided = bool((times > times.min() + 1e-9).any())
-    return TimesCell(
-        text, detail, decided and ratio <= 1 + 1e-9, level, title, replay_link(here.policies[column], task)
+    return ReplayCell(
+        text,
+        detail=detail,
+        best=decided and ratio <= 1 + 1e-9,
+        shade=level,
+        title=title,
+        replay=replay_link(here.policies[column], task),
     )
 
 
 def _ratio(times: NDArray[np.float64], column: int) -> float:
-    """Return a policy's steps as a multiple of the best one's; a threshold reached at the start counts as 1 step."""
+    """Return a policy's steps as a multiple of the fewest of (P,) steps; a threshold reached at once counts as 1."""
     counted_steps = np.maximum(times, 1.0)
     return float(counted_steps[column] / counted_steps.min())
 

@@ -2,51 +2,37 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from indoor_explorers.evaluation.analysis.panels.replay_links import replay_link
+from indoor_explorers.evaluation.analysis.panels.replay_links import ReplayCell, replay_link
 from indoor_explorers.evaluation.analysis.task_times import PairedTimes, TaskTimes
 from indoor_explorers.evaluation.drawing.formatting import EN_DASH, counted, fixed
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.statistics import WinTieLoss, win_tie_loss
 
 
-class WinCell(NamedTuple):
-    """A cell of the matrix: the policy of the row against that of the column."""
+def win_matrix(task_times: TaskTimes) -> list[tuple[str, list[ReplayCell]]]:
+    """Return a row of cells for each policy, best first: wins, ties and losses against the policy of the column.
 
-    tally: WinTieLoss
-    shade: int
-    """Colour, from -4 for all lost to 4 for all won."""
-    title: str
-    replay: str
-    """Link to the replay of the task on which the row's policy was furthest ahead."""
-
-    @property
-    def text(self) -> str:
-        """The counts."""
-        return EN_DASH.join(str(count) for count in self.tally)
-
-
-def win_matrix(task_times: TaskTimes) -> list[tuple[str, list[WinCell | None]]]:
-    """Return a row of cells for each policy, best first; None on the diagonal and where two policies share no task.
-
-    Empty when there are fewer than two policies with a task in common.
+    Cells are shaded from -4 for all lost to 4 for all won, and replay the task on which the row's policy was furthest
+    ahead; they are empty on the diagonal and where two policies share no task. There are no rows when there are fewer
+    than two policies with a task in common.
     """
     names = task_times.policies
-    rows = [(name, [None if other == name else _duel(task_times, name, other) for other in names]) for name in names]
-    return rows if any(cell for _, cells in rows for cell in cells) else []
+    cells = [[ReplayCell() if other == name else _duel(task_times, name, other) for other in names] for name in names]
+    return list(zip(names, cells, strict=True)) if any(cell.text for row in cells for cell in row) else []
 
 
-def _duel(task_times: TaskTimes, policy: str, other: str) -> WinCell | None:
+def _duel(task_times: TaskTimes, policy: str, other: str) -> ReplayCell:
     pair = task_times.pair(policy, other)
     if not pair.tasks:
-        return None
+        return ReplayCell()
     tally = win_tie_loss(pair.ours, pair.theirs)
-    score = (tally.wins - tally.losses) / len(pair.tasks)
-    return WinCell(
-        tally, round(4 * score), _text(policy, other, tally, pair), replay_link(policy, _furthest_ahead(pair))
+    return ReplayCell(
+        EN_DASH.join(map(str, tally)),
+        shade=round(4 * (tally.wins - tally.losses) / len(pair.tasks)),
+        title=_text(policy, other, tally, pair),
+        replay=replay_link(policy, _furthest_ahead(pair)),
     )
 
 

@@ -20,6 +20,7 @@ from indoor_explorers.evaluation.drawing.formatting import (
     with_interval,
 )
 from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles
+from indoor_explorers.evaluation.drawing.table import Cell
 from indoor_explorers.evaluation.statistics import Contrast, Estimate, Finding, WinTieLoss
 
 
@@ -28,13 +29,11 @@ class ContrastRow:
     """One policy compared with the best-ranked one."""
 
     policy: str
-    difference: str
-    value: float | None
-    """The mean difference unrounded; None where both finished no task."""
+    difference: Cell
+    """Mean difference; without a value where both finished no task."""
     dot_plot: Markup
-    better: str
+    better: Cell
     """Probability that it needs fewer steps on a task."""
-    better_interval: str
     tally: WinTieLoss
     p: str
     effect: str
@@ -55,11 +54,9 @@ def _row(comparison: Comparison, policy: str, contrast: Contrast, scale: Scale, 
     drawn = comparison.differences(policy), contrast.difference, scale, style
     return ContrastRow(
         policy=policy,
-        difference=with_interval(contrast.difference, sign=True),
-        value=None if none else contrast.difference.mean,
+        difference=Cell(with_interval(contrast.difference, sign=True), None if none else contrast.difference.mean),
         dot_plot=Markup("") if none else difference_dot_plot(*drawn),
-        better=percent(contrast.improvement.mean),
-        better_interval=_percents(contrast.improvement),
+        better=Cell(percent(contrast.improvement.mean), detail=_percents(contrast.improvement)),
         tally=contrast.tally,
         p=EN_DASH if few else p_value(contrast.adjusted_p).removeprefix("= "),
         effect=EN_DASH if few else fixed(contrast.effect_size, 2, sign=True),

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rich import box
 from rich.console import RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from indoor_explorers.evaluation.analysis.tables.policy_names import marked
 from indoor_explorers.evaluation.drawing.formatting import with_interval
+from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table, terminal_table, words
 from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.harness.results.coverage_threshold import drawn
 from indoor_explorers.evaluation.harness.results.differences import DifferenceRow
@@ -24,7 +23,7 @@ SIGNIFICANT = "*"
 def difference_lines(results: Results, rows: Sequence[DifferenceRow]) -> Iterator[RenderableType]:
     """Yield the parts of the terminal's output: a table for each baseline, with a line for each scenario and policy."""
     for minus in dict.fromkeys(row.minus for row in rows):
-        yield _printed(results, minus, [row for row in rows if row.minus == minus])
+        yield terminal_table(_table(results, minus, [row for row in rows if row.minus == minus]))
     if rows:
         yield Text(
             f"mean paired difference in steps [95 % interval] over the tasks that both finished; {SIGNIFICANT}: "
@@ -33,20 +32,16 @@ def difference_lines(results: Results, rows: Sequence[DifferenceRow]) -> Iterato
         )
 
 
-def _printed(results: Results, minus: str, rows: Sequence[DifferenceRow]) -> Table:
-    table, times = Table(box=box.SIMPLE_HEAD, pad_edge=False), drawn(results.levels)
-    table.add_column(f"steps - {minus}'s", overflow="fold", min_width=24)
-    for metric in times:
-        table.add_column(MEASURES[metric].title, justify="right", no_wrap=True)
+def _table(results: Results, minus: str, rows: Sequence[DifferenceRow]) -> Table:
+    times, table = drawn(results.levels), []
     for scenario in dict.fromkeys(row.scenario for row in rows):
-        table.add_row(Text(scenario, "bold"))
-        found = {(row.policy, row.metric): row.contrast for row in rows if row.scenario == scenario}
+        table.append(Row(scenario))
+        found = {(row.policy, row.metric): _cell(row.contrast) for row in rows if row.scenario == scenario}
         for policy in dict.fromkeys(policy for policy, _ in found):
-            cells = [_figure(found[policy, metric]) if (policy, metric) in found else "" for metric in times]
-            table.add_row(Text(marked(results, policy)), *cells)
-    return table
+            table.append(Row(marked(results, policy), [found.get((policy, metric), Cell()) for metric in times]))
+    return Table([words(f"steps - {minus}'s", 24), *(Column(MEASURES[metric].title) for metric in times)], table)
 
 
-def _figure(contrast: Contrast) -> str:
+def _cell(contrast: Contrast) -> Cell:
     mark = f" {SIGNIFICANT}" if contrast.shown and contrast.difference.low is not None else "  "
-    return with_interval(contrast.difference, sign=True) + mark
+    return Cell(with_interval(contrast.difference, sign=True) + mark)

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
-from rich import box
-from rich.table import Table
-from rich.text import Text
+from rich import table as terminal
 
 from indoor_explorers.evaluation.analysis.comparability import missing_episodes
 from indoor_explorers.evaluation.analysis.comparison import Comparison
-from indoor_explorers.evaluation.analysis.failures import failed, failed_of
+from indoor_explorers.evaluation.analysis.failures import failed_of
 from indoor_explorers.evaluation.analysis.notes import scenario_notes
-from indoor_explorers.evaluation.analysis.shown_best import BOLD, shown_best
-from indoor_explorers.evaluation.analysis.tables.policy_names import BATCH_SHARE, footnotes, marked
-from indoor_explorers.evaluation.drawing.formatting import decimals_for, fixed, percent, with_interval
-from indoor_explorers.evaluation.harness.results.coverage_threshold import T99, CoverageThreshold, shared, tabled
+from indoor_explorers.evaluation.analysis.shown_best import BOLD
+from indoor_explorers.evaluation.analysis.tables.policy_cells import (
+    best_of,
+    headings,
+    ratio_cells,
+    reference_of,
+    result_cells,
+    short_headings,
+)
+from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
+from indoor_explorers.evaluation.drawing.formatting import decimals_for
+from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table, terminal_table, words
+from indoor_explorers.evaluation.harness.results.coverage_threshold import T99, shared, tabled
 from indoor_explorers.evaluation.harness.results.results import Results
-from indoor_explorers.evaluation.statistics import Estimate
 
 #: Width in characters from which all columns are shown.
 WIDE = 110
@@ -28,20 +33,7 @@ WIDEST = 135
 TIME_WIDTH, BOUND_WIDTH = 22, 22
 
 
-def headings(levels: Sequence[CoverageThreshold]) -> list[str]:
-    """Return the columns of scenarios with these thresholds: times, success, failures, AUC and decision time."""
-    times = [f"{CoverageThreshold(key).title} [steps]" for key in tabled(levels)]
-    level = shared(levels)
-    return [*times, f"{level.percent} reached" if level else "reached", "failed", "AUC", "decision p50"]
-
-
-def short_headings(levels: Sequence[CoverageThreshold]) -> list[str]:
-    """Return the short headings of a narrow table: times and success."""
-    level = shared(levels)
-    return [*(CoverageThreshold(key).title for key in tabled(levels)), level.percent if level else "reached"]
-
-
-def headline_table(results: Results, width: int = WIDE, *, notes: bool = True) -> Table:
+def headline_table(results: Results, width: int = WIDE, *, notes: bool = True) -> terminal.Table:
     """Return one row per scenario and policy: T90 and T99 with interval, success; failures, AUC and latency.
 
     The last three are left out where lines have less than :data:`WIDE` characters. Where a policy that knows the map
@@ -53,36 +45,28 @@ def headline_table(results: Results, width: int = WIDE, *, notes: bool = True) -
     level, times = shared(levels), tabled(levels)
     wide = (WIDEST if known else WIDE) + TIME_WIDTH * (len(times) - 2)
     shown = headings(levels) if width >= wide else short_headings(levels)
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, caption_justify="left")
-    table.add_column("policy", overflow="fold", min_width=min(30, max(map(len, results.policies), default=0)))
-    for heading in shown:
-        table.add_column(heading, justify="right", no_wrap=True)
     to_bound = level == T99 and width >= wide + BOUND_WIDTH
-    if to_bound:
-        table.add_column("T99 / bound", justify="right", no_wrap=True)
-    if known:
-        table.add_column(f"{level.title if level else 'steps'} / {known}", justify="right", no_wrap=True)
+    columns = [words("policy", min(30, max(map(len, results.policies), default=0))), *map(Column, shown)]
+    columns += [Column("T99 / bound")] if to_bound else []
+    columns += [Column(f"{level.title if level else 'steps'} / {known}")] if known else []
     lines = footnotes(results, [policy for _, policy in results.groups], times=width >= wide)
     lines += [BOLD] if len(results.policies) - len(results.privileged_policies) > 1 else []
-    bounds: set[str] = set()
+    several, rows = len(results.scenarios) > 1, list[Row]()
     for scenario in results.scenarios:
         name = results.title(scenario)
-        if len(results.scenarios) > 1 or name != scenario:
-            name = name if level else f"{name} ({results.level(scenario).title})"
-            table.add_row(Text(name, "bold"))
+        if several or name != scenario:
+            rows.append(Row(name if level else f"{name} ({results.level(scenario).title})"))
         comparison = Comparison(results.on_common_tasks, scenario)
-        lines += missing_episodes(results, scenario) + _notes(comparison, named=len(results.scenarios) > 1)
-        best = {key: shown_best(comparison, key) for key in comparison.level.times}
-        best["auc"] = shown_best(comparison, "auc", lower_is_better=False)
+        lines += missing_episodes(results, scenario) + _notes(comparison, named=several)
+        best = best_of(comparison)
         for policy in comparison.groups:
-            ratio = [Text(_ratio(ratio_to_bound(comparison, policy)))] if to_bound else []
-            ratio += [Text(_ratio(ratio_to_reference(comparison, policy)))] if known else []
-            bounds |= {each.plain[:1] for each in ratio} & {">", "<"}
-            table.add_row(*_row(comparison, policy, times, best)[: 1 + len(shown)], *ratio)
-        table.add_section()
+            cells = result_cells(comparison, policy, times, best, decimals_for)[: len(shown)]
+            cells[len(times) :] = [replace(cell, detail="") for cell in cells[len(times) :]]
+            cells += ratio_cells(comparison, policy, to_bound=to_bound, to_reference=known is not None)
+            rows.append(_named(comparison, policy, cells))
+    bounds = {cell.text[0] for row in rows for cell in row.cells if cell.text.startswith((">", "<"))}
     lines += [f"{' and '.join(sorted(bounds))}: a bound, as some episodes never reached it."] if bounds else []
-    table.caption = "\n".join(lines if notes else ()) or None
-    return table
+    return terminal_table(Table(columns, rows, notes=lines if notes else ()), sections=True)
 
 
 def _notes(comparison: Comparison, named: bool) -> list[str]:
@@ -91,76 +75,8 @@ def _notes(comparison: Comparison, named: bool) -> list[str]:
     return [f"{comparison.scenario}: {text}" if named else text] if text else []
 
 
-def reference_of(results: Results) -> str | None:
-    """Return the first policy that knows the map and flew a task: the baseline of ratios of steps."""
-    return next(
-        (name for name in results.privileged_policies if any(policy == name for _, policy in results.groups)), None
-    )
-
-
-def _row(comparison: Comparison, policy: str, times: Sequence[str], best: Mapping[str, Sequence[str]]) -> list[Text]:
-    failures = len(failed(comparison.groups[policy]))
-    return [
-        _name(comparison, policy),
-        *(
-            Text(_steps(comparison.estimate(policy, key)), "bold" if policy in best.get(key, ()) else "")
-            for key in times
-        ),
-        Text(percent(comparison.reached(policy))),
-        Text(str(failures), "bold red" if failures else ""),
-        Text(fixed(comparison.estimate(policy, "auc").mean, 3), "bold" if policy in best["auc"] else ""),
-        Text(decision_time(comparison, policy)),
-    ]
-
-
-def _name(comparison: Comparison, policy: str) -> Text:
+def _named(comparison: Comparison, policy: str, cells: list[Cell]) -> Row:
     failures, name = failed_of(comparison, policy), marked(comparison.results, policy)
     if failures:
-        return Text(f"{name} (failed {failures.replace(' of ', '/')})", "red")
-    return Text(name, "dim" if comparison.privileged(policy) else "")
-
-
-def decision_time(comparison: Comparison, policy: str) -> str:
-    """Return the median decision time of a policy, marked if it is a share of a batch's."""
-    shown = latency(comparison.estimate(policy, "latency_p50_us").mean)
-    return f"{shown} ({BATCH_SHARE})" if policy in comparison.results.batched_policies else shown
-
-
-def ratio_to_reference(comparison: Comparison, policy: str) -> tuple[str, Estimate] | None:
-    """Return the mean ratio of a policy's steps to those of the reference, and its sign.
-
-    The sign is that of a bound, or empty. There is no ratio for a policy that knows the map, and where none is known.
-    """
-    estimate, bound = comparison.to_reference(policy), comparison.reference_censoring(policy).bound
-    if comparison.privileged(policy) or math.isnan(estimate.mean) or bound is None:
-        return None
-    return bound, estimate
-
-
-def ratio_to_bound(comparison: Comparison, policy: str) -> tuple[str, Estimate] | None:
-    """Return the mean ratio of T99 to its lower bound, and its sign: ``>`` where some episodes never got there."""
-    estimate = comparison.estimate(policy, "t99_to_bound")
-    if math.isnan(estimate.mean):
-        return None
-    return ("" if comparison.success(policy).mean == 1 else ">"), estimate
-
-
-def _ratio(ratio: tuple[str, Estimate] | None) -> str:
-    if ratio is None:
-        return ""
-    bound, estimate = ratio
-    return f"{bound} {fixed(estimate.mean, 2)}" if bound else with_interval(estimate, 2)
-
-
-def _steps(estimate: Estimate) -> str:
-    return with_interval(estimate, decimals_for(estimate.mean))
-
-
-def latency(microseconds: float) -> str:
-    """Format a time with a suitable unit."""
-    if math.isnan(microseconds):
-        return fixed(None, 0)
-    for unit, size in (("s", 1e6), ("ms", 1e3)):
-        if microseconds >= size:
-            return f"{fixed(microseconds / size, 1)} {unit}"
-    return f"{fixed(microseconds, 0)} µs"
+        return Row(f"{name} (failed {failures.replace(' of ', '/')})", cells, "red")
+    return Row(name, cells, "dim" if comparison.privileged(policy) else "")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from markupsafe import Markup
 
@@ -24,6 +23,7 @@ from indoor_explorers.evaluation.drawing.formatting import (
     with_interval,
 )
 from indoor_explorers.evaluation.drawing.palette import PolicyStyle, Styles
+from indoor_explorers.evaluation.drawing.table import Cell, Column
 from indoor_explorers.evaluation.statistics import Finding
 
 #: Widths of the drawings by the number of scenarios; more scenarios have none.
@@ -34,41 +34,21 @@ SIGNIFICANT = "*"
 AT_LEAST = "≥"
 
 
-class LeagueColumn(NamedTuple):
-    """One scenario."""
-
-    id: str
-    """The section about it."""
-    scenario: str
-    """Its title."""
-    time: str
-    """The time that policies are compared by, such as ``T99``."""
-    tasks: str
-    first: str
-    """The policy with the lowest mean among those that are ranked; empty if none flew."""
-
-
 @dataclass(frozen=True)
-class LeagueCell:
-    """One policy on one scenario."""
+class LeagueCell(Cell):
+    """The mean time of one policy on one scenario, with its interval."""
 
-    rank: Rank | None
+    rank: Rank | None = None
     """None for a policy that is not ranked, and where the tasks are too few for a test."""
-    value: float
-    """The mean time unrounded."""
-    time: str
-    interval: str
-    mark: str
+    mark: str = ""
     """:data:`SIGNIFICANT`, or empty."""
-    best: bool
-    """Whether it is significantly better than every other policy."""
-    same_as: str
+    same_as: str = ""
     """The policy whose flights are the same; empty for none."""
-    drawing: Markup
-    lead: str
+    drawing: str | Markup = ""
+    lead: str = ""
     """The difference from the lowest mean, task by task."""
-    reached: str
-    failed: str
+    reached: str = ""
+    failed: str = ""
     """In how many episodes the policy failed, such as ``3 of 30``; empty for none."""
 
 
@@ -76,9 +56,12 @@ class LeagueCell:
 class LeagueTable:
     """Policies by scenarios, those with the best ranks first."""
 
-    columns: list[LeagueColumn]
+    columns: list[Column]
+    """Scenarios, with what their times are for units; their keys are the sections about them."""
     rows: list[tuple[str, list[LeagueCell | None]]]
     """By policy; a cell for each scenario, None where it was not flown."""
+    first: str
+    """The policy with the lowest mean on the first scenario among those that are ranked; empty if none flew."""
 
     @property
     def tested(self) -> bool:
@@ -88,12 +71,12 @@ class LeagueTable:
     @property
     def intervals(self) -> bool:
         """Whether any mean has an interval."""
-        return any(cell and cell.interval for _, cells in self.rows for cell in cells)
+        return any(cell and cell.detail for _, cells in self.rows for cell in cells)
 
     @property
     def bounded(self) -> bool:
         """Whether some episodes never reached the threshold."""
-        return any(cell and cell.time.startswith(AT_LEAST) for _, cells in self.rows for cell in cells)
+        return any(cell and cell.text.startswith(AT_LEAST) for _, cells in self.rows for cell in cells)
 
     @property
     def marked(self) -> bool:
@@ -107,13 +90,13 @@ def league_table(comparisons: Mapping[str, Comparison], styles: Styles) -> Leagu
     ranked = [(each, ranks(each)) for each in comparisons.values()]
     cells = [_cells(each, places, styles, width) for each, places in ranked]
     rows = [(name, [column.get(name) for column in cells]) for name in _order(ranked)]
-    return LeagueTable([_column(section, each) for section, each in comparisons.items()], rows)
+    firsts = [each.ranked_policies[0] if each.groups else "" for each in comparisons.values()]
+    return LeagueTable([_column(section, each) for section, each in comparisons.items()], rows, "".join(firsts[:1]))
 
 
-def _column(section: str, comparison: Comparison) -> LeagueColumn:
+def _column(section: str, comparison: Comparison) -> Column:
     tasks = counted(len(comparison.results.common_tasks(comparison.scenario)), "task")
-    first = comparison.ranked_policies[0] if comparison.groups else ""
-    return LeagueColumn(section, comparison.title, comparison.level.title, tasks, first)
+    return Column(comparison.title, f"{comparison.level.title} [steps], {tasks}", section)
 
 
 def _order(ranked: Sequence[tuple[Comparison, Mapping[str, Rank]]]) -> list[str]:
@@ -139,12 +122,12 @@ def _cell(comparison: Comparison, policy: str, rank: Rank | None, best: bool, dr
     time, contrast = comparison.time(policy), comparison.contrasts.get(policy)
     differs = contrast is not None and contrast.finding in (Finding.BETTER, Finding.WORSE)
     return LeagueCell(
+        bounded(fixed(time.mean, decimals_for(time.mean)), AT_LEAST if comparison.reached(policy) < 1 else ""),
+        time.mean,
+        interval(time, decimals_for(time.mean)),
+        best,
         rank=rank,
-        value=time.mean,
-        time=bounded(fixed(time.mean, decimals_for(time.mean)), AT_LEAST if comparison.reached(policy) < 1 else ""),
-        interval=interval(time, decimals_for(time.mean)),
         mark=SIGNIFICANT if differs else "",
-        best=best,
         same_as=comparison.same_as.get(policy, ""),
         drawing=drawing,
         lead=with_interval(contrast.difference, sign=True) if contrast else "",

@@ -4,34 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
-from indoor_explorers.evaluation.analysis.tables.results_table import Column, TableCell, columns_of, emphasised
+from indoor_explorers.evaluation.analysis.tables.results_table import MeasureColumn, columns_of, emphasised
 from indoor_explorers.evaluation.drawing.formatting import decimals_for, fixed, interval
+from indoor_explorers.evaluation.drawing.table import Cell
 from indoor_explorers.evaluation.statistics import Estimate
 
 #: Decimals of ratios.
 DECIMALS = {"t99_to_bound": 2, "t99_to_reference": 2}
 #: Measures that are only about teams.
 OF_TEAMS = {"auc_worst", "auc_mean", "path_max", "balance", "blocked"}
-
-
-@dataclass(frozen=True)
-class MeasureRow:
-    """One measure of all policies."""
-
-    key: str
-    title: str
-    unit: str
-    cells: list[TableCell]
-    tallied: bool
-    """Whether it is a pilot statistic, which has no definition here."""
+#: One measure, and the cell of each policy.
+MeasureRow = tuple[MeasureColumn, list[Cell]]
 
 
 def measures_table(comparison: Comparison) -> list[MeasureRow]:
     """Return the measures that the results table leaves out and that have a value, then pilot statistics."""
-    return [row for row in _rows(comparison) if any(cell.value is not None for cell in row.cells)]
+    return [row for row in _rows(comparison) if any(cell.value is not None for cell in row[1])]
 
 
 def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
@@ -39,14 +30,14 @@ def _rows(comparison: Comparison) -> Iterator[MeasureRow]:
     left_out = {column.key for column in columns_of(comparison.level)} | (OF_TEAMS if alone else set())
     for key, measure in comparison.results.measures.items():
         if key not in left_out:
-            column = Column(key, measure.title, measure.unit, measure.lower_is_better)
-            yield MeasureRow(key, measure.title, measure.unit, _cells(comparison, column), False)
+            column = MeasureColumn(measure.title, measure.unit, key, lower_is_better=measure.lower_is_better)
+            yield column, _cells(comparison, column)
     for key in comparison.tallies:
-        column = Column(key, key.removeprefix("pilot_").replace("_", " "), ranked=False)
-        yield MeasureRow(key, column.title, "", _cells(comparison, column), True)
+        column = MeasureColumn(key.removeprefix("pilot_").replace("_", " "), "pilot statistic", key, ranked=False)
+        yield column, _cells(comparison, column)
 
 
-def _cells(comparison: Comparison, column: Column) -> list[TableCell]:
+def _cells(comparison: Comparison, column: MeasureColumn) -> list[Cell]:
     estimates = {policy: comparison.estimate(policy, column.key) for policy in comparison.groups}
     largest = max((abs(each.mean) for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
     usual = 3 if largest < 1 or not column.ranked else decimals_for(largest, most=2)
@@ -57,14 +48,14 @@ def _cells(comparison: Comparison, column: Column) -> list[TableCell]:
     return list((emphasised(comparison, column, cells) if column.ranked else cells).values())
 
 
-def _bounded(comparison: Comparison, policy: str, cell: TableCell) -> TableCell:
+def _bounded(comparison: Comparison, policy: str, cell: Cell) -> Cell:
     """Mark a ratio as a lower bound where some episodes never reached the threshold and count as the budget."""
     if cell.value is None or comparison.results.success(comparison.scenario, policy, "t99").mean == 1:
         return cell
     return replace(cell, text=f"> {cell.text}", detail="")
 
 
-def _cell(estimate: Estimate, decimals: int) -> TableCell:
+def _cell(estimate: Estimate, decimals: int) -> Cell:
     if math.isnan(estimate.mean):
-        return TableCell(fixed(None, 0))
-    return TableCell(fixed(estimate.mean, decimals), estimate.mean, interval(estimate, decimals) if decimals else "")
+        return Cell(fixed(None, 0))
+    return Cell(fixed(estimate.mean, decimals), estimate.mean, interval(estimate, decimals) if decimals else "")

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
-from rich import box
 from rich.console import RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.drawing.formatting import counted, fixed, interval, percent, with_interval
+from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table, terminal_table, words
 from indoor_explorers.evaluation.harness.episodes.metrics import MEASURES
 from indoor_explorers.evaluation.harness.results.ratios import LEAST_REACHED, POOLED, RatioRow, Ratios
 
@@ -20,38 +18,6 @@ from indoor_explorers.evaluation.harness.results.ratios import LEAST_REACHED, PO
 DECIMALS = 3
 #: Width of a shade as a power of 2 of the ratio; there are four shades on each side of 1.
 SHADE = 0.15
-
-
-@dataclass(frozen=True)
-class RatioCell:
-    """One policy on one scenario."""
-
-    value: float | None
-    text: str
-    """Mean over tasks of the ratio, marked where it is a bound; a dash where there is none."""
-    interval: str
-    """Empty for a bound; for all scenarios, how many of them entered where not all did."""
-    of_means: str
-    """Ratio of the means with its interval."""
-    shade: int
-    """From -4 for many more steps to 4 for many fewer; 0 if the interval contains 1 or there is none."""
-
-
-@dataclass(frozen=True)
-class RatioTable:
-    """The ratios of one time to one baseline."""
-
-    to: str
-    metric: str
-    scenarios: list[tuple[str, str]]
-    """Names of the columns with their number of tasks; all scenarios together last if there are several."""
-    rows: list[tuple[str, list[RatioCell | None]]]
-    """By policy; a cell for each scenario, None where it was not flown."""
-
-    @property
-    def title(self) -> str:
-        """The heading of the table."""
-        return f"{MEASURES[self.metric].title} as a ratio to {self.to}"
 
 
 def bounded(text: str, bound: str | None) -> str:
@@ -75,23 +41,32 @@ def bound_notes(rows: Sequence[RatioRow]) -> list[str]:
     ]
 
 
-def ratio_tables(ratios: Ratios) -> list[RatioTable]:
-    """Return a table for each baseline and time, highest threshold first; empty if no two policies can be compared."""
+def ratio_tables(ratios: Ratios) -> list[Table]:
+    """Return a table for each baseline and time, highest threshold first; empty if no two policies can be compared.
+
+    Its columns are scenarios, with their numbers of tasks for units, and all of them together last if there are
+    several. A cell is shaded from -4 for many more steps to 4 for many fewer; its title is the ratio of the means.
+    """
     tables = [_table(ratios, to, metric) for to in ratios.to for metric in reversed(ratios.metrics)]
     return [table for table in tables if table.rows]
 
 
-def _table(ratios: Ratios, to: str, metric: str) -> RatioTable:
+def _table(ratios: Ratios, to: str, metric: str) -> Table:
     rows = [row for row in ratios.rows if (row.to, row.metric) == (to, metric)]
     cells = {(row.policy, row.scenario): _cell(row, len(_scenarios(rows))) for row in rows}
-    scenarios = {row.scenario: counted(row.tasks, "task") for row in sorted(rows, key=lambda row: row.tasks)}
-    scenarios = {name: scenarios[name] for name in _pooled_last(rows)}
+    tasks = {row.scenario: counted(row.tasks, "task") for row in sorted(rows, key=lambda row: row.tasks)}
+    columns = [Column(name, tasks[name]) for name in _pooled_last(rows)]
     policies = dict.fromkeys(name for name in ratios.results.policies for row in rows if row.policy == name)
-    table = [(name, [cells.get((name, scenario)) for scenario in scenarios]) for name in policies]
-    return RatioTable(to, metric, list(scenarios.items()), table)
+    return Table(
+        [Column("policy"), *columns],
+        [Row(name, [cells.get((name, column.title), Cell()) for column in columns]) for name in policies],
+        f"{MEASURES[metric].title} as a ratio to {to}",
+        f"{metric}_to_{to}",
+        [f"Steps divided by those of {to}; below 1 is faster."],
+    )
 
 
-def _cell(row: RatioRow, scenarios: int) -> RatioCell:
+def _cell(row: RatioRow, scenarios: int) -> Cell:
     mean, low, high = of_tasks = row.ratio.of_tasks
     bound = row.censoring.bound
     shown = low is not None and high is not None and not low <= 1.0 <= high and bound != ("<" if mean > 1 else ">")
@@ -101,8 +76,12 @@ def _cell(row: RatioRow, scenarios: int) -> RatioCell:
     part = f" {row.scenarios} of {scenarios} scenarios" if partly else ""
     text, means = (bounded(fixed(each.mean, DECIMALS), bound) for each in row.ratio)
     means = means if bound in (">", "<") else with_interval(row.ratio.of_means, DECIMALS)
-    return RatioCell(
-        None if math.isnan(mean) else mean, text, (around + part).strip(), means, shade if mean < 1 else -shade
+    return Cell(
+        text,
+        None if math.isnan(mean) else mean,
+        (around + part).strip(),
+        shade=shade if mean < 1 else -shade,
+        title=f"ratio of the means: {means}",
     )
 
 
@@ -111,7 +90,7 @@ def ratio_lines(ratios: Ratios) -> Iterator[RenderableType]:
     for to in ratios.to:
         rows = [row for row in ratios.rows if row.to == to]
         if rows:
-            yield _printed(to, ratios, rows)
+            yield terminal_table(_by_scenario(to, ratios, rows))
     yield Text(
         "mean over tasks of the ratio [95 % interval], and the ratio of the means, where long tasks count more",
         "dim",
@@ -120,27 +99,26 @@ def ratio_lines(ratios: Ratios) -> Iterator[RenderableType]:
         yield Text(note, "dim")
 
 
-def _printed(to: str, ratios: Ratios, rows: list[RatioRow]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column(f"steps relative to {to}", overflow="fold", min_width=24)
+def _by_scenario(to: str, ratios: Ratios, rows: list[RatioRow]) -> Table:
+    columns, table, scenarios = [words(f"steps relative to {to}", 24)], [], len(_scenarios(rows))
     for metric in ratios.metrics:
-        table.add_column(MEASURES[metric].title, justify="right", no_wrap=True)
-        table.add_column("ratio of\nthe means", justify="right", no_wrap=True, style="dim")
-    scenarios = len(_scenarios(rows))
+        columns += [Column(MEASURES[metric].title), Column("ratio of\nthe means", style="dim")]
     for scenario in _pooled_last(rows):
-        table.add_row(Text(scenario, "bold"))
+        table.append(Row(scenario))
         for policy in dict.fromkeys(row.policy for row in rows):
             found = {row.metric: row for row in rows if (row.scenario, row.policy) == (scenario, policy)}
             if found:
-                pairs = (_figures(each, scenarios) if each else ("", "") for each in map(found.get, ratios.metrics))
-                table.add_row(Text(marked(ratios.results, policy)), *(cell for pair in pairs for cell in pair))
-    return table
+                pairs = (
+                    _pair(each, scenarios) if each else (Cell(), Cell()) for each in map(found.get, ratios.metrics)
+                )
+                table.append(Row(marked(ratios.results, policy), [cell for pair in pairs for cell in pair]))
+    return Table(columns, table)
 
 
-def _figures(row: RatioRow, scenarios: int) -> tuple[str, str]:
+def _pair(row: RatioRow, scenarios: int) -> tuple[Cell, Cell]:
     """Return the mean of ratios with its interval, and the ratio of the means."""
-    cell, bound = _cell(row, scenarios), row.censoring.bound
-    return f"{cell.text} {cell.interval}".strip(), bounded(fixed(row.ratio.of_means.mean, DECIMALS), bound)
+    means = bounded(fixed(row.ratio.of_means.mean, DECIMALS), row.censoring.bound)
+    return _cell(row, scenarios), Cell(means)
 
 
 def _scenarios(rows: Sequence[RatioRow]) -> list[str]:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from markupsafe import Markup
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.failures import failed
@@ -17,18 +16,16 @@ from indoor_explorers.evaluation.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.drawing.dot_plots import Scale, episode_dot_plot
 from indoor_explorers.evaluation.drawing.formatting import decimals_for, fixed, interval, percent, percent_interval
 from indoor_explorers.evaluation.drawing.palette import Styles
-from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, WASTED, excused
+from indoor_explorers.evaluation.drawing.table import Cell, Column, Row
+from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, WASTED, tolerated_steps
 from indoor_explorers.evaluation.harness.results.coverage_threshold import CoverageThreshold, tabled
 from indoor_explorers.evaluation.statistics import Estimate
 
 
 @dataclass(frozen=True)
-class Column:
-    """One column of the results table."""
+class MeasureColumn(Column):
+    """A column of the results table; its key is a metric, or a time with what is made from it."""
 
-    key: str
-    title: str
-    unit: str = ""
     lower_is_better: bool = True
     ranked: bool = True
     """Whether a value shown to be the best is bold."""
@@ -55,30 +52,18 @@ class Column:
         return "reached" if self.kind == "reached" else self.metric
 
 
-@dataclass(frozen=True)
-class TableCell:
-    """One figure of a table."""
-
-    text: str
-    value: float | None = None
-    """The figure unrounded."""
-    detail: str | Markup = ""
-    best: bool = False
-    bad: bool = False
-
-
 #: The columns after those of times.
 OTHERS = (
-    Column("auc", "AUC", "", False),
-    Column("path_length", "path length", "cells"),
-    Column("overlap", "overlap"),
-    Column("collisions", "collisions"),
-    Column("longest_idle", "idle", "steps", ranked=False),
-    Column("longest_dither", "dither", "steps", ranked=False),
-    Column("failures", "failed episodes", ranked=False),
-    Column("messages_bytes", "messages", "kB"),
-    Column("latency_p50_us", "decision p50", "ms"),
-    Column("latency_p99_us", "decision p99", "ms"),
+    MeasureColumn("AUC", key="auc", lower_is_better=False),
+    MeasureColumn("path length", "cells", "path_length"),
+    MeasureColumn("overlap", key="overlap"),
+    MeasureColumn("collisions", key="collisions"),
+    MeasureColumn("idle", "steps", "longest_idle", ranked=False),
+    MeasureColumn("oscillation", "steps", "longest_dither", ranked=False),
+    MeasureColumn("failed episodes", key="failures", ranked=False),
+    MeasureColumn("messages", "kB", "messages_bytes"),
+    MeasureColumn("decision p50", "ms", "latency_p50_us"),
+    MeasureColumn("decision p99", "ms", "latency_p99_us"),
 )
 #: Divisors from the stored unit to that of the table.
 DIVISOR = {"messages_bytes": 1000.0, "latency_p50_us": 1000.0, "latency_p99_us": 1000.0}
@@ -87,26 +72,26 @@ DECIMALS = {"auc": 3, "overlap": 2, "collisions": 2}
 WITH_INTERVAL = (*LEVELS, "auc", "path_length")
 
 
-def columns_of(level: CoverageThreshold) -> tuple[Column, ...]:
+def columns_of(level: CoverageThreshold) -> tuple[MeasureColumn, ...]:
     """Return the columns of a scenario with this threshold; thresholds above it only have a time, which is a dash."""
     times = (column for key in tabled([level]) for column in _time_columns(CoverageThreshold(key), key in level.times))
-    return (*times, Column(f"{level.key}_dots", f"{level.title} by episode", "steps", ranked=False), *OTHERS)
+    return (*times, MeasureColumn(f"{level.title} by episode", "steps", f"{level.key}_dots", ranked=False), *OTHERS)
 
 
-def _time_columns(level: CoverageThreshold, asked: bool) -> list[Column]:
-    time = Column(level.key, level.title, "steps")
-    reached = Column(f"{level.key}_reached", f"reached {percent(level.share)}", ranked=False)
+def _time_columns(level: CoverageThreshold, asked: bool) -> list[MeasureColumn]:
+    time = MeasureColumn(level.title, "steps", level.key)
+    reached = MeasureColumn(f"reached {percent(level.share)}", key=f"{level.key}_reached", ranked=False)
     return [time, reached] if asked else [time]
 
 
-def results_table(comparison: Comparison, styles: Styles) -> list[tuple[str, list[TableCell]]]:
+def results_table(comparison: Comparison, styles: Styles) -> list[Row]:
     """Return the cells of each policy, in the order of :func:`columns_of`; rows in the experiment's order."""
     columns = [_column(comparison, column, styles) for column in columns_of(comparison.level)]
-    return [(policy, [cells[policy] for cells in columns]) for policy in comparison.groups]
+    return [Row(policy, [cells[policy] for cells in columns]) for policy in comparison.groups]
 
 
-def _column(comparison: Comparison, column: Column, styles: Styles) -> dict[str, TableCell]:
-    special: dict[str, Callable[[Comparison], dict[str, TableCell]]] = {
+def _column(comparison: Comparison, column: MeasureColumn, styles: Styles) -> dict[str, Cell]:
+    special: dict[str, Callable[[Comparison], dict[str, Cell]]] = {
         "reached": partial(_reached, metric=column.metric),
         "dots": partial(_dot_plots, metric=column.metric, styles=styles),
         "failures": _failures,
@@ -117,7 +102,7 @@ def _column(comparison: Comparison, column: Column, styles: Styles) -> dict[str,
     return emphasised(comparison, column, cells) if column.ranked else cells
 
 
-def _measured(comparison: Comparison, metric: str) -> dict[str, TableCell]:
+def _measured(comparison: Comparison, metric: str) -> dict[str, Cell]:
     estimates = {policy: comparison.estimate(policy, metric) for policy in comparison.groups}
     largest = max((each.mean for each in estimates.values() if not math.isnan(each.mean)), default=0.0)
     divisor = DIVISOR.get(metric, 1.0)
@@ -126,14 +111,12 @@ def _measured(comparison: Comparison, metric: str) -> dict[str, TableCell]:
     return {policy: _figure(each, metric, divisor, decimals) for policy, each in estimates.items()}
 
 
-def _figure(estimate: Estimate, metric: str, divisor: float, decimals: int) -> TableCell:
+def _figure(estimate: Estimate, metric: str, divisor: float, decimals: int) -> Cell:
     mean = estimate.mean / divisor
     if math.isnan(mean):
-        return TableCell(fixed(None, 0))
+        return Cell(fixed(None, 0))
     digits = max(decimals, _needed(mean)) if divisor != 1.0 else decimals
-    return TableCell(
-        fixed(mean, digits), estimate.mean, interval(estimate, decimals) if metric in WITH_INTERVAL else ""
-    )
+    return Cell(fixed(mean, digits), estimate.mean, interval(estimate, decimals) if metric in WITH_INTERVAL else "")
 
 
 def _needed(value: float) -> int:
@@ -141,44 +124,64 @@ def _needed(value: float) -> int:
     return 0 if value >= 10 or value == 0 else min(3, 1 - math.floor(math.log10(value)))
 
 
-def _reached(comparison: Comparison, metric: str) -> dict[str, TableCell]:
+def _reached(comparison: Comparison, metric: str) -> dict[str, Cell]:
     cells = {}
     for policy, records in comparison.groups.items():
         share = comparison.results.success(comparison.scenario, policy, metric)
         detail = f"{round(share.mean * len(records))}/{len(records)} {percent_interval(share)}".strip()
-        cells[policy] = TableCell(percent(share.mean), share.mean, detail)
+        cells[policy] = Cell(percent(share.mean), share.mean, detail)
     return cells
 
 
-def _dot_plots(comparison: Comparison, metric: str, styles: Styles) -> dict[str, TableCell]:
+def _dot_plots(comparison: Comparison, metric: str, styles: Styles) -> dict[str, Cell]:
     values = {policy: comparison.results.values(comparison.scenario, policy, metric) for policy in comparison.groups}
     far = far_behind(comparison)
     scale = Scale(0.0, max(float(each.max()) for policy, each in values.items() if policy not in far), 110)
     return {
-        policy: TableCell("", None, episode_dot_plot(each, comparison.estimate(policy, metric), scale, styles[policy]))
+        policy: Cell("", None, episode_dot_plot(each, comparison.estimate(policy, metric), scale, styles[policy]))
         for policy, each in values.items()
     }
 
 
-def _wasted(comparison: Comparison, metric: str) -> dict[str, TableCell]:
-    """Return the mean over episodes and the maximum; marked as bad if that is more than :func:`excused`."""
+def _wasted(comparison: Comparison, metric: str) -> dict[str, Cell]:
+    """Return the mean over episodes and the maximum; marked as bad if that is more than :func:`tolerated_steps`."""
     cells = {}
     for policy, records in comparison.groups.items():
         values = comparison.results.values(comparison.scenario, policy, metric)
         measured = values[~np.isnan(values)]
         most, mean = (float(measured.max()), float(measured.mean())) if len(measured) else (0.0, math.nan)
         detail = f"≤ {fixed(most, 0)}" if len(measured) else ""
-        bad = most > excused(metric, records[0].team)
-        cells[policy] = TableCell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
+        bad = most > tolerated_steps(metric, records[0].team)
+        cells[policy] = Cell(fixed(mean, 1), None if math.isnan(mean) else mean, detail, bad=bad)
     return cells
 
 
-def _failures(comparison: Comparison) -> dict[str, TableCell]:
+def _failures(comparison: Comparison) -> dict[str, Cell]:
     counts = {policy: len(failed(records)) for policy, records in comparison.groups.items()}
-    return {policy: TableCell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
+    return {policy: Cell(str(count), float(count), bad=count > 0) for policy, count in counts.items()}
 
 
-def emphasised(comparison: Comparison, column: Column, cells: dict[str, TableCell]) -> dict[str, TableCell]:
+def emphasised(comparison: Comparison, column: MeasureColumn, cells: dict[str, Cell]) -> dict[str, Cell]:
     """Mark the cells that are shown to be the best; mostly there is none."""
     winners = shown_best(comparison, column.key, lower_is_better=column.lower_is_better)
     return {policy: replace(cell, best=policy in winners) for policy, cell in cells.items()}
+
+
+def constant_columns(columns: Sequence[MeasureColumn], rows: Sequence[Row]) -> list[tuple[MeasureColumn, Cell]]:
+    """Return the columns with the same figure in every row, with that figure: the page names them below the table.
+
+    None for a single row. Times and drawings are always in the table, as is a figure that is shown to be bad.
+    """
+    if len(rows) < 2:
+        return []
+    shown = [(column, [row.cells[place] for row in rows]) for place, column in enumerate(columns)]
+    return [(column, cells[0]) for column, cells in shown if _may_go(column) and _same(cells)]
+
+
+def _may_go(column: MeasureColumn) -> bool:
+    return column.kind != "dots" and (column.kind == "reached" or not column.of_time)
+
+
+def _same(cells: Sequence[Cell]) -> bool:
+    first = cells[0]
+    return not first.bad and all((each.text, each.value) == (first.text, first.value) for each in cells)

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.harness.experiment.request import PLUGIN_NAMES, Request
 from indoor_explorers.evaluation.harness.options import Option, read_natural
@@ -15,10 +14,7 @@ if TYPE_CHECKING:
     from indoor_explorers.evaluation.cli.console import PlainConsole
     from indoor_explorers.evaluation.harness.results.results import Results
     from indoor_explorers.evaluation.studies.leaderboard.board import Board
-    from indoor_explorers.evaluation.studies.leaderboard.drawing import BoardTable
 
-#: Characters of a cell in the terminal.
-LONGEST_CELL = 150
 #: Mismatching episodes that an error names.
 NAMED = 3
 
@@ -91,30 +87,15 @@ def _refuse_mismatches(folder: str, results: Results, count: int) -> None:
 
 def _print(board: Board, console: PlainConsole) -> None:
     from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes
+    from indoor_explorers.evaluation.drawing.table import terminal_table
     from indoor_explorers.evaluation.studies.leaderboard.drawing import board_tables
 
     print_line(console, board.title, "bold")
     for table in board_tables(board):
-        _print_table(table, console)
+        console.print_table(terminal_table(table))
     notes: Iterable[str] = footnotes(board.results, list(board.results.policies), times=False)
     for note in (*notes, *board.left_out, *board.results.map_notes):
         print_line(console, note)
-
-
-def _print_table(table: BoardTable, console: PlainConsole) -> None:
-    from rich import box
-    from rich.table import Table
-
-    from indoor_explorers.evaluation.studies.leaderboard.drawing import FLOWN
-
-    drawn = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=table.title, title_justify="left", title_style="")
-    shown = [place for place, heading in enumerate(table.headings) if heading != FLOWN]
-    for place in shown:
-        policy = table.headings[place] == "policy"
-        drawn.add_column(table.headings[place], justify="left" if policy else "right", no_wrap=not policy)
-    for row in table.rows:
-        drawn.add_row(*(one_line(row[place], LONGEST_CELL) for place in shown))
-    console.print_table(drawn)
 
 
 LEADERBOARD = Command(

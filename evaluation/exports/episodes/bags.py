@@ -51,7 +51,7 @@ class Bag:
         self._writer.write(self._connections[topic], stamp, STORE.serialize_cdr(message, message.__msgtype__))
 
     def is_new(self, topic: str, content: NDArray[Any]) -> bool:
-        """Tell whether an array differs from that of the last call for this topic."""
+        """Tell whether an array of any shape differs from that of the last call for this topic."""
         data = content.tobytes()
         new = self._latest.get(topic) != data
         self._latest[topic] = data

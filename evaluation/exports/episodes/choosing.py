@@ -1,4 +1,4 @@
-"""Which episode of some results is meant; one line says what there is where that is not clear."""
+"""Selects one episode of results by policy, scenario, map and seed; an ambiguous choice names the candidates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An episode that is simulated again, one moment after the other, with what exports say of it."""
+"""A recorded episode simulated again step by step: its states, map frame and facts for exports."""
 
 from __future__ import annotations
 

@@ -98,7 +98,7 @@ class _Topics:
             self._keep(name, self._messages.path(self._poses[uav]))
 
     def _scanned(self, cell: Cell) -> NDArray[np.float64]:
-        """Return the ranges in cells that a lidar in a cell measures."""
+        """Return (RAYS,) ranges in cells that a lidar in a cell measures."""
         if cell not in self._ranges:
             self._ranges[cell] = first_hits(self._record.floorplan.truth, cell, self._lidar_range, RAYS)
         return self._ranges[cell]

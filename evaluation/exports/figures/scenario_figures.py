@@ -51,7 +51,7 @@ def coverage_figure(comparison: Comparison, styles: Styles) -> Figure:
 def _curve(
     axes: Axes, comparison: Comparison, policy: str, steps: np.ndarray, limit: int, style: PolicyStyle, banded: bool
 ) -> None:
-    """Draw one policy's curve, with markers at other steps than the other policies'."""
+    """Draw one policy's mean coverage at (T,) steps, with markers at other steps than the other policies'."""
     mean, low, high = curve_band(coverage_at(comparison.groups[policy], steps), maps=comparison.maps(policy))
     if banded and not np.isnan(low).any():
         axes.fill_between(steps, low, high, color=style.hex, alpha=0.16, linewidth=0)

@@ -85,7 +85,7 @@ MEASURES: dict[str, Measure] = {
         "it could reach",
     ),
     "longest_dither": Measure(
-        "longest dither",
+        "longest oscillation",
         "steps",
         "most steps in a row that each undid the one before (A-B-A-B), while the UAV's own map lacked free cells that "
         "it could reach",
@@ -123,7 +123,7 @@ WASTED = ("longest_idle", "longest_dither")
 OF_THE_MACHINE = ("latency_total_s", "latency_p50_us", "latency_p99_us")
 
 
-def excused(metric: str, team: int) -> int:
+def tolerated_steps(metric: str, team: int) -> int:
     """Return how many steps in a row of one of :data:`WASTED` are normal in an episode of ``team`` UAVs.
 
     In corridors one cell wide a UAV may have to wait for those in front of it, about six steps for each. Flying to and

@@ -1,4 +1,4 @@
-"""What a reader of results is to know: which suite they are of, what was flown again, and what policies saw before."""
+"""Caveats of results: their suite, episodes that were flown again, maps and seeds that policies saw before."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from indoor_explorers.evaluation.report.packing import shares
 from indoor_explorers.evaluation.statistics import FEWEST, Band, curve_bands, ecdf_of_times
 
 #: Whose coverage a chart can show, with the words for it.
-WHO = {"team": "Team", "worst": "Worst UAV", "mean": "Mean UAV", "base": "Home base", "seen": "Anybody"}
+WHO = {"team": "Team", "worst": "Worst UAV", "mean": "Mean UAV", "base": "Home base", "seen": "Any UAV or base"}
 #: Times that are drawn if they are not above the goal of the scenario; the first one is shown at first.
 TIMES = ("t99", "t95", "t90")
 #: Share of successful episodes from which a policy counts for the range of steps that is shown at first.
@@ -34,7 +34,7 @@ def _about(comparison: Comparison, policy: str, style: PolicyStyle) -> dict[str,
 def chart_data(comparison: Comparison, styles: Styles, points: int = 360) -> dict[str, Any]:
     """Return the coverage chart of a scenario as JSON data."""
     axes = axes_of(comparison, points)
-    who = whose(comparison.results.scenarios[comparison.scenario])
+    who = coverage_scopes(comparison.results.scenarios[comparison.scenario])
     return {
         "axes": [_axis_data(axis) for axis in axes],
         "who": who,
@@ -46,7 +46,7 @@ def chart_data(comparison: Comparison, styles: Styles, points: int = 360) -> dic
     }
 
 
-def whose(settings: Mapping[str, Any]) -> list[str]:
+def coverage_scopes(settings: Mapping[str, Any]) -> list[str]:
     """Return whose coverage the chart of a scenario can show; where only reports count, the team's is the base's."""
     base = settings.get("base") or {"at": "none"}
     of_base = [] if base["at"] == "none" else ["seen"] if base["must_return"] else ["base"]

@@ -176,7 +176,7 @@ def _board(group: Sequence[Part], fly: int) -> Board:
 
 
 def _task_counts(group: Sequence[Part]) -> dict[str, int]:
-    """Return how many tasks each scenario has: those of its suite, or all that anybody flew."""
+    """Return how many tasks each scenario has: those of its suite, or the tasks flown by any policy."""
     run, names = group[0][1].suite_run, {name for _, results in group for name in results.scenarios}
     if run is not None:
         return dict.fromkeys(names, run.total // len(run.suite.scenarios()))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from indoor_explorers.env.errors import one_line
 from indoor_explorers.evaluation.analysis.comparison import Comparison
+from indoor_explorers.evaluation.analysis.tables.policy_cells import result_cells
 from indoor_explorers.evaluation.analysis.tables.policy_names import footnotes, marked
 from indoor_explorers.evaluation.analysis.tables.ratio_table import bounded
 from indoor_explorers.evaluation.drawing.formatting import (
@@ -15,11 +15,10 @@ from indoor_explorers.evaluation.drawing.formatting import (
     decimals_for,
     fixed,
     interval,
-    percent,
-    with_interval,
 )
-from indoor_explorers.evaluation.exports.markdown import escaped
-from indoor_explorers.evaluation.statistics import CONFIDENCE, Estimate
+from indoor_explorers.evaluation.drawing.table import Cell, Column, Row, Table
+from indoor_explorers.evaluation.exports.markdown import escaped, line
+from indoor_explorers.evaluation.statistics import CONFIDENCE
 from indoor_explorers.evaluation.studies.leaderboard.board import Board, BoardRow
 
 #: What the columns mean, and what nobody has tested, below the tables.
@@ -33,19 +32,8 @@ LEGEND = (
 NOT_FLOWN = "Not flown again (--fly): what policies are and what they know is as their folders say."
 #: Steps from which on times have no decimals.
 MANY = 100.0
-#: Characters of a command.
-LONGEST_COMMAND = 10_000
-#: The heading of commits and days, which the terminal leaves out.
-FLOWN = "flown at"
-
-
-@dataclass(frozen=True)
-class BoardTable:
-    """The table of one scenario as texts."""
-
-    title: str
-    headings: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+#: Characters of a command, and of a cell at the terminal.
+LONGEST_COMMAND, LONGEST_CELL = 10_000, 150
 
 
 def legend(fly: int) -> str:
@@ -57,47 +45,41 @@ def legend(fly: int) -> str:
     return f"{LEGEND} {again if fly else NOT_FLOWN}"
 
 
-def board_tables(board: Board) -> list[BoardTable]:
-    """Return a table for each scenario of a leaderboard."""
-    return [_table(board, comparison) for comparison in board.comparisons]
+def board_tables(board: Board, *, page: bool = False) -> list[Table]:
+    """Return a table for each scenario of a leaderboard, for the terminal, or with all that a page has room for."""
+    return [_table(board, comparison, page) for comparison in board.comparisons]
 
 
-def _table(board: Board, comparison: Comparison) -> BoardTable:
-    times = comparison.level.times
+def _table(board: Board, comparison: Comparison, page: bool) -> Table:
+    times, tasks = comparison.level.times, len(next(iter(comparison.groups.values())))
     titles = [metric.upper() for metric in times]
-    headings = ("rank", "policy", *titles, f"{titles[-1]} / nearest", comparison.level.percent, "AUC")
-    rows = tuple(_row(comparison, row, times) for row in board.rows(comparison))
-    if len(board.flown) > 1:
-        headings += (FLOWN,)
-        rows = tuple((*cells, row.origin.flown) for cells, row in zip(rows, board.rows(comparison), strict=True))
-    tasks = len(next(iter(comparison.groups.values())))
-    maps = counted(comparison.map_count, "map")
-    if comparison.building_count < comparison.map_count:
-        maps += f" of {counted(comparison.building_count, 'building')}"
-    return BoardTable(f"{comparison.title}: {counted(tasks, 'task')} on {maps}", headings, rows)
+    columns = [Column("rank"), Column("policy", left=True, overflow="ellipsis"), *map(Column, titles)]
+    columns += map(Column, (f"{titles[-1]} / nearest", comparison.level.percent, "AUC"))
+    several = page and len(board.flown) > 1
+    columns += [Column("flown at")] if several else []
+    rows = []
+    for row in board.rows(comparison):
+        cells = _cells(comparison, row, times) + ([Cell(row.origin.flown)] if several else [])
+        rank = row.rank.text if row.rank else ""
+        rows.append(Row(rank, cells if page else [Cell(one_line(cell.line, LONGEST_CELL)) for cell in cells]))
+    return Table(columns, rows, f"{comparison.title}: {counted(tasks, 'task')} on {comparison.maps_flown}")
 
 
-def _row(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> tuple[str, ...]:
-    policy = row.policy
-    return (
-        row.rank.text if row.rank else "",
-        marked(comparison.results, policy),
-        *(_steps(comparison.estimate(policy, metric)) for metric in times),
-        _ratio(row),
-        percent(comparison.reached(policy)),
-        fixed(comparison.estimate(policy, "auc").mean, 3),
-    )
+def _cells(comparison: Comparison, row: BoardRow, times: Sequence[str]) -> list[Cell]:
+    *steps, reached, _, auc, _ = result_cells(comparison, row.policy, times, {}, _decimals)
+    name = Cell(marked(comparison.results, row.policy))
+    return [name, *steps, _ratio(row), Cell(reached.text), Cell(auc.text)]
 
 
-def _steps(time: Estimate) -> str:
-    return with_interval(time, decimals_for(time.mean) if time.mean < MANY else 0)
+def _decimals(steps: float) -> int:
+    return decimals_for(steps) if steps < MANY else 0
 
 
-def _ratio(row: BoardRow) -> str:
+def _ratio(row: BoardRow) -> Cell:
     if row.to_baseline is None:
-        return ""
+        return Cell()
     ratio = row.to_baseline.ratio.of_tasks
-    return f"{bounded(fixed(ratio.mean, 2), row.to_baseline.censoring.bound)} {interval(ratio, 2)}".strip()
+    return Cell(bounded(fixed(ratio.mean, 2), row.to_baseline.censoring.bound), detail=interval(ratio, 2))
 
 
 def markdown_page(boards: Sequence[Board]) -> str:
@@ -120,10 +102,11 @@ def _page(boards: Sequence[Board]) -> Iterator[str]:
             yield from (f"## {escaped(board.title)}", "")
         if board.about:
             yield from (f"{escaped(board.about)}.".replace("..", "."), "")
-        for table in board_tables(board):
+        for table in board_tables(board, page=True):
             yield from (f"{'###' if len(boards) > 1 else '##'} {escaped(table.title)}", "")
-            yield from (_line(table.headings), _line(["---"] * len(table.headings)))
-            yield from (_line([_unbroken(escaped(text)) for text in row]) for row in table.rows)
+            yield from (line(column.title for column in table.columns), line("---" for _ in table.columns))
+            for rank, cells, _ in table.rows:
+                yield line(_unbroken(escaped(text)) for text in (rank, *(cell.line for cell in cells)))
             yield ""
         notes = [*footnotes(board.results, list(board.results.policies), times=False), *board.left_out]
         yield from (f"{escaped(note)}\n" for note in (*notes, *board.results.map_notes))
@@ -151,7 +134,3 @@ def _portable(command: str) -> str:
 
 def _unbroken(text: str) -> str:
     return text.replace(" ", "\N{NO-BREAK SPACE}")
-
-
-def _line(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"

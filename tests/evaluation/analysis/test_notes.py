@@ -13,11 +13,12 @@ from indoor_explorers.evaluation.analysis.ranks import ranks
 from indoor_explorers.evaluation.analysis.shown_best import BOLD
 from indoor_explorers.evaluation.analysis.tables.contrast_table import reading
 from indoor_explorers.evaluation.analysis.tables.headline_table import headline_table
-from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
+from indoor_explorers.evaluation.exports.scenario_tables import scenario_tables
 from indoor_explorers.evaluation.report.page import render
 from indoor_explorers.evaluation.statistics import Finding
 from tests.evaluation.report.records import flown
+from tests.evaluation.reports import texts_of
 
 SAYS = "less often than sound, significantly: fails"
 
@@ -38,16 +39,9 @@ def test_the_summary_has_the_interval_at_its_end(results):
 
 
 def test_page_terminal_and_tables_say_who_fails_more_often(results):
-    comparison, console = Comparison(results, "room"), Console(width=160)
-    with console.capture() as capture:
-        console.print(headline_table(results, 160))
+    comparison = Comparison(results, "room")
     assert comparison.success_p_values["fails"] == pytest.approx(2 / 2**12, abs=4e-4)
-    for text in (
-        headline(comparison),
-        " ".join(capture.get().split()),
-        markdown_tables(results),
-        latex_tables(results),
-    ):
+    for text in (headline(comparison), *texts_of(results)):
         assert SAYS in text
     page = render(results)
     assert "18/30 [41, 77]\u202f%" in page
@@ -58,7 +52,7 @@ def test_nothing_is_said_where_few_episodes_differ():
     quick = [10 + seed for seed in range(30)]
     results = flown({"sound": quick, "fails": [None, None, *quick[2:]]})
     assert not Comparison(results, "room").success_differs("fails")
-    assert "often than" not in markdown_tables(results)
+    assert "often than" not in markdown_tables(scenario_tables(results))
 
 
 def test_what_is_as_good_and_what_is_open_is_said_with_the_number_that_would_resolve_it():
@@ -71,12 +65,12 @@ def test_what_is_as_good_and_what_is_open_is_said_with_the_number_that_would_res
     by_finding = {each.finding: name for name, each in found.items()}
     assert by_finding[Finding.WORSE] == "slow"
     other = next(name for name in ("quick", "like") if name != first)
-    text = markdown_tables(results)
+    text = markdown_tables(scenario_tables(results))
     assert f"As good as {first} within 5 %: {other}." in text
     assert f"Not resolved against {first}: noisy (about {found['noisy'].needed:.0f} tasks would)." in text
     assert "failures of" in text
     assert "cannot exclude (up to 10 %) would add up to" in text
-    assert "within" not in markdown_tables(replace(results, margin=0.0))
+    assert "within" not in markdown_tables(scenario_tables(replace(results, margin=0.0)))
 
 
 def test_a_policy_that_is_quick_and_fails_is_not_called_better():
@@ -94,21 +88,15 @@ def test_policies_that_flew_the_same_episodes_are_named_and_count_as_one(results
     alone = Comparison(replace(results, records=[r for r in results.records if r.policy != "like"]), "room")
     assert Comparison(results, "room").twins == [["sound", "like"]]
     assert Comparison(results, "room").contrasts["fails"].adjusted_p == alone.contrasts["fails"].adjusted_p
-    console = Console(width=160)
-    with console.capture() as capture:
-        console.print(headline_table(results, 160))
-    for text in (" ".join(capture.get().split()), markdown_tables(results), latex_tables(results)):
+    for text in texts_of(results):
         assert "sound and like flew the same episodes." in text
 
 
 def test_bold_is_one_thing_everywhere_and_what_could_have_been_seen_is_said():
     slow, slower = ([40 + late + seed % 5 for seed in range(12)] for late in (0, 9))
     results = flown({"quick": [20 + seed % 7 for seed in range(12)], "slow": slow, "slower": slower})
-    console = Console(width=160)
-    with console.capture() as capture:
-        console.print(headline_table(results, 160))
     page = render(results)
-    for text in (" ".join(capture.get().split()), markdown_tables(results), latex_tables(results), page):
+    for text in (*texts_of(results), page):
         assert BOLD in " ".join(text.replace("\\", "").split())
         assert "Only differences of T99 to quick above some" in text
     assert page.count('data-metric="t99" class="best"') == 1
@@ -130,11 +118,8 @@ def test_an_incomplete_store_is_compared_on_the_common_tasks_everywhere():
     results = flown({"whole": first, "easy": second})
     row = results.summary().query("policy == 'whole' and metric == 't99'").iloc[0]
     assert (row["episodes"], row["mean"]) == (6, pytest.approx(35.0))
-    console = Console(width=160)
-    with console.capture() as capture:
-        console.print(headline_table(results, 160))
     said = "easy lacks 4 of 10; only the 6 tasks that all of these policies flew are compared"
-    for text in (capture.get(), markdown_tables(results), latex_tables(results), render(results)):
+    for text in (*texts_of(results), render(results)):
         assert said in " ".join(text.split())
         assert "35.0" in text
 
@@ -142,6 +127,6 @@ def test_an_incomplete_store_is_compared_on_the_common_tasks_everywhere():
 def test_intervals_with_a_few_episodes_that_never_reached_it_are_called_too_narrow():
     quick = [20 + seed % 7 for seed in range(30)]
     results = flown({"quick": quick, "rare": [None, None, *quick[2:]], "often": [None] * 20 + quick[20:]})
-    for text in (markdown_tables(results), latex_tables(results), render(results)):
+    for text in (*texts_of(results)[1:], render(results)):
         assert "The interval of T99 is too narrow: rare, 2 of 30 never reached." in text
     assert narrow_notes(Comparison(flown({"quick": quick}), "room")) == []

@@ -59,7 +59,7 @@ def test_ranges_are_those_of_the_others(results: Results) -> None:
 def test_a_mean_beyond_the_scale_of_the_dots_is_an_arrowhead(results: Results) -> None:
     comparison, styles = Comparison(results, "room"), policy_styles(results.policies)
     place = [column.kind for column in columns_of(comparison.level)].index("dots")
-    drawn = {name: str(cells[place].detail) for name, cells in results_table(comparison, styles)}
+    drawn = {name: str(cells[place].detail) for name, cells, _ in results_table(comparison, styles)}
     assert {name: 'class="beyond"' in text for name, text in drawn.items()} == {
         "chance": True,
         "good": False,

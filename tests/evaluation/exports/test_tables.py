@@ -11,11 +11,11 @@ import pytest
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.shown_best import shown_best
 from indoor_explorers.evaluation.exports import write_exports
-from indoor_explorers.evaluation.exports.cells import caption, table_headings, table_rows
 from indoor_explorers.evaluation.exports.latex import escaped as tex
 from indoor_explorers.evaluation.exports.latex import latex_tables
 from indoor_explorers.evaluation.exports.markdown import escaped as md
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
+from indoor_explorers.evaluation.exports.scenario_tables import caption, scenario_tables
 from indoor_explorers.evaluation.harness.results.results import Results
 from tests.evaluation.special_names import NAMES, SCENARIO, results
 
@@ -72,8 +72,8 @@ def test_curves_are_those_of_the_results(held, folder):
 def test_too_few_episodes_have_no_interval():
     few = results(3)
     assert "fewer than 5 episodes get no interval" in " ".join(caption(Comparison(few, SCENARIO)))
-    assert all(not cell.interval for row in table_rows(Comparison(few, SCENARIO)) for cell in row.cells)
-    assert "scriptsize" not in latex_tables(few)
+    assert all(not cell.detail for table in scenario_tables(few) for row in table.rows for cell in row.cells)
+    assert "scriptsize" not in latex_tables(scenario_tables(few))
 
 
 def test_a_caption_says_what_the_figures_are(held):
@@ -103,14 +103,16 @@ def test_best_is_what_was_shown_to_be_better_than_every_other():
     assert shown_best(with_t99(held, a=[0, 1, -1, 0, 1, -1, 1, 0], b=[0] * 8, c=slower), "t99") == []
     assert shown_best(with_t99(held, a=slow, b=[0] * 8, c=[9, -8, 9, -7, 9, -9, 9, -6]), "t99") == []
     bold = with_t99(held, a=slow, b=[0] * 8, c=slower).results
-    assert rf"{{{tex(NAMES[1])}}}" in next(line for line in latex_tables(bold).splitlines() if r"\textbf{30.0}" in line)
-    assert "**30.0**" in markdown_tables(bold)
+    assert rf"{{{tex(NAMES[1])}}}" in next(
+        line for line in latex_tables(scenario_tables(bold)).splitlines() if r"\textbf{30.0}" in line
+    )
+    assert "**30.0**" in markdown_tables(scenario_tables(bold))
 
 
 def test_tables_of_99_per_cent_have_ratios_to_the_lower_bound():
     held = with_t99(results(8), a=[0] * 8, b=[1] * 8, c=[2] * 8).results
     never = [replace(r, metrics=r.metrics | {"t99": None}) if r.policy == NAMES[2] else r for r in held.records]
-    text = markdown_tables(replace(held, records=never))
+    text = markdown_tables(scenario_tables(replace(held, records=never)))
     lines = [line for line in text.splitlines() if line.startswith("|")]
     assert lines[0].endswith("| T99 / bound |")
     shown = Comparison(held, SCENARIO).estimate(NAMES[0], "t99_to_bound")
@@ -119,10 +121,10 @@ def test_tables_of_99_per_cent_have_ratios_to_the_lower_bound():
 
 
 def test_markdown_shows_names_as_they_are(held):
-    text = markdown_tables(held)
+    text = markdown_tables(scenario_tables(held))
     table = [line for line in text.splitlines() if line.startswith("|")]
     for line in table:
-        assert len(re.findall(r"(?<!\\)\|", line)) == 2 + len(table_headings(Comparison(held, SCENARIO)))
+        assert len(re.findall(r"(?<!\\)\|", line)) == 1 + len(scenario_tables(held)[0].columns)
     plain = [
         re.sub(r"\\([^A-Za-z0-9\s])", r"\1", re.split(r" (?<!\\)\| ", line)[0].removeprefix("| ")) for line in table
     ]
@@ -133,7 +135,7 @@ def test_markdown_shows_names_as_they_are(held):
 
 
 def test_latex_is_ascii_balanced_and_escaped(held):
-    text = latex_tables(held)
+    text = latex_tables(scenario_tables(held))
     assert text.isascii()
     assert re.findall(r"\\(begin|end)\{(\w+)\}", text) == [
         *(("begin", "table"), ("begin", "tabular"), ("end", "tabular"), ("end", "table"))
@@ -144,7 +146,7 @@ def test_latex_is_ascii_balanced_and_escaped(held):
     assert not re.search(r"[%#^~]", loose)
     assert loose.count("$") % 2 == 0
     lines = [line for line in loose.splitlines() if line.endswith(r"\\")]
-    assert {line.count("&") for line in lines} == {len(table_headings(Comparison(held, SCENARIO)))}
+    assert {line.count("&") for line in lines} == {len(scenario_tables(held)[0].columns) - 1}
     assert r"\label{tab:01-" in text
     assert r"caf\'{e}" in text
     assert "[U+1F681]" in text
@@ -159,5 +161,5 @@ def test_latex_text():
 
 def test_nothing_flown_is_no_error(held, tmp_path):
     write_exports(Results(held.policies, held.scenarios, [], []), tmp_path)
-    assert markdown_tables(Results({}, {}, [], [])) == ""
+    assert markdown_tables(scenario_tables(Results({}, {}, [], []))) == ""
     assert rows(tmp_path / "tables" / "curves.csv") == []

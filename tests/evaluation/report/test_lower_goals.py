@@ -26,8 +26,8 @@ from indoor_explorers.evaluation.analysis.tables.league_table import league_tabl
 from indoor_explorers.evaluation.analysis.tables.results_table import columns_of, results_table
 from indoor_explorers.evaluation.analysis.task_times import TaskTimes
 from indoor_explorers.evaluation.drawing.palette import policy_styles
-from indoor_explorers.evaluation.exports.cells import caption
 from indoor_explorers.evaluation.exports.markdown import markdown_tables
+from indoor_explorers.evaluation.exports.scenario_tables import caption, scenario_tables
 from indoor_explorers.evaluation.exports.tidy import write_episodes
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
@@ -142,7 +142,7 @@ def test_a_table_has_a_dash_for_what_was_not_asked_for(near: Results) -> None:
     comparison, styles = Comparison(near, "near"), policy_styles(near.policies)
     keys = [column.key for column in columns_of(comparison.level)]
     assert keys[:4] == ["t90", "t90_reached", "t99", "t90_dots"]
-    cells = dict(results_table(comparison, styles))["quick"]
+    cells = next(row.cells for row in results_table(comparison, styles) if row.name == "quick")
     assert [(cells[k].text, cells[k].best) for k in (0, 2)] == [("50.3", True), ("\u2013", False)]
     assert [column.title for column in columns_of(Comparison(_results(FAR), "far").level)][:5] == [
         *("T90", "reached 90\u202f%", "T99", "reached 99\u202f%", "T99 by episode")
@@ -191,11 +191,11 @@ def test_the_terminal_takes_the_level_that_all_share(near: Results, mixed: Resul
 def test_scenarios_of_several_levels_are_told_apart(mixed: Results) -> None:
     comparisons = {f"s{number}": Comparison(mixed, name) for number, name in enumerate(mixed.scenarios, 1)}
     league = league_table(comparisons, policy_styles(mixed.policies))
-    assert [(column.time, column.first) for column in league.columns] == [("T90", "quick"), ("T99", "quick")]
+    assert ([column.unit[:3] for column in league.columns], league.first) == (["T90", "T99"], "quick")
     near, far = dict(league.rows)["quick"]
     assert near is not None
     assert far is not None
-    assert near.time == far.time
+    assert near.text == far.text
     assert "Lowest mean time to the coverage threshold: <b>quick</b> in 2" in lead(
         [Comparison(mixed, name) for name in mixed.scenarios]
     )
@@ -221,7 +221,7 @@ def test_ratios_to_a_policy_that_knows_the_map_are_empty_where_99_was_not_asked_
 
 
 def test_tables_for_papers_are_of_the_level(near: Results) -> None:
-    text, comparison = markdown_tables(near), Comparison(near, "near")
+    text, comparison = markdown_tables(scenario_tables(near)), Comparison(near, "near")
     assert "| policy | T90 [steps] | T99 [steps] | 90 % reached |" in text
     assert re.search(r"\| quick \| \**50\.3\** \[.*?\] \| \u2013 \| 100\u202f% \[.*?\]\u202f% \|", text)
     assert "T90 is the first step with 90 % coverage" in " ".join(caption(comparison))

@@ -41,8 +41,8 @@ def test_a_metric_is_in_the_records_the_summary_and_the_table(results):
     assert "LATE" not in results.records[0].metrics
     summary = found.summary().query("metric == 'EVEN'")
     assert set(summary["episodes"]) == {3}
-    (row,) = [row for row in measures_table(Comparison(found, "four")) if row.key == "LATE"]
-    assert (row.title, row.unit, row.tallied) == ("lateness", "steps", False)
+    (column,) = [column for column, _ in measures_table(Comparison(found, "four")) if column.key == "LATE"]
+    assert (column.title, column.unit) == ("lateness", "steps")
     assert "steps flown; lower is better" in render(found, replays=0)
     assert with_metrics(results, []) is results
 

@@ -13,13 +13,12 @@ from indoor_explorers.evaluation.analysis.tables.headline_table import headline_
 from indoor_explorers.evaluation.analysis.tables.policy_names import DAGGER, DOUBLE_DAGGER, SECTION
 from indoor_explorers.evaluation.analysis.tables.ratio_table import ratio_lines
 from indoor_explorers.evaluation.exports.figures import write_figures
-from indoor_explorers.evaluation.exports.latex import latex_tables
-from indoor_explorers.evaluation.exports.markdown import markdown_ratios, markdown_tables
+from indoor_explorers.evaluation.exports.markdown import markdown_ratios
 from indoor_explorers.evaluation.harness.results.ratios import Ratios
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.report import write_report
 from indoor_explorers.evaluation.report.page import render
-from tests.evaluation.reports import HOSTILE, Page, Wander, results_of
+from tests.evaluation.reports import HOSTILE, Page, Wander, results_of, texts_of
 
 
 def test_a_page_loads_nothing(page: Page) -> None:
@@ -128,8 +127,8 @@ def test_policies_that_read_the_generators_settings_are_marked(results: Results,
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
     for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
         ratios = Ratios.of(found)
-        texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(ratios))]
-        for text in (*texts, markdown_ratios(ratios), latex_tables(found).replace(r"$\dagger$", DAGGER)):
+        texts = [*texts_of(found), printed(*ratio_lines(ratios)), markdown_ratios(ratios)]
+        for text in (each.replace(r"$\dagger$", DAGGER) for each in texts):
             assert (f"{name} {DAGGER}" in text) == expected
             assert (f"{DAGGER} reads the settings of the maps' generator" in " ".join(text.split())) == expected
         assert ("knows the generator</span>" in page) == expected
@@ -141,8 +140,8 @@ def test_policies_that_failed_a_check_are_marked(results: Results, plain: str) -
     policies = results.policies | {name: results.policies[name] | {"failed_check": told}}
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
     for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
-        texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(Ratios.of(found)))]
-        for text in (*texts, latex_tables(found).replace(r"$\ddagger$", DOUBLE_DAGGER)):
+        texts = [*texts_of(found), printed(*ratio_lines(Ratios.of(found)))]
+        for text in (each.replace(r"$\ddagger$", DOUBLE_DAGGER) for each in texts):
             assert (f"{name} {DOUBLE_DAGGER}" in text) == expected
             plainly = " ".join(text.replace("\\", "").split())
             assert (f"{DOUBLE_DAGGER} {name} failed the check {told}." in plainly) == expected
@@ -159,8 +158,8 @@ def test_policies_from_outside_that_were_not_isolated_are_marked(results: Result
     ):
         policies = results.policies | {name: results.policies[name] | {"isolated": isolated, "class": kind}}
         found = Results(policies, results.scenarios, results.runs, list(results.records))
-        texts = [printed(headline_table(found)), markdown_tables(found), printed(*ratio_lines(Ratios.of(found)))]
-        for text in (*texts, latex_tables(found).replace(r"\S", SECTION)):
+        texts = [*texts_of(found), printed(*ratio_lines(Ratios.of(found)))]
+        for text in (each.replace(r"\S", SECTION) for each in texts):
             assert (f"{name} {SECTION}" in text) == expected
             assert (f"{SECTION} flew in the process that has the true map" in " ".join(text.split())) == expected
         page = render(found)
@@ -174,7 +173,7 @@ def test_shares_of_a_batch_are_marked(results: Results, plain: str) -> None:
     policies = results.policies | {name: results.policies[name] | {"batched": True}}
     marked = Results(policies, results.scenarios, results.runs, list(results.records))
     for found, page, expected in ((results, plain, False), (marked, render(marked), True)):
-        for text in (printed(headline_table(found, 200)), markdown_tables(found), latex_tables(found)):
+        for text in texts_of(found):
             assert ("s (batch share)" in text) == expected
             assert ("Batch share: the policy decides" in text) == expected
         assert ("batch times</span>" in page) == expected

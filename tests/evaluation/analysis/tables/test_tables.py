@@ -9,10 +9,9 @@ import pytest
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.headline import headline
-from indoor_explorers.evaluation.analysis.tables.constant_columns import constant_columns
 from indoor_explorers.evaluation.analysis.tables.contrast_table import contrast_table
 from indoor_explorers.evaluation.analysis.tables.measures_table import measures_table
-from indoor_explorers.evaluation.analysis.tables.results_table import columns_of, results_table
+from indoor_explorers.evaluation.analysis.tables.results_table import columns_of, constant_columns, results_table
 from indoor_explorers.evaluation.drawing.palette import policy_styles
 from indoor_explorers.evaluation.harness.episodes.metrics import WASTED
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
@@ -98,7 +97,7 @@ def test_contrasts_are_those_of_the_tasks_flown_by_all(results: Results) -> None
     rows = {row.policy: row for row in contrast_table(comparison, policy_styles(results.policies))}
     assert list(rows) == [*comparison.ranked_policies[1:], "wavy"]
     other = comparison.ranked_policies[1]
-    assert rows[other].value is None  # no task was finished by both
+    assert rows[other].difference.value is None  # no task was finished by both
     assert by_hand[other].both == len(comparison.differences(other)) == 0
     assert sum(rows[other].tally) == 6
     assert comparison.contrasts[other].adjusted_p == by_hand[other].adjusted_p
@@ -128,10 +127,10 @@ def test_without_common_tasks_nothing_is_contrasted(results: Results) -> None:
 
 
 def test_every_measure_is_somewhere_on_the_page(results: Results, page: Page) -> None:
-    rows = {row.key: row for row in measures_table(Comparison(results, "four"))}
+    rows = {column.key: cells for column, cells in measures_table(Comparison(results, "four"))}
     assert {"auc_worst", "auc_mean", "age_of_information", "balance", "t99_to_bound", "t99_to_reference"} <= rows.keys()
     worst = [float(np.mean(results.values("four", name, "auc_worst"))) for name in results.policies]
-    assert [cell.value for cell in rows["auc_worst"].cells] == pytest.approx(worst)
+    assert [cell.value for cell in rows["auc_worst"]] == pytest.approx(worst)
     shown = {about.get("data-measure") for tag, about in page.tags if tag == "tr"}
     assert rows.keys() <= shown
 
@@ -158,7 +157,7 @@ def test_who_freezes_stands_out_and_older_results_that_did_not_measure_it_load()
     older = [made_up("older", Task("room", 0, seed), 9.0) for seed in range(3)]
     older = [replace(r, metrics={k: v for k, v in r.metrics.items() if k not in WASTED}) for r in older]
     found = results_of([*policy("frozen", 40.0), *policy("fine", 3.0), *older])
-    cells = dict(results_table(Comparison(found, "room"), policy_styles(found.policies)))
+    cells = {row.name: row.cells for row in results_table(Comparison(found, "room"), policy_styles(found.policies))}
     place = [column.key for column in columns_of(T99)].index("longest_idle")
     frozen, fine, missing = (cells[name][place] for name in ("frozen", "fine", "older"))
     assert (frozen.text, frozen.detail, frozen.bad) == ("14.0", "\u2264 40", True)

@@ -17,4 +17,4 @@ def test_a_comparison_shows_the_base_and_isolated_policies_know_it(tmp_path):
     assert done == [7.0, 7.0]
     page = (tmp_path / "report.html").read_text()
     assert "has been reported to the home base" in page
-    assert "Anybody" in page
+    assert "Any UAV or base" in page

@@ -103,20 +103,20 @@ def test_tables_page_and_terminal_show_the_same_numbers(results, tmp_path):
     with path.open(newline="") as file:
         written = list(csv.DictReader(file))
     assert len(written) == (3 * 3 - 1) * 2
-    table = next(each for each in ratio_tables(ratios) if each.metric == "t99")
-    assert [name for name, _ in table.scenarios] == ["near", "far", POOLED]
+    table = next(each for each in ratio_tables(ratios) if each.key.startswith("t99"))
+    assert [column.title for column in table.columns[1:]] == ["near", "far", POOLED]
     console = Console(width=120, record=True, file=io.StringIO())
     console.print(*ratio_lines(ratios))
     text, page = console.export_text(), Page(render(results, ratio_to=["frontier-nearest"]))
-    for name, every in table.rows:
-        cells = [cell for cell in every if cell]
+    for name, every, _ in table.rows:
+        cells = [cell for cell in every if cell.text]
         mine = [row for row in written if (row["policy"], row["metric"]) == (name, "t99")]
         assert [cell.value for cell in cells] == pytest.approx([float(row["mean_of_ratios"]) for row in mine], rel=1e-5)
         assert page.figures[name, "t99_to_frontier-nearest"] == [cell.value for cell in cells]
         for cell in cells:
-            assert f"{cell.text} {cell.interval}".strip() in text
-            assert f"| {cell.text} {cell.interval}".strip() + " |" in markdown_ratios(ratios)
-    shades = {name: [cell.shade for cell in cells if cell] for name, cells in table.rows}
+            assert cell.line in text
+            assert f"| {cell.line} |" in markdown_ratios(ratios)
+    shades = {name: [cell.shade for cell in cells if cell.text] for name, cells, _ in table.rows}
     assert all(shade > 0 for shade in shades["knows"])
     assert shades["late"][1] < 0
 
@@ -126,6 +126,11 @@ def test_a_policy_alone_has_nobody_to_be_compared_with():
     assert Ratios.of(results).rows == []
     assert markdown_ratios(Ratios.of(results)) == ""
     assert 'id="ratios"' not in render(results)
+
+
+def of_policy(table, policy):
+    """Return the cells of a policy."""
+    return next(row.cells for row in table.rows if row.name == policy)
 
 
 def censored(**times):
@@ -143,8 +148,8 @@ def test_a_ratio_of_steps_that_were_never_reached_is_a_bound(tmp_path):
     late, lost = (rows(ratios)["room", name, "frontier-nearest", "t99"] for name in ("late", "lost"))
     assert late.censoring == (40, 4, 0, 0)
     assert (late.censoring.bound, lost.censoring.bound) == (">", ">")
-    cells = {name: cells[0] for name, cells in ratio_tables(ratios)[0].rows}
-    assert (cells["late"].text, cells["late"].interval) == ("> 1.400", "")
+    cells = {name: cells[0] for name, cells, _ in ratio_tables(ratios)[0].rows}
+    assert (cells["late"].text, cells["late"].detail) == ("> 1.400", "")
     assert cells["lost"].text == "> 5.000"
     for text in (markdown_ratios(ratios), Page(render(ratios.results)).text):
         assert "> 5.000" in text
@@ -165,23 +170,23 @@ def test_where_neither_reached_it_there_is_no_ratio():
     lost, sound = (rows(ratios)["room", name, "frontier-nearest", "t99"] for name in ("lost", "sound"))
     assert np.isnan(lost.ratio.of_tasks.mean)
     assert sound.censoring.bound == "<"
-    assert dict(ratio_tables(ratios)[0].rows)["lost"][0].text == "\N{EN DASH}"
+    assert of_policy(ratio_tables(ratios)[0], "lost")[0].text == "\N{EN DASH}"
 
 
 def test_one_episode_in_forty_that_neither_reached_is_said_beside_the_figure():
     ratios = censored(**{"frontier-nearest": [None], "lost": [None]})
-    (cell,) = dict(ratio_tables(ratios)[0].rows)["lost"]
+    (cell,) = of_policy(ratio_tables(ratios)[0], "lost")
     assert (cell.text, cell.value) == ("\N{ALMOST EQUAL TO} 1.000", 1.0)
 
 
 def test_averages_over_scenarios_leave_out_what_the_budget_decides(results):
-    table = next(each for each in ratio_tables(Ratios.of(results, ["frontier-nearest"])) if each.metric == "t99")
-    assert dict(table.rows)["late"][2] is None
+    table = next(each for each in ratio_tables(Ratios.of(results, ["frontier-nearest"])) if each.key.startswith("t99"))
+    assert of_policy(table, "late")[2].text == ""
     in_time = [
         r.with_metrics(r.metrics | {"t99": 60}) if (r.policy, r.task.scenario) == ("late", "near") else r
         for r in results.records
     ]
     found = Ratios.of(replace(results, records=in_time), ["frontier-nearest"])
-    cell = dict(next(each for each in ratio_tables(found) if each.metric == "t99").rows)["late"][2]
-    assert cell.interval.endswith("1 of 2 scenarios")
+    cell = of_policy(next(each for each in ratio_tables(found) if each.key.startswith("t99")), "late")[2]
+    assert cell.detail.endswith("1 of 2 scenarios")
     assert "leave out those" in markdown_ratios(found)

@@ -9,7 +9,7 @@ from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.analysis.comparability import verdict_on
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.driver import fly_missing
-from indoor_explorers.evaluation.exports.cells import caption
+from indoor_explorers.evaluation.exports.scenario_tables import caption
 from indoor_explorers.evaluation.harness.experiment.planning import plan
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.harness.results.combine import combined
