@@ -100,7 +100,7 @@ def test_a_training_on_several_scenarios_resumes_bit_for_bit(tmp_path: Path, mon
     assert first[1] == second[1]
     for name, array in first[0].items():
         assert np.array_equal(array, second[0][name]), name
-    with pytest.raises(InputError, match="holds a training with task .*, expected"):
+    with pytest.raises(InputError, match=r"holds a training with task .*, expected"):
         train(config.model_copy(update={"also": ()}), small_room(), cut, seed=1, resume=True)
 
 
