@@ -14,7 +14,7 @@ from indoor_explorers.evaluation.site.pictures.drawing import svg
 
 ROOT = Path(__file__).resolve().parents[3]
 #: The top-level folders in the order of the panels, and their colours.
-FLOORS = {"env": "#e8eef7", "planners": "#e9f4ec", "learners": "#fbf0e3", "evaluation": "#f3ecf7"}
+TOP_LEVEL = {"env": "#e8eef7", "planners": "#e9f4ec", "learners": "#fbf0e3", "evaluation": "#f3ecf7"}
 #: Folders whose own folders are drawn, since they are layers of their own.
 OPEN = ("planners/toolbox",)
 #: Half the height of a box of one line and what another line adds, and distances between boxes, in units of the axes.
@@ -29,22 +29,22 @@ def architecture_pictures() -> dict[str, bytes]:
 
 
 def import_graph(root: Path = ROOT) -> nx.DiGraph:
-    """Return which rooms import which: the folders in the top-level folders, and modules that lie beside them.
+    """Return which packages import which: the folders in the top-level folders, and modules that lie beside them.
 
-    What is imported for types alone does not count, nor does a room itself.
+    What is imported for types alone does not count, nor does a package itself.
     """
     graph = nx.DiGraph()
-    for path in (path for floor in FLOORS for path in sorted((root / floor).rglob("*.py"))):
-        here = room_of(path.relative_to(root).with_suffix("").parts)
+    for path in (path for folder in TOP_LEVEL for path in sorted((root / folder).rglob("*.py"))):
+        here = package_of(path.relative_to(root).with_suffix("").parts)
         if here is not None:
             graph.add_node(here)
-            targets = (room_of(name.split(".")[1:]) for name in _imports(ast.parse(path.read_text("utf-8"))))
+            targets = (package_of(name.split(".")[1:]) for name in _imports(ast.parse(path.read_text("utf-8"))))
             graph.add_edges_from((here, there) for there in targets if there not in (None, here))
     return graph
 
 
-def room_of(parts: Any) -> str | None:
-    """Return the room of a module by the parts of its name below the package; None for a top-level folder itself."""
+def package_of(parts: Any) -> str | None:
+    """Return the package of a module by the parts of its name below the root; None for a top-level folder."""
     parts = [part for part in parts if part != "__init__"]
     deep = 3 if "/".join(parts[:2]) in OPEN else 2
     name = "/".join(parts[:deep])
@@ -64,40 +64,40 @@ def _imports(node: ast.AST) -> Iterator[str]:
 
 
 def _draw(figure: Figure) -> None:
-    """Draw a panel for each top-level folder: rooms above those that they import."""
+    """Draw a panel for each top-level folder: packages above those that they import."""
     graph = import_graph()
     figure.set_size_inches(11.5, 9.2)
     panels = figure.subplots(2, 2, sharey=True)
-    for axes, (floor, colour) in zip(panels.flat, FLOORS.items(), strict=True):
-        rooms = graph.subgraph([room for room in graph if room.startswith(f"{floor}/")])
-        _panel(axes, nx.transitive_reduction(rooms), floor, colour)
+    for axes, (folder, colour) in zip(panels.flat, TOP_LEVEL.items(), strict=True):
+        packages = graph.subgraph([package for package in graph if package.startswith(f"{folder}/")])
+        _panel(axes, nx.transitive_reduction(packages), folder, colour)
 
 
-def _panel(axes: Any, rooms: nx.DiGraph, floor: str, colour: str) -> None:
-    """Draw the rooms of a folder in layers; an arrow leads to what is imported, unless another way leads there."""
-    layers = [sorted(layer) for layer in nx.topological_generations(rooms)]
+def _panel(axes: Any, packages: nx.DiGraph, folder: str, colour: str) -> None:
+    """Draw the packages of a folder in layers; an arrow leads to what is imported, unless another way leads there."""
+    layers = [sorted(layer) for layer in nx.topological_generations(packages)]
     down = DOWN * min(STRETCH, (FULL - 1) / (len(layers) - 1))
     places = {
-        room: ((number - (len(layer) - 1) / 2) * ACROSS, -depth * down)
+        package: ((number - (len(layer) - 1) / 2) * ACROSS, -depth * down)
         for depth, layer in enumerate(layers)
-        for number, room in enumerate(layer)
+        for number, package in enumerate(layer)
     }
-    for one, other in rooms.edges:
+    for one, other in packages.edges:
         (x, y), (to_x, to_y) = places[one], places[other]
         ends = (to_x, to_y + _half(other)), (x, y - _half(one))
         style = {"arrowstyle": "-|>", "color": "#7a7f87", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", *ends, arrowprops=style, zorder=1)
-    for room, (x, y) in places.items():
-        label = room.removeprefix(f"{floor}/").replace("toolbox/", "toolbox/\n")
+    for package, (x, y) in places.items():
+        label = package.removeprefix(f"{folder}/").replace("toolbox/", "toolbox/\n")
         box = {"boxstyle": "round,pad=0.3", "facecolor": colour, "edgecolor": "#555a61", "linewidth": 0.8}
         axes.text(x, y, label, ha="center", va="center", fontsize=7.5, bbox=box, zorder=2)
     widest = max(len(layer) for layer in layers)
     axes.set_xlim(-widest * ACROSS / 2, widest * ACROSS / 2)
     axes.set_ylim(min(-(FULL - 0.5) * DOWN, -(len(layers) - 0.5) * down), DOWN / 2)
-    axes.set_title(floor)
+    axes.set_title(folder)
     axes.set_axis_off()
 
 
-def _half(room: str) -> float:
-    """Return half the height of a room's box."""
-    return HALF + LINE * room.startswith(OPEN)
+def _half(package: str) -> float:
+    """Return half the height of a package's box."""
+    return HALF + LINE * package.startswith(OPEN)

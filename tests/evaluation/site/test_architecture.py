@@ -1,4 +1,4 @@
-"""The picture of the architecture shows today's imports, and no room imports one above it."""
+"""The picture of the architecture shows today's imports, and no package imports one above it."""
 
 import ast
 
@@ -6,31 +6,31 @@ import networkx as nx
 import pytest
 
 from indoor_explorers.evaluation.site.pictures.architecture import (
-    FLOORS,
+    TOP_LEVEL,
     _imports,
     architecture_pictures,
     import_graph,
-    room_of,
+    package_of,
 )
 
 GRAPH = import_graph()
 
 
-@pytest.mark.parametrize("floor", FLOORS)
-def test_no_room_imports_one_that_imports_it(floor):
-    rooms = GRAPH.subgraph([room for room in GRAPH if room.startswith(f"{floor}/")])
-    assert len(rooms) > 5
-    assert not list(nx.simple_cycles(rooms))
+@pytest.mark.parametrize("folder", TOP_LEVEL)
+def test_no_package_imports_one_that_imports_it(folder):
+    packages = GRAPH.subgraph([package for package in GRAPH if package.startswith(f"{folder}/")])
+    assert len(packages) > 5
+    assert not list(nx.simple_cycles(packages))
 
 
-def test_the_picture_names_every_room():
+def test_the_picture_names_every_package():
     (drawn,) = architecture_pictures().values()
     assert drawn.count(b"<!-- ") >= len(GRAPH)
-    for room in ("simulation", "navigation", "dddqn", "harness"):
-        assert f"<!-- {room} -->".encode() in drawn
+    for package in ("simulation", "navigation", "dddqn", "harness"):
+        assert f"<!-- {package} -->".encode() in drawn
 
 
-def test_imports_for_types_alone_and_within_a_room_do_not_count():
+def test_imports_for_types_alone_and_within_a_package_do_not_count():
     code = """
 from indoor_explorers.env.grid.cells import FREE
 if TYPE_CHECKING:
@@ -39,6 +39,6 @@ def late():
     from indoor_explorers.planners.toolbox.navigation.paths import Paths
 """
     names = list(_imports(ast.parse(code)))
-    assert [room_of(name.split(".")[1:]) for name in names] == ["env/grid", "planners/toolbox/navigation"]
-    assert room_of(("planners", "toolbox", "__init__")) is None
+    assert [package_of(name.split(".")[1:]) for name in names] == ["env/grid", "planners/toolbox/navigation"]
+    assert package_of(("planners", "toolbox", "__init__")) is None
     assert not any(one == other for one, other in GRAPH.edges)
