@@ -22,6 +22,18 @@ DETOUR_FACTOR, DETOUR_CELLS = 1.5, 4
 #: Attributes of a navigator by their names up to version 0.2, which are accepted up to version 0.3.
 FORMER_NAMES = {"swings": "oscillates", "stands": "is_stationary"}
 
+
+def _renamed(former: str, present: str) -> property:
+    """Return a property by a former name; a ``__getattr__`` would make access to all other attributes slower."""
+
+    def read(self: Navigator) -> bool:
+        advice = f"Navigator.{former} is now {present}; the old name is accepted up to version 0.3"
+        warnings.warn(advice, FutureWarning, stacklevel=2)
+        return bool(getattr(self, present))
+
+    return property(read)
+
+
 _ACTIONS = {(int(row), int(col)): action for action, (row, col) in enumerate(MOVES)}
 
 
@@ -72,18 +84,6 @@ class Navigator:
     def is_stationary(self) -> bool:
         """Whether the UAV has not left its cell in the last two steps."""
         return len(self.recent) > 2 and len(set(self.recent[-3:])) == 1
-
-    def __getattr__(self, name: str) -> bool:
-        """Return the attribute that had this name in version 0.2."""
-        if name not in FORMER_NAMES:
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        present = FORMER_NAMES[name]
-        warnings.warn(
-            f"Navigator.{name} is now {present}; the old name is accepted up to version 0.3",
-            FutureWarning,
-            stacklevel=2,
-        )
-        return bool(getattr(self, present))
 
     @property
     def may_replan(self) -> bool:
@@ -210,3 +210,7 @@ class Navigator:
         self.set_goal(view, path[-1])
         self.follow(path)
         return True
+
+
+for _former, _present in FORMER_NAMES.items():
+    setattr(Navigator, _former, _renamed(_former, _present))

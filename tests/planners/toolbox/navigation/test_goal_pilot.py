@@ -103,5 +103,3 @@ def test_former_names_of_a_navigators_attributes_are_answered_with_a_warning(for
     navigator.recent.extend([(1, 1), (1, 2), (1, 1), (1, 2)])
     with pytest.warns(FutureWarning, match=f"{former} is now {present}"):
         assert getattr(navigator, former) is getattr(navigator, present)
-    with pytest.raises(AttributeError, match="no attribute 'sways'"):
-        _ = navigator.sways
