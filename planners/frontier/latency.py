@@ -107,10 +107,12 @@ class LatencyPilot(GoalPilot):
         found = self._found.found(view)
         outlook = self.outlook(view, found.clusters, found.away)
         wanted = ~outlook.deferred[found.owner]
-        found = found.those(wanted) if wanted.any() else found
+        found = found.those(wanted) if wanted.any() and not wanted.all() else found
         factors = self.factors(view, found.cells, found.steps)
         own = factors > LEFT_TO_OTHERS * factors.max(initial=0.0)
-        (_, _, cells, owner, steps), factors = found.those(own), factors[own]
+        if not own.all():
+            found, factors = found.those(own), factors[own]
+        _, _, cells, owner, steps = found
         gains = factors * outlook.chances[owner] * self._found.views(view, cells)
         scores = log_gains(gains) - self._policy.discount_rate * steps / self._range
         kept = self._found.at_goal(cells)
