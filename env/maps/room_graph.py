@@ -37,7 +37,7 @@ def passage_of(resolution: float | None) -> int:
     return max(1, round(PASSAGE_METRES / resolution)) if resolution else PASSAGE
 
 
-def room_graph(free: Mask, passage: int = PASSAGE) -> nx.Graph:
+def room_graph(free: Mask, passage: int = PASSAGE, widths: NDArray[np.int64] | None = None) -> nx.Graph:
     """Return the graph of rooms, corridors and doors of an (H, W) floor; solid cells must surround it.
 
     Nodes are parts of the floor and the passages between them, with attributes ``kind`` (:data:`ROOM`,
@@ -48,11 +48,12 @@ def room_graph(free: Mask, passage: int = PASSAGE) -> nx.Graph:
     Args:
         free: True for free cells.
         passage: the width in cells up to which a place is narrow.
+        widths: (H, W) what :func:`local_widths` returns for the floor, where it is known.
 
     """
     import networkx as nx  # here, since it takes long to import
 
-    widths = local_widths(free)
+    widths = local_widths(free) if widths is None else widths
     labels, doors, ends = _cut(free, widths, passage)
     graph = nx.Graph()
     for label, (rows, cols) in enumerate(_cells_of(labels), 1):
@@ -82,7 +83,7 @@ def doors_across(graph: nx.Graph) -> int:
     """Return how many passages are on the shortest way between the two parts that are farthest apart in passages."""
     import networkx as nx
 
-    parts = nodes_of(graph, ROOM, CORRIDOR)
+    parts = {*nodes_of(graph, ROOM, CORRIDOR)}
     lengths = nx.all_pairs_shortest_path_length(graph)
     return max((length for node, reached in lengths if node in parts for length in reached.values()), default=0) // 2
 
@@ -141,15 +142,10 @@ def _cut(free: Mask, widths: Labels, passage: int) -> tuple[Labels, list[tuple[i
         np.stack([places, owner[mouths[:, 1]]], axis=1),
         np.stack([places, mouths[:, 2]], axis=1),
     ]
-    passages = [(int(widths[cells].max()), cells) for cells in (_where(narrow == door) for door in doors)]
-    passages += [(int(size), _where(mouth_of == label)) for label, _, _, size in mouths]
+    places_of, mouth_cells = _cells_of(narrow), _cells_of(mouth_of)
+    passages = [(int(widths[cells].max()), cells) for cells in (places_of[door - 1] for door in doors)]
+    passages += [(int(size), mouth_cells[label - 1]) for label, _, _, size in mouths]
     return np.where(rooms > 0, rooms, owner[narrow]), passages, np.concatenate(ends)
-
-
-def _where(cells: Mask) -> Cells:
-    """Return the rows and columns of the True cells."""
-    rows, cols = np.nonzero(cells)
-    return rows, cols
 
 
 def _cells_of(labels: Labels) -> list[Cells]:
@@ -157,7 +153,7 @@ def _cells_of(labels: Labels) -> list[Cells]:
     from scipy import ndimage
 
     boxes = ndimage.find_objects(labels)
-    found = [(box, _where(labels[box] == label)) for label, box in enumerate(boxes, 1)]
+    found = [(box, np.nonzero(labels[box] == label)) for label, box in enumerate(boxes, 1)]
     return [(rows + box[0].start, cols + box[1].start) for box, (rows, cols) in found]
 
 

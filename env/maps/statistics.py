@@ -55,7 +55,8 @@ def map_statistics(free: Mask, passage: int = PASSAGE) -> dict[str, NDArray[np.f
     """
     rows, cols = np.flatnonzero(free.any(axis=1)), np.flatnonzero(free.any(axis=0))
     inner = np.pad(free[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1], 1)
-    widths, graph = local_widths(inner), room_graph(inner, passage)
+    widths = local_widths(inner)
+    graph = room_graph(inner, passage, widths)
     parts = nodes_of(graph, ROOM, CORRIDOR)
     doors = [graph.nodes[node]["width"] for node in nodes_of(graph, DOOR)]
     values = (
