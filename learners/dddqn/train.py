@@ -36,8 +36,7 @@ __all__ = [
 
 @contextmanager
 def _trainee(config: TrainingConfig, scenario: Scenario, seed: int, session: Session) -> Iterator[Training]:
-    with Scalars(session.out) as scalars:
-        session.listeners.append(scalars.write)
+    with Scalars(session):
         yield Training(config, scenario, seed, session.checkpoint)
 
 

@@ -28,8 +28,7 @@ DEFAULT_SCENARIO = None
 
 @contextmanager
 def _trainee(config: TrainingConfig, scenario: None, seed: int, session: Session) -> Iterator[PlacesTraining]:
-    with Scalars(session.out) as scalars:
-        session.listeners.append(scalars.write)
+    with Scalars(session):
         yield PlacesTraining(config, seed, session.out, session.checkpoint)
 
 

@@ -30,8 +30,7 @@ DEFAULT_SCENARIO = None
 
 @contextmanager
 def _trainee(config: TrainingConfig, scenario: None, seed: int, session: Session) -> Iterator[PocketTraining]:
-    with Scalars(session.out) as scalars:
-        session.listeners.append(scalars.write)
+    with Scalars(session):
         yield PocketTraining(config, seed, session.out, session.checkpoint)
     if "floors" in config.suites:
         table = as_table(judge(map_files("floors", Part.VALIDATION, config.folders), session.out / NAME))

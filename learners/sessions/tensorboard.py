@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from indoor_explorers.learners.sessions.session import Progress
+from indoor_explorers.learners.sessions.session import Progress, Session
 
 FOLDER = "tensorboard"
 
 
 class Scalars:
-    """Write event files for TensorBoard; without the package tensorboardX, write nothing."""
+    """Write the progress of a session as event files; without the package tensorboardX, write nothing."""
 
-    def __init__(self, out: Path) -> None:
-        self._out = out / FOLDER
+    def __init__(self, session: Session) -> None:
+        self._out = session.out / FOLDER
         self._writer: Any = None
+        session.listeners.append(self.write)
 
     def __enter__(self) -> Scalars:
         """Open a new event file in the training's folder."""
