@@ -1,4 +1,4 @@
-"""Parameters that have another name now: the old one is accepted for one minor version, with a warning.
+"""Parameters and attributes that have another name now: the old one is accepted for one minor version, with a warning.
 
 ``@renamed(fade="decay_length")`` above a policy's ``@dataclass`` lets its constructor take ``fade`` too. So do the
 command line and experiment files, and stored results count as those of the same policy.
@@ -17,6 +17,9 @@ from indoor_explorers.env.errors import InputError
 ATTRIBUTE = "renamed_parameters"
 #: The last minor version that accepts the old names.
 LAST_VERSION = "0.3"
+
+#: The end of every advice.
+ACCEPTED = f"the old name is accepted up to version {LAST_VERSION}"
 
 T = TypeVar("T")
 Names = Mapping[str, tuple[str, ...]]
@@ -74,4 +77,17 @@ def with_present_names(given: Mapping[str, Any], names: Mapping[str, Sequence[st
 
 def _advice(what: str, old: str, names: Sequence[str]) -> str:
     present = " and ".join(map(repr, names))
-    return f"{what}: the parameter {old!r} is now {present}; the old name is accepted up to version {LAST_VERSION}"
+    return f"{what}: the parameter {old!r} is now {present}; {ACCEPTED}"
+
+
+def renamed_property(old: str, present: str) -> property:
+    """Return a property by an old name, such as ``Navigator.swings``, of the attribute with the ``present`` name.
+
+    A ``__getattr__`` instead would make access to all other attributes of the class slower.
+    """
+
+    def read(self: object) -> Any:
+        warnings.warn(f"{old} is now {present}; {ACCEPTED}", FutureWarning, stacklevel=2)
+        return getattr(self, present)
+
+    return property(read)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import MOVES
+from indoor_explorers.env.policies.renamed import renamed_property
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.navigation.deadlock import DeadlockResolver
 from indoor_explorers.planners.toolbox.navigation.paths import Paths, map_stamp, near_any, without
@@ -18,21 +17,6 @@ from indoor_explorers.planners.toolbox.navigation.straight_paths import straight
 BAN_STEPS = 50
 #: Longest detour around a teammate: this factor times the length of the path that it replaces, plus this many cells.
 DETOUR_FACTOR, DETOUR_CELLS = 1.5, 4
-
-#: Attributes of a navigator by their names up to version 0.2, which are accepted up to version 0.3.
-FORMER_NAMES = {"swings": "oscillates", "stands": "is_stationary"}
-
-
-def _renamed(former: str, present: str) -> property:
-    """Return a property by a former name; a ``__getattr__`` would make access to all other attributes slower."""
-
-    def read(self: Navigator) -> bool:
-        advice = f"Navigator.{former} is now {present}; the old name is accepted up to version 0.3"
-        warnings.warn(advice, FutureWarning, stacklevel=2)
-        return bool(getattr(self, present))
-
-    return property(read)
-
 
 _ACTIONS = {(int(row), int(col)): action for action, (row, col) in enumerate(MOVES)}
 
@@ -84,6 +68,9 @@ class Navigator:
     def is_stationary(self) -> bool:
         """Whether the UAV has not left its cell in the last two steps."""
         return len(self.recent) > 2 and len(set(self.recent[-3:])) == 1
+
+    swings = renamed_property("Navigator.swings", "oscillates")
+    stands = renamed_property("Navigator.stands", "is_stationary")
 
     @property
     def may_replan(self) -> bool:
@@ -210,7 +197,3 @@ class Navigator:
         self.set_goal(view, path[-1])
         self.follow(path)
         return True
-
-
-for _former, _present in FORMER_NAMES.items():
-    setattr(Navigator, _former, _renamed(_former, _present))

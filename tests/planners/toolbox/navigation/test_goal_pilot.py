@@ -13,7 +13,7 @@ from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.inverse_model import HIT
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.navigator import FORMER_NAMES, Navigator
+from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
 from tests.planners.flights import fly
 
 
@@ -97,7 +97,7 @@ def test_obstacles_that_few_readings_speak_for_are_looked_at_where_nothing_else_
     assert pilot.done == (not goes)
 
 
-@pytest.mark.parametrize(("former", "present"), FORMER_NAMES.items())
+@pytest.mark.parametrize(("former", "present"), [("swings", "oscillates"), ("stands", "is_stationary")])
 def test_former_names_of_a_navigators_attributes_are_answered_with_a_warning(former: str, present: str) -> None:
     navigator = Navigator(briefing_of((3, 9)))
     navigator.recent.extend([(1, 1), (1, 2), (1, 1), (1, 2)])
