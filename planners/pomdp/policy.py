@@ -164,7 +164,7 @@ class PomdpPilot(IndependentPilot):
 
     def _bonus(self, cells: NDArray[np.int32]) -> Numbers:
         """Return ``1 + goal_bonus`` for (K,) flat cells near the current goal, else 1, (K,)."""
-        return np.where(self.near_goal(self.goal, cells, SAME * self._lidar), 1.0 + self._policy.goal_bonus, 1.0)
+        return self.goal_factors(self.goal, cells, SAME * self._lidar, self._policy.goal_bonus)
 
 
 class Window:

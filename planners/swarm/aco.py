@@ -188,5 +188,4 @@ class AntPilot(GoalPilot):
             * np.sqrt(self._gains.at(view.belief, cells))
             * np.exp(-self._policy.discount_rate / self._lidar * steps)
         )
-        near = self.near_goal(self.goal, cells, SAME * self._lidar)
-        return np.asarray(np.where(near, 1.0 + self._policy.goal_bonus, 1.0) * worth)
+        return np.asarray(self.goal_factors(self.goal, cells, SAME * self._lidar, self._policy.goal_bonus) * worth)

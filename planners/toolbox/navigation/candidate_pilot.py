@@ -35,4 +35,4 @@ class CandidatePilot(GoalPilot):
     def hysteresis_bonus(self, goal: Cell | None, cells: NDArray[np.int32], bonus: float) -> NDArray[np.float64]:
         """Return the factors on the utilities of (K,) flat cells: ``1 + bonus`` near the UAV's goal, else 1, (K,)."""
         radius = max(SAME_CELLS, SAME_RANGES * self.briefing.lidar_range)
-        return np.where(self.near_goal(goal, cells, radius), 1.0 + bonus, 1.0)
+        return self.goal_factors(goal, cells, radius, bonus)

@@ -152,6 +152,12 @@ class GoalPilot(Pilot):
         rows, cols = np.divmod(cells, self.paths.width)
         return np.asarray(norm(np.abs(rows - goal[0]), np.abs(cols - goal[1])) <= radius)
 
+    def goal_factors(
+        self, goal: Cell | None, cells: NDArray[np.int32], radius: float, bonus: float
+    ) -> NDArray[np.float64]:
+        """Return the factors on the values of (K,) flat cells: ``1 + bonus`` :meth:`near_goal`, else 1, (K,)."""
+        return np.where(self.near_goal(goal, cells, radius), 1.0 + bonus, 1.0)
+
     def steps_in(self, lidar_ranges: float) -> int:
         """Return a length in lidar ranges as a number of steps, at least 1."""
         return max(1, round(lidar_ranges * self.briefing.lidar_range))
