@@ -53,7 +53,9 @@ def buildings() -> dict[str, str]:
 
 
 def digests_of(name: str) -> list[str]:
-    """Return the digests of the maps of a part, such as ``floors/train``, of all versions; a digest is its own.
+    """Return the digests of maps and layouts of a part, such as ``floors/train``, of all versions.
+
+    A digest is returned as it is.
 
     Raises:
         InputError: there is no suite or no part of that name, or its maps are generated: their seeds tell them.
@@ -66,4 +68,5 @@ def digests_of(name: str) -> list[str]:
     if part not in list(Part) or suite.map is not None:
         raise InputError(f"expected a part of a suite of map files, such as 'floors/train', got {name!r}")
     mine = (each for each in all_suites() if each.name == title)
-    return list(dict.fromkeys(entry.digest for each in mine for _, entry in each.maps(Part(part))))
+    entries = [entry for each in mine for _, entry in each.maps(Part(part))]
+    return list(dict.fromkeys(digest for entry in entries for digest in (entry.digest, entry.layout)))

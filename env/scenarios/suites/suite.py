@@ -45,6 +45,8 @@ class SuiteMap(_Table):
     """Free cells at the resolution of the suite."""
     digest: str
     """Digest of the map, see :attr:`~indoor_explorers.env.maps.floorplan.Floorplan.digest`."""
+    layout: str
+    """Digest of the layout, see :attr:`~indoor_explorers.env.maps.floorplan.Floorplan.layout`."""
     files: dict[str, str] = Field(min_length=1)
     """SHA-256 by path in the repository's folder; the first file is read as a map, and names the others."""
 

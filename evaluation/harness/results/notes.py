@@ -63,7 +63,5 @@ class ResultNotes(PolicyLists):
     @property
     def map_notes(self) -> list[str]:
         """Which policies were trained, validated or tuned on some of the maps: a line, or nothing."""
-        line = seen_maps_line(
-            self.policies, {record.floorplan.digest: record.floorplan.name for record in self.records}
-        )
+        line = seen_maps_line(self.policies, {record.floorplan.digest: record.floorplan for record in self.records})
         return [line] if line else []

@@ -88,7 +88,8 @@ class Audit:
 
 def read_free(path: Path, resolution: float | None = None) -> Mask:
     """Return the (H, W) mask of the free cells of a map file."""
-    return read_map(path, resolution).truth == FREE
+    free: Mask = read_map(path, resolution).truth == FREE
+    return free
 
 
 def map_files(place: Path) -> list[Path]:
