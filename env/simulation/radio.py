@@ -19,12 +19,13 @@ from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
 from indoor_explorers.env.grid.randomness import uniform
 from indoor_explorers.env.scenarios.codes import RadioModel
+from indoor_explorers.env.simulation.path_loss import is_within_path_loss
 from indoor_explorers.env.simulation.state import Rules, State
 
 CELL_BYTES = 5
 POSITION_BYTES = 8
 
-NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED, CUSTOM = (int(model) for model in RadioModel)
+NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED, CUSTOM, PATH_LOSS_IR2 = (int(model) for model in RadioModel)
 
 
 @leaf()
@@ -79,6 +80,14 @@ def in_reach(rules: Rules, occupancy: np.ndarray, row: int, col: int, to_row: in
 
 
 @inner()
+def in_contact(rules: Rules, state: State, b: int, row: int, col: int, to_row: int, to_col: int) -> bool:
+    """Tell whether the radios in two cells reach each other in an episode, losses left out."""
+    if rules.radio_model == PATH_LOSS_IR2:
+        return is_within_path_loss(state.truth[b], rules.radio_range, state.fading[b], row, col, to_row, to_col)
+    return in_reach(rules, state.truth[b], row, col, to_row, to_col)
+
+
+@inner()
 def is_lost(rules: Rules, state: State, b: int, i: int, j: int) -> bool:
     """Draw whether the contact of two agents fails in this step; that with the base, where both are the same one."""
     if rules.radio_loss <= 0.0:
@@ -105,9 +114,10 @@ def link(rules: Rules, state: State, b: int, component: np.ndarray) -> bool:
                 and (
                     state.linked[b, i, j]
                     if rules.radio_model == CUSTOM
-                    else in_reach(
+                    else in_contact(
                         rules,
-                        state.truth[b],
+                        state,
+                        b,
                         state.cell[b, i, 0],
                         state.cell[b, i, 1],
                         state.cell[b, j, 0],

@@ -57,6 +57,8 @@ class Rules(NamedTuple):
     radio_wall_loss: float
     radio_loss: float
     goal_of_team: bool
+    goal_of_every: bool
+    """Whether the goal is that every flying agent's own map has the coverage."""
     stuck_rule: int
     stuck_repeats: int
     reward_step: float
@@ -100,6 +102,7 @@ def rules_of(scenario: Scenario) -> Rules:
         radio_wall_loss=scenario.radio.wall_loss,
         radio_loss=scenario.radio.loss,
         goal_of_team=scenario.goal_of == "team",
+        goal_of_every=scenario.goal_of == "every" and not scenario.base.must_return,
         stuck_rule=StuckRule.named(scenario.stuck.rule),
         stuck_repeats=scenario.stuck.repeats,
         reward_step=scenario.rewards.step,
@@ -147,6 +150,8 @@ class State(NamedTuple):
     order_key: NDArray[np.uint64]
     """(B,) key of the stream that draws the order of moves."""
     radio_key: NDArray[np.uint64]
+    fading: NDArray[np.float64]
+    """(B, 2) K and X of the radio model ``path-loss-ir2``, in dB."""
     """(B,) key of the stream that draws which contacts fail."""
     failure_key: NDArray[np.uint64]
     """(B,) key of the stream that draws which UAVs and radios fail."""
@@ -252,6 +257,7 @@ def empty_state(
         budget=zeros(i8),
         order_key=zeros(np.uint64),
         radio_key=zeros(np.uint64),
+        fading=zeros(np.float64, 2),
         failure_key=zeros(np.uint64),
         step=zeros(i8),
         end=zeros(np.uint8, n),
