@@ -15,8 +15,8 @@ from math import log10, sqrt
 
 import numpy as np
 
-from indoor_explorers.env.grid.cells import OCCUPIED
-from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.grid.compiled import inner
+from indoor_explorers.env.grid.lines import obstacles_on_line
 
 #: Loss in dB at the reference distance, and the loss at which contact ends.
 REFERENCE_LOSS, MOST_LOSS = 31.0, 50.0
@@ -26,22 +26,6 @@ REFERENCE = 35.0
 OPEN, OBSTRUCTED = 2.0, 4.0
 #: The largest value of K and X in dB.
 MOST_FADING = 13.0
-
-
-@leaf()
-def obstacles_on_line(occupancy: np.ndarray, row: int, col: int, to_row: int, to_col: int) -> int:
-    """Count the obstacles of a (H, W) uint8 map on the Bresenham line between two cells, without the first cell.
-
-    Where the line passes between two cells, it takes the one farther from the first cell, so the two directions differ.
-    """
-    rows, cols = abs(to_row - row), abs(to_col - col)
-    down, right = (1 if to_row > row else -1), (1 if to_col > col else -1)
-    length, found = max(rows, cols), 0
-    for k in range(1, length + 1):
-        below = (2 * k * rows + length) // (2 * length)
-        beside = (2 * k * cols + length) // (2 * length)
-        found += occupancy[row + down * below, col + right * beside] == OCCUPIED
-    return found
 
 
 @inner()

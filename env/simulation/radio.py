@@ -15,8 +15,9 @@ from math import log10
 
 import numpy as np
 
-from indoor_explorers.env.grid.cells import OCCUPIED, UNKNOWN
-from indoor_explorers.env.grid.compiled import inner, leaf
+from indoor_explorers.env.grid.cells import UNKNOWN
+from indoor_explorers.env.grid.compiled import inner
+from indoor_explorers.env.grid.lines import walls_between
 from indoor_explorers.env.grid.randomness import uniform
 from indoor_explorers.env.scenarios.codes import RadioModel
 from indoor_explorers.env.simulation.path_loss import is_within_path_loss
@@ -26,34 +27,6 @@ CELL_BYTES = 5
 POSITION_BYTES = 8
 
 NONE, SQUARE, DISC, LINE_OF_SIGHT, PATH_LOSS, UNLIMITED, CUSTOM, PATH_LOSS_IR2 = (int(model) for model in RadioModel)
-
-
-@leaf()
-def walls_between(occupancy: np.ndarray, row: int, col: int, to_row: int, to_col: int) -> int:
-    """Count the walls that the segment between the centres of two cells crosses.
-
-    A wall is a run of obstacles (H, W) uint8 along the way. Touching the corner of one is none, passing between
-    two that touch at a corner is one, as for the lidar; and as there, both ends find the same.
-    """
-    down, right = (1 if to_row > row else -1), (1 if to_col > col else -1)
-    height, width = abs(to_row - row), abs(to_col - col)
-    rows = cols = walls = 0
-    inside = occupancy[row, col] == OCCUPIED
-    while rows < height or cols < width:
-        # The next horizontal cell border is crossed at (2 rows + 1) / (2 height) of the way; compare without dividing.
-        horizontal, vertical = (2 * rows + 1) * width, (2 * cols + 1) * height
-        squeezed = False
-        if horizontal == vertical:
-            squeezed = (
-                occupancy[row + down * (rows + 1), col + right * cols] == OCCUPIED
-                and occupancy[row + down * rows, col + right * (cols + 1)] == OCCUPIED
-            )
-        rows += horizontal <= vertical
-        cols += vertical <= horizontal
-        solid = occupancy[row + down * rows, col + right * cols] == OCCUPIED
-        walls += (solid or squeezed) and not inside
-        inside = solid
-    return walls
 
 
 @inner()

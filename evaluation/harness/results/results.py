@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env import InputError, Scenario
 from indoor_explorers.env.files import written_whole
 from indoor_explorers.env.scenarios.suites.catalogue import buildings
-from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, TIMES_OF_BASE, Measure, extended
+from indoor_explorers.evaluation.harness.episodes.metrics import LEVELS, MEASURES, Measure, extended, is_time
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.resimulate import recorded_scenario
 from indoor_explorers.evaluation.harness.episodes.steps import StepFacts
@@ -182,12 +182,7 @@ class Results(ResultNotes):
             return self.to_reference(scenario, policy, "t99")
         columns, records = self._columns(scenario, policy), self.groups[scenario, policy]
         told = columns.get(metric, np.full(len(records), np.nan))
-        if metric in LEVELS:
-            never = np.isnan(told)
-        elif metric in TIMES_OF_BASE:
-            never = np.isnan(told) & ~np.isnan(columns.get("auc_base", np.full(len(records), np.nan)))
-        else:
-            return told.copy()
+        never = np.isnan(told) & [is_time(record.metrics, metric) for record in records]
         return np.where(never, [float(record.budget) for record in records], told)
 
     def metric_names(self, scenario: str, policy: str) -> list[str]:
@@ -343,8 +338,7 @@ def _can_change_results(key: str) -> bool:
 def _value(record: Record, metric: str) -> float:
     value = record.metrics.get(metric)
     if value is None:
-        never = metric in LEVELS or (metric in TIMES_OF_BASE and record.metrics.get("auc_base") is not None)
-        return float(record.budget) if never else np.nan
+        return float(record.budget) if is_time(record.metrics, metric) else np.nan
     return value
 
 

@@ -17,9 +17,10 @@ from hypothesis import strategies as st
 
 from indoor_explorers.env import PRESETS, InputError, Scenario, World
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN
+from indoor_explorers.env.grid.lines import walls_between
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.sensing.lidar import scan
-from indoor_explorers.env.simulation.radio import CELL_BYTES, POSITION_BYTES, walls_between
+from indoor_explorers.env.simulation.radio import CELL_BYTES, POSITION_BYTES
 from indoor_explorers.env.simulation.state import End
 from tests.env.worlds import begun, floorplans, random_actions, scenarios
 
