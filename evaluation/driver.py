@@ -11,9 +11,8 @@ from indoor_explorers.env import InputError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.env.simulation.spawns import draw_floorplan, draw_spawns
 from indoor_explorers.evaluation.harness.engines.factory import make_engine
-from indoor_explorers.evaluation.harness.engines.flown_again import found_in_flights
-from indoor_explorers.evaluation.harness.engines.knowledge import Facts, with_failed_checks
 from indoor_explorers.evaluation.harness.engines.loading import PolicyLoader
+from indoor_explorers.evaluation.harness.engines.plugin_checks import Facts, found_in_flights, with_failed_checks
 from indoor_explorers.evaluation.harness.engines.workload import Workload
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode
 from indoor_explorers.evaluation.harness.experiment.experiment import Experiment, PolicyChoice

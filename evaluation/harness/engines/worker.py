@@ -1,7 +1,7 @@
 """The code of a worker process: it receives jobs, flies them and sends back the records.
 
 Limits on time and memory are enforced by the process that started it, see
-:mod:`indoor_explorers.evaluation.harness.engines.worker_handle`.
+:mod:`indoor_explorers.evaluation.harness.engines.supervisor`.
 """
 
 from __future__ import annotations

@@ -20,9 +20,8 @@ from indoor_explorers.evaluation.harness.engines.policy_handle import PolicyHand
 from indoor_explorers.evaluation.harness.engines.policy_process import PolicyServer
 from indoor_explorers.evaluation.harness.engines.process_handle import UNREADABLE, ProcessExit
 from indoor_explorers.evaluation.harness.engines.remote_pilots import RemotePilots
-from indoor_explorers.evaluation.harness.engines.supervisor import Supervisor
+from indoor_explorers.evaluation.harness.engines.supervisor import Supervisor, WorkerHandle
 from indoor_explorers.evaluation.harness.engines.worker import _here
-from indoor_explorers.evaluation.harness.engines.worker_handle import WorkerHandle
 from indoor_explorers.evaluation.harness.episodes.pilots import BatchFailed, LocalPilots
 from indoor_explorers.evaluation.harness.episodes.record import Outcome
 from indoor_explorers.evaluation.harness.episodes.runner import fly

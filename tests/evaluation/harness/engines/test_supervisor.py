@@ -8,8 +8,7 @@ import pytest
 
 from indoor_explorers.env import PRESETS
 from indoor_explorers.env.errors import RunError
-from indoor_explorers.evaluation.harness.engines.supervisor import Supervisor
-from indoor_explorers.evaluation.harness.engines.worker_handle import WorkerHandle
+from indoor_explorers.evaluation.harness.engines.supervisor import Supervisor, WorkerHandle
 from indoor_explorers.evaluation.harness.episodes.metrics import OF_THE_MACHINE
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
