@@ -12,11 +12,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from indoor_explorers.env.files import written_whole
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.experiment.selection import chosen_baselines
 from indoor_explorers.evaluation.harness.results.coverage_threshold import drawn
-from indoor_explorers.evaluation.harness.results.results import Results
+from indoor_explorers.evaluation.harness.results.results import Results, write_csv
 from indoor_explorers.evaluation.statistics import Block, Estimate, PairedRatio, paired_ratios
 
 #: Name of all scenarios together in tables.
@@ -192,6 +191,4 @@ def _told(ratio: PairedRatio, censoring: Censoring) -> PairedRatio:
 
 def write_ratios(ratios: Ratios, path: Path) -> None:
     """Write ratios.csv; equal results give equal bytes."""
-    table = pd.DataFrame([row.cells() for row in ratios.rows], columns=list(COLUMNS))
-    with written_whole(path) as partial:
-        table.to_csv(partial, index=False, float_format="%.6g", lineterminator="\n")
+    write_csv(pd.DataFrame([row.cells() for row in ratios.rows], columns=list(COLUMNS)), path, "%.6g")

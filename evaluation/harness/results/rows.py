@@ -1,4 +1,4 @@
-"""The tables of a store and their rows: packing records and maps, unpacking them, and the checksum of a row."""
+"""The tables of a store and their rows: compressing records and maps, reading them, and the checksum of a row."""
 
 from __future__ import annotations
 
@@ -115,18 +115,16 @@ def steps_of(row: Row) -> Steps:
     )
 
 
-def record_of(row: Row, plans: Mapping[str, Floorplan]) -> Record:
-    """Return the record of an episode's row with its steps; raises one of several errors where the row is damaged."""
+def fields_of(row: Row, plans: Mapping[str, Floorplan]) -> dict[str, Any]:
+    """Return the fields of the record of an episode's row without its steps; raises as :func:`steps_of` does."""
     policy, scenario, index, seed, _, plan, team, budget, reachable, outcome, reason, _, metrics, *_ = row
-    return Record(
-        policy=policy,
-        task=Task(scenario, index, seed),
-        floorplan=plans[plan],
-        team=team,
-        budget=budget,
-        reachable=reachable,
-        outcome=Outcome(outcome),
-        reason=reason,
-        metrics=json.loads(metrics),
-        **vars(steps_of(row)),
-    )
+    return {
+        **{"policy": policy, "task": Task(scenario, index, seed), "floorplan": plans[plan]},
+        **{"team": team, "budget": budget, "reachable": reachable},
+        **{"outcome": Outcome(outcome), "reason": reason, "metrics": json.loads(metrics)},
+    }
+
+
+def record_of(row: Row, plans: Mapping[str, Floorplan]) -> Record:
+    """Return the record of an episode's row with its steps; raises as :func:`steps_of` does."""
+    return Record(**fields_of(row, plans), **vars(steps_of(row)))

@@ -1,12 +1,11 @@
-"""Records whose steps stay in the store: they are read, checked and unpacked where somebody asks for them.
+"""Records whose steps stay in the store until they are used, and are then read, checked and unpacked.
 
-An episode then takes about a kilobyte of memory instead of the tens of its steps. The steps that were read last are
-kept, as most reports ask for the same ones again.
+An episode then takes about a kilobyte of memory instead of some tens. The steps that were read last are kept, as most
+reports use them several times.
 """
 
 from __future__ import annotations
 
-import json
 import sqlite3
 import struct
 import weakref
@@ -21,11 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
+from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.steps import StepFacts, Steps
 from indoor_explorers.evaluation.harness.experiment.experiment import Task
 from indoor_explorers.evaluation.harness.results.damage import NO_CHECKSUM, UNREADABLE, Damage, damaged_episodes
-from indoor_explorers.evaluation.harness.results.rows import Row, checksum, steps_of
+from indoor_explorers.evaluation.harness.results.rows import Row, checksum, fields_of, steps_of
 
 #: Bytes of unpacked steps that are kept.
 KEPT = 2**23
@@ -92,23 +91,18 @@ class StoredRecord(Record):
     @classmethod
     def of_row(cls, row: Row, rowid: int, plans: Mapping[str, Floorplan], source: StoredSteps) -> Self:
         """Return the record of an episode's row; raises one of several errors where the row is damaged."""
-        policy, scenario, index, seed, _, plan, team, budget, reachable, outcome, reason, steps, metrics, *_ = row
-        return cls._with(
-            *(("policy", policy), ("task", Task(scenario, index, seed)), ("team", team), ("budget", budget)),
-            *(("reachable", reachable), ("outcome", Outcome(outcome)), ("reason", reason), ("floorplan", plans[plan])),
-            *(("_source", source), ("_rowid", rowid), ("_length", steps)),
-            *_packed(json.loads(metrics)),
-        )
+        held = fields_of(row, plans)
+        return cls._with(held | _packed(held.pop("metrics")) | {"_source": source, "_rowid": rowid, "_length": row[11]})
 
     @classmethod
-    def _with(cls, *parts: tuple[str, Any]) -> Self:
+    def _with(cls, attributes: Mapping[str, Any]) -> Self:
         record = object.__new__(cls)
-        for name, value in parts:
+        for name, value in attributes.items():
             object.__setattr__(record, name, value)
         return record
 
     def __getattr__(self, name: str) -> Any:
-        """Return what this object does not hold."""
+        """Return a field that is read from the store or unpacked on demand."""
         if name in OF_STEPS:
             return getattr(self._read(), name)
         if name == "metrics":
@@ -140,8 +134,8 @@ class StoredRecord(Record):
 
     def with_metrics(self, metrics: Metrics) -> Self:
         """Return the record with other metrics."""
-        kept = ((name, value) for name, value in vars(self).items() if name not in ("metrics", "_layout", "_numbers"))
-        return self._with(*kept, *_packed(metrics))
+        kept = {name: value for name, value in vars(self).items() if name not in ("metrics", "_layout", "_numbers")}
+        return self._with(kept | _packed(metrics))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Leave the store behind: a copy is in memory."""
@@ -168,11 +162,11 @@ def _layout(names: tuple[str, ...], kinds: tuple[type, ...]) -> MetricLayout:
     return MetricLayout(struct.Struct("=" + "".join(codes[kind] for kind in kinds)), valued, dict.fromkeys(names))
 
 
-def _packed(metrics: Metrics) -> tuple[tuple[str, Any], ...]:
-    """Return metrics as attributes of a record: in few bytes, or as they are where they are no plain numbers."""
+def _packed(metrics: Metrics) -> dict[str, Any]:
+    """Return metrics as attributes of a record: as bytes, or unchanged where they are not plain numbers."""
     try:
         layout = _layout(tuple(metrics), tuple(map(type, metrics.values())))
         numbers = layout.numbers.pack(*(value for value in metrics.values() if value is not None))
     except (KeyError, struct.error):
-        return (("metrics", metrics),)
-    return ("_layout", layout), ("_numbers", numbers)
+        return {"metrics": metrics}
+    return {"_layout": layout, "_numbers": numbers}

@@ -12,14 +12,11 @@ from indoor_explorers.env.scenarios.suites.catalogue import digests_of
 from indoor_explorers.evaluation.cli.parser import main
 from indoor_explorers.evaluation.harness.engines.loading import PolicyLoader
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
-from indoor_explorers.evaluation.harness.experiment.limits import Limits
 from indoor_explorers.evaluation.harness.experiment.policy_facts import policy_facts
 from indoor_explorers.evaluation.harness.results.policy_version import version_difference
+from tests.evaluation.harness.engines.limits import LIMITS, PATIENT, SECONDS
 from tests.evaluation.plugins import Wander
 
-LIMITS = Limits(decision_timeout=1.0, memory=2_000_000_000)
-#: For what ends at once, however busy the machine is.
-PATIENT = Limits(decision_timeout=60.0, memory=2_000_000_000)
 BEGIN = """
 import ctypes, os, sys, time
 from dataclasses import dataclass
@@ -52,7 +49,7 @@ def plug(body):
 
 #: Cases that end much as others do, each of which costs a process.
 ALIKE = ("breaks off at import", "kills its process at import", "hangs in its constructor", "raises when asked")
-OVERDUE = "importing and making it took longer than 1 s (--decision-timeout)"
+OVERDUE = f"importing and making it took longer than {SECONDS:g} s (--decision-timeout)"
 CASES = {
     "exits at import": ("sys.exit(0)", "SystemExit: 0"),
     "ends its process at import": ("os._exit(0)", "the process of the policy ended with exit code 0"),

@@ -7,16 +7,15 @@ from indoor_explorers.evaluation.driver import fly_missing
 from indoor_explorers.evaluation.harness.engines import plugin_checks
 from indoor_explorers.evaluation.harness.engines.loading import PolicyLoader
 from indoor_explorers.evaluation.harness.engines.plugin_checks import found_in_flights
-from indoor_explorers.evaluation.harness.experiment.limits import Limits
 from indoor_explorers.evaluation.harness.experiment.planning import plan
 from indoor_explorers.evaluation.harness.experiment.policy_facts import policy_facts
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.harness.results.store import Store
 from indoor_explorers.evaluation.harness.results.written_rows import Flight
+from tests.evaluation.harness.engines.limits import LIMITS
 from tests.evaluation.plugins import Raises
 
-LIMITS = Limits(decision_timeout=1.0, memory=2_000_000_000)
 #: Rooms of another size than those of the conformance checks.
 ROOMS = {"map.width": 24, "map.height": 24, "budget": 80}
 
