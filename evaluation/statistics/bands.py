@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST
-from indoor_explorers.evaluation.statistics.resampling import resampled_weights
-from indoor_explorers.evaluation.statistics.small_samples import SmallSample
+from indoor_explorers.evaluation.statistics.resampling import SmallSample, resampled_weights
 
 #: Numbers of resampled curves, and weights of the resamples, in memory at a time.
 IN_MEMORY, WEIGHTS = 2**22, 2**20

@@ -2,8 +2,8 @@
 
 Whole episodes are drawn as :mod:`~indoor_explorers.evaluation.statistics.resampling` says, with the same
 resamples for all policies. The interval lies between two quantiles of the resampled statistic (Efron & Tibshirani
-1993, An Introduction to the Bootstrap, section 13.3): 2.5 % and 97.5 % for many units, and further out for few, as
-:mod:`~indoor_explorers.evaluation.statistics.small_samples` says.
+1993, An Introduction to the Bootstrap, section 13.3): 2.5 % and 97.5 % for many units, and more extreme ones for few,
+see :class:`~indoor_explorers.evaluation.statistics.resampling.SmallSample`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from indoor_explorers.evaluation.statistics.estimate import (
     episode_values,
     paired_values,
 )
-from indoor_explorers.evaluation.statistics.resampling import resampled_weights
-from indoor_explorers.evaluation.statistics.small_samples import SmallSample
+from indoor_explorers.evaluation.statistics.resampling import SmallSample, resampled_weights
 
 #: Share of the episodes that an interquartile mean leaves out at each end.
 TRIMMED = 0.25

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from indoor_explorers.env import InputError
 from indoor_explorers.evaluation.statistics.estimate import FEWEST, RESAMPLES, Estimate, paired_values
-from indoor_explorers.evaluation.statistics.resampling import resampled_weights
-from indoor_explorers.evaluation.statistics.small_samples import SmallSample
+from indoor_explorers.evaluation.statistics.resampling import SmallSample, resampled_weights
 
 
 class PairedRatio(NamedTuple):
