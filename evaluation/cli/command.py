@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from indoor_explorers.env.errors import debugging as debugging
@@ -44,6 +46,17 @@ def make_console() -> PlainConsole:
     from indoor_explorers.evaluation.cli.console import PlainConsole
 
     return PlainConsole()
+
+
+@contextmanager
+def written(path: Path, option: str = "--out") -> Iterator[None]:
+    """Report in one line that the block cannot write ``path``, and which option to change."""
+    from indoor_explorers.env.errors import InputError
+
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}; choose another {option}") from error
 
 
 def print_line(console: Console, line: str, style: str | None = None) -> None:

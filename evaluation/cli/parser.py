@@ -25,8 +25,7 @@ from indoor_explorers.env.errors import (
 )
 from indoor_explorers.evaluation.cli.command import KEPT, Command, debugging
 from indoor_explorers.evaluation.cli.commands import COMMANDS
-from indoor_explorers.evaluation.harness.experiment.request import Request
-from indoor_explorers.evaluation.harness.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import Option, Request
 
 #: Exit statuses.
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130

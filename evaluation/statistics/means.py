@@ -15,6 +15,7 @@ from indoor_explorers.evaluation.statistics.estimate import (
     FEWEST,
     RESAMPLES,
     Estimate,
+    Maps,
     episode_values,
     paired_values,
 )
@@ -24,7 +25,7 @@ from indoor_explorers.evaluation.statistics.resampling import SmallSample, resam
 TRIMMED = 0.25
 
 
-def bootstrap_mean(values: ArrayLike, *, resamples: int = RESAMPLES, maps: ArrayLike | None = None) -> Estimate:
+def bootstrap_mean(values: ArrayLike, *, resamples: int = RESAMPLES, maps: Maps = None) -> Estimate:
     """Return the mean of (E,) episode values with its 95 % bootstrap interval; NaN for no episodes at all.
 
     Args:
@@ -39,9 +40,7 @@ def bootstrap_mean(values: ArrayLike, *, resamples: int = RESAMPLES, maps: Array
     return bootstrap_means(episode_values(values)[:, None], resamples=resamples, maps=maps)[0]
 
 
-def bootstrap_means(
-    columns: NDArray[np.float64], *, resamples: int = RESAMPLES, maps: ArrayLike | None = None
-) -> list[Estimate]:
+def bootstrap_means(columns: NDArray[np.float64], *, resamples: int = RESAMPLES, maps: Maps = None) -> list[Estimate]:
     """Return :func:`bootstrap_mean` of each column of (E, K) values, from one set of resamples."""
     if not len(columns):
         return [Estimate(float("nan"), None, None)] * columns.shape[1]
@@ -64,7 +63,7 @@ def interquartile_mean(values: ArrayLike) -> float:
 
 
 def paired_difference(
-    values: ArrayLike, baseline: ArrayLike, *, resamples: int = RESAMPLES, maps: ArrayLike | None = None
+    values: ArrayLike, baseline: ArrayLike, *, resamples: int = RESAMPLES, maps: Maps = None
 ) -> Estimate:
     """Return the mean of ``values - baseline``, both (E,) over the same tasks, with its interval.
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, episode_values
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, Maps, episode_values
 from indoor_explorers.evaluation.statistics.resampling import independent_units
 from indoor_explorers.evaluation.statistics.significance import max_t_test
 
@@ -39,7 +39,7 @@ class AllPairs(NamedTuple):
 
 
 def all_pairs_test(
-    values: NDArray[np.float64], maps: ArrayLike | None = None, reached: NDArray[np.bool_] | None = None
+    values: NDArray[np.float64], maps: Maps = None, reached: NDArray[np.bool_] | None = None
 ) -> AllPairs:
     """Test all pairs of K policies at once, so that any of them may be chosen afterwards.
 
@@ -81,7 +81,7 @@ def _square(pairs: NDArray[np.float64], count: int, sign: int) -> NDArray[np.flo
 
 def tied_ranks(
     values: NDArray[np.float64],
-    maps: ArrayLike | None = None,
+    maps: Maps = None,
     *,
     reached: NDArray[np.bool_] | None = None,
     lower_is_better: bool = True,

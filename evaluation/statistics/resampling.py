@@ -20,12 +20,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy import special
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.grid.compiled import leaf
-from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST
+from indoor_explorers.evaluation.statistics.estimate import CONFIDENCE, FEWEST, Maps
 
 #: Weights in memory at a time, and the fewest resamples; products with fewer rows are slow.
 CHUNK, FEWEST_ROWS = 2**18, 32
@@ -49,7 +49,7 @@ class MapGroups:
     """True: the maps are a sample of maps like them. False: they are too few and are taken as fixed."""
 
     @classmethod
-    def of(cls, maps: ArrayLike | None, count: int) -> MapGroups:
+    def of(cls, maps: Maps, count: int) -> MapGroups:
         """Group ``count`` episodes by their (E,) ``maps``; without maps, each episode has its own.
 
         Raises:
@@ -79,7 +79,7 @@ class MapGroups:
         return shares
 
 
-def maps_are_sampled(maps: ArrayLike | None) -> bool:
+def maps_are_sampled(maps: Maps) -> bool:
     """Return whether intervals hold for maps like these; False: only for these maps, which are too few.
 
     Without maps, every episode counts as a map of its own.
@@ -87,7 +87,7 @@ def maps_are_sampled(maps: ArrayLike | None) -> bool:
     return maps is None or MapGroups.of(maps, np.size(maps)).sampled
 
 
-def resampled_weights(count: int, resamples: int, maps: ArrayLike | None = None) -> Iterator[NDArray[np.float64]]:
+def resampled_weights(count: int, resamples: int, maps: Maps = None) -> Iterator[NDArray[np.float64]]:
     """Yield bootstrap weights of ``count`` episodes in chunks (r, E), ``resamples`` rows in all.
 
     Args:
@@ -108,7 +108,7 @@ def resampled_weights(count: int, resamples: int, maps: ArrayLike | None = None)
         yield draw(min(rows, resamples - start))
 
 
-def independent_units(differences: NDArray[np.float64], maps: ArrayLike | None) -> NDArray[np.float64]:
+def independent_units(differences: NDArray[np.float64], maps: Maps) -> NDArray[np.float64]:
     """Return the independent units of (E,) or (E, K) differences, whose mean is that over all episodes.
 
     They are the sums over each map, divided by the mean number of episodes a map, where maps are a sample; else the
@@ -195,7 +195,7 @@ class SmallSample:
     """Degrees of freedom: units minus the groups that they are drawn within."""
 
     @classmethod
-    def of(cls, count: int, maps: ArrayLike | None) -> SmallSample:
+    def of(cls, count: int, maps: Maps) -> SmallSample:
         """Return those of ``count`` episodes on (E,) ``maps``."""
         layout = MapGroups.of(maps, count)
         if layout.sampled:

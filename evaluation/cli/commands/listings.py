@@ -6,8 +6,7 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import Request
-from indoor_explorers.evaluation.harness.options import Option
+from indoor_explorers.evaluation.harness.experiment.request import Option, Request
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

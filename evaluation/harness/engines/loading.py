@@ -12,7 +12,7 @@ from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.harness.engines.policy_handle import PolicyHandle, ProcessEnded
 from indoor_explorers.evaluation.harness.engines.policy_process import LOADING
 from indoor_explorers.evaluation.harness.engines.process_handle import ProcessExit
-from indoor_explorers.evaluation.harness.episodes.shared_clock import overdue_reason
+from indoor_explorers.evaluation.harness.episodes.shared_memory import overdue_reason
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 from indoor_explorers.evaluation.harness.experiment.policy_facts import checked_facts, policy_facts

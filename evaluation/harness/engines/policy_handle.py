@@ -11,7 +11,7 @@ from indoor_explorers.env.errors import RunError
 from indoor_explorers.env.policies.registry import is_own_policy
 from indoor_explorers.evaluation.harness.engines.policy_process import serve_policy
 from indoor_explorers.evaluation.harness.engines.process_handle import STARTS, UNREADABLE, ProcessExit, ProcessHandle
-from indoor_explorers.evaluation.harness.episodes.shared_views import SharedViews
+from indoor_explorers.evaluation.harness.episodes.shared_memory import SharedViews
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 

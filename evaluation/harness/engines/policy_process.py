@@ -28,8 +28,7 @@ from indoor_explorers.evaluation.harness.episodes.pilots import (
     Tallies,
     any_briefing,
 )
-from indoor_explorers.evaluation.harness.episodes.shared_clock import DecisionTimeout
-from indoor_explorers.evaluation.harness.episodes.shared_views import SharedViews
+from indoor_explorers.evaluation.harness.episodes.shared_memory import DecisionTimeout, SharedViews
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.policy_facts import policy_facts
 

@@ -19,7 +19,7 @@ from indoor_explorers.evaluation.harness.engines.keeper import CROWDED, MOST_PRO
 from indoor_explorers.evaluation.harness.engines.process_tree import ProcessTree, memory_of, process_of
 from indoor_explorers.evaluation.harness.engines.stopwatch import Stopwatch
 from indoor_explorers.evaluation.harness.episodes.record import FROM_OUTSIDE, KILLED, STOPPED, TOO_MUCH_MEMORY
-from indoor_explorers.evaluation.harness.episodes.shared_clock import SharedClock, overdue_reason
+from indoor_explorers.evaluation.harness.episodes.shared_memory import SharedClock, overdue_reason
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 
 #: Attempts to start a process.

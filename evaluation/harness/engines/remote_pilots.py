@@ -12,8 +12,14 @@ from indoor_explorers.env.policies.policy import checked_action
 from indoor_explorers.env.policies.view import message_numbers, values_of
 from indoor_explorers.env.simulation.rollout import Uav
 from indoor_explorers.evaluation.harness.engines.policy_handle import PolicyHandle
-from indoor_explorers.evaluation.harness.episodes.pilots import BatchFailed, Decision, Tallies, any_briefing
-from indoor_explorers.evaluation.harness.episodes.tallies import PREFIX, mean_tallies
+from indoor_explorers.evaluation.harness.episodes.pilots import (
+    PREFIX,
+    BatchFailed,
+    Decision,
+    Tallies,
+    any_briefing,
+    mean_tallies,
+)
 from indoor_explorers.evaluation.harness.experiment.experiment import Job
 
 #: Seconds by which what a process tells of its decisions may exceed the time from the question to the answer.

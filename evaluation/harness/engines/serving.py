@@ -10,7 +10,7 @@ import time
 from multiprocessing.connection import Connection
 
 from indoor_explorers.evaluation.harness.engines.keeper import MOST_PROCESSES, begin_kept
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock
 from indoor_explorers.evaluation.harness.episodes.thinking_time import note_compiling
 
 #: Seconds between two checks that the parent is still running.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 from indoor_explorers.evaluation.harness.engines.process_tree import busy_time
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock
 
 #: Seconds that a process may spend with compiling, all in all, without their counting.
 MOST_COMPILING = 900.0

@@ -15,7 +15,7 @@ from indoor_explorers.evaluation.harness.engines.process_handle import STARTS, P
 from indoor_explorers.evaluation.harness.engines.worker import serve
 from indoor_explorers.evaluation.harness.episodes.record import FlownEpisode, Record
 from indoor_explorers.evaluation.harness.episodes.running import RunningEpisode, simulated_record
-from indoor_explorers.evaluation.harness.episodes.shared_steps import SharedStepBuffer
+from indoor_explorers.evaluation.harness.episodes.shared_memory import SharedStepBuffer
 from indoor_explorers.evaluation.harness.episodes.steps import Steps
 from indoor_explorers.evaluation.harness.experiment.experiment import Job, PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.limits import Limits

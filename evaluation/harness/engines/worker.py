@@ -21,8 +21,7 @@ from indoor_explorers.evaluation.harness.engines.serving import begin_serving
 from indoor_explorers.evaluation.harness.episodes.failures import BREAKING, describe_error
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
-from indoor_explorers.evaluation.harness.episodes.shared_steps import SharedStepBuffer
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock, SharedStepBuffer
 from indoor_explorers.evaluation.harness.experiment.experiment import Job
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from indoor_explorers.env import InputError
 from indoor_explorers.env.errors import PolicyError, debugging, described, one_line
-from indoor_explorers.evaluation.harness.episodes.shared_clock import DecisionTimeout
+from indoor_explorers.evaluation.harness.episodes.shared_memory import DecisionTimeout
 
 #: Exceptions of a policy that fail its episode; Ctrl-C does not.
 BREAKING = (Exception, SystemExit, DecisionTimeout)

@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any
 
 from indoor_explorers.env.grid.numba_parts import events
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock
 
 _Listener: Any = events.Listener if events else object
 

@@ -43,7 +43,7 @@ Seeds = Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=2, max_len
 
 
 class _Facts(BaseModel):
-    """What facts have to be, wherever they come from; all others are texts that a policy says of itself."""
+    """The types of the facts; facts with other names are texts that a policy declares about itself."""
 
     model_config = ConfigDict(strict=True, extra="allow")
     __pydantic_extra__: dict[Text, Text]
@@ -64,10 +64,10 @@ class _Facts(BaseModel):
 
 
 def checked_facts(told: object, use: str) -> dict[str, Any]:
-    """Return the facts of a policy as they were told, if they are what they have to be.
+    """Return facts that a policy's process sent, if they are valid.
 
     Raises:
-        InputError: they are not, or are those of another one than ``use``.
+        InputError: they are not, or are those of another policy than ``use``.
 
     """
     try:
@@ -84,7 +84,7 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     """Return the facts that results store about a policy: class, parameters, weights, sources, flags, and a hash.
 
     Raises:
-        InputError: its flags or its provenance are not what they have to be.
+        InputError: its flags or its provenance are invalid.
 
     """
     parameters: dict[str, Any] = dataclasses.asdict(policy) if dataclasses.is_dataclass(policy) else {}
@@ -127,27 +127,25 @@ def _plans_for(policy: Policy) -> str:
 
 def _seen_seeds(policy: Policy) -> dict[str, list[list[int]]]:
     """Return the first and the last of each range of seeds that a policy declares, by use."""
-    given, what = (
-        policy.seen_seeds(),
-        f"{type(policy).__name__}: expected seen_seeds() to return lists of ranges by use",
-    )
+    given = _by_use(policy, "seen_seeds", policy.seen_seeds(), range, "ranges")
+    return {use: told for use, ranges in given.items() if (told := [[r[0], r[-1]] for r in ranges if r])}
+
+
+def _by_use(policy: Policy, method: str, given: object, kind: type, kinds: str) -> dict[str, list[Any]]:
+    """Return the lists by use that a method of a policy returned, if they are such lists."""
+    what = f"{type(policy).__name__}: expected {method}() to return lists of {kinds} by use"
     if not isinstance(given, Mapping):
         raise InputError(f"{what}, got {type(given).__name__}")
-    for use, ranges in given.items():
-        if use not in list(SeedUse) or not all(isinstance(seeds, range) for seeds in ranges):
-            raise InputError(f"{what} ({', '.join(SeedUse)}), got other uses or no ranges")
-    return {str(use): told for use, ranges in given.items() if (told := [[r[0], r[-1]] for r in ranges if r])}
+    for use, entries in given.items():
+        if use not in list(SeedUse) or isinstance(entries, str) or not all(isinstance(each, kind) for each in entries):
+            raise InputError(f"{what} ({', '.join(SeedUse)}), got other uses or no lists of {kinds}")
+    return {str(use): list(entries) for use, entries in given.items()}
 
 
 def _seen_maps(policy: Policy) -> dict[str, list[str]]:
     """Return the digests of the maps that a policy declares, by use; parts of suites are spelt out."""
-    given, what = policy.seen_maps(), f"{type(policy).__name__}: expected seen_maps() to return lists of texts by use"
-    if not isinstance(given, Mapping):
-        raise InputError(f"{what}, got {type(given).__name__}")
-    for use, names in given.items():
-        if use not in list(SeedUse) or isinstance(names, str) or not all(isinstance(name, str) for name in names):
-            raise InputError(f"{what} ({', '.join(SeedUse)}), got other uses or no lists of texts")
-    spelt = {str(use): [digest for name in names for digest in digests_of(name)] for use, names in given.items()}
+    given = _by_use(policy, "seen_maps", policy.seen_maps(), str, "texts")
+    spelt = {use: [digest for name in names for digest in digests_of(name)] for use, names in given.items()}
     return {use: list(dict.fromkeys(digests)) for use, digests in spelt.items() if digests}
 
 
@@ -188,7 +186,7 @@ def _flag(policy: Policy, name: str) -> bool:
 
 
 def _provenance(policy: Policy, taken: tuple[str, ...]) -> dict[str, str]:
-    """Return what a policy says of itself: texts by names that are not ``taken``, all valid UTF-8."""
+    """Return what a policy declares about itself: texts by names that are not ``taken``, all valid UTF-8."""
     given, what = policy.provenance(), f"{type(policy).__name__}: expected provenance() to return"
     if not isinstance(given, dict):
         raise InputError(f"{what} a dict, got {type(given).__name__}")

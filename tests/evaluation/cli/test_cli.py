@@ -20,7 +20,7 @@ from indoor_explorers.env.grid.compiled import NOTICE
 from indoor_explorers.evaluation import compare
 from indoor_explorers.evaluation.cli.commands import demo
 from indoor_explorers.evaluation.cli.parser import main
-from indoor_explorers.evaluation.harness.options import read_names
+from indoor_explorers.evaluation.harness.experiment.request import read_names
 from indoor_explorers.evaluation.harness.results.results import SUMMARY_COLUMNS
 from tests.evaluation import plugins
 

@@ -25,9 +25,7 @@ from indoor_explorers.evaluation.harness.engines.worker import _here
 from indoor_explorers.evaluation.harness.episodes.pilots import BatchFailed, LocalPilots
 from indoor_explorers.evaluation.harness.episodes.record import Outcome
 from indoor_explorers.evaluation.harness.episodes.runner import fly
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
-from indoor_explorers.evaluation.harness.episodes.shared_steps import SharedStepBuffer
-from indoor_explorers.evaluation.harness.episodes.shared_views import SharedViews
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock, SharedStepBuffer, SharedViews
 from indoor_explorers.evaluation.harness.experiment.experiment import PolicyChoice
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest

@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.harness.engines.supervisor import Supervisor, W
 from indoor_explorers.evaluation.harness.episodes.metrics import OF_THE_MACHINE
 from indoor_explorers.evaluation.harness.episodes.record import Outcome, Record
 from indoor_explorers.evaluation.harness.episodes.runner import fly
-from indoor_explorers.evaluation.harness.episodes.shared_clock import overdue_reason
+from indoor_explorers.evaluation.harness.episodes.shared_memory import overdue_reason
 from indoor_explorers.evaluation.harness.experiment.experiment import Job, PolicyChoice, Task
 from indoor_explorers.evaluation.harness.experiment.limits import Limits
 from tests.evaluation.harness.engines.limits import LIMITS, SECONDS

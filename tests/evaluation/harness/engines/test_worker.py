@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from numba.core import event
 
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock, DecisionTimeout
-from indoor_explorers.evaluation.harness.episodes.shared_steps import SharedStepBuffer
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock, DecisionTimeout, SharedStepBuffer
 from indoor_explorers.evaluation.harness.episodes.steps import step_type
 from indoor_explorers.evaluation.harness.episodes.thinking_time import Compiling
 
@@ -34,7 +33,7 @@ def test_compiling_counts_where_numba_has_other_events():
     code = """
 from numba.core import event
 del event.TimingListener
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock
 from indoor_explorers.evaluation.harness.episodes.thinking_time import note_compiling, thinking_time
 note_compiling(Clock())
 print(thinking_time() < thinking_time())
