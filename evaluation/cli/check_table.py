@@ -1,4 +1,4 @@
-"""What ``indoor-explorers check`` prints: the policy, the result of each check, and how to fix failures."""
+"""The output of ``indoor-explorers check``: the policy, the result of each check, and how to fix failures."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _INDENT = 2
 
 
 def print_header(console: Console, name: str, policy: Policy) -> None:
-    """Print the policy's name, class and parameters, and what it is given to know.
+    """Print the policy's name, class and parameters, and whether it knows the true map.
 
     Raises:
         PolicyError: the policy cannot say whether it is privileged.

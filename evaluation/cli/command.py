@@ -1,4 +1,4 @@
-"""A command: its name, its options, and what it does with them."""
+"""A command: its name, its options and its function, and what commands print with."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from indoor_explorers.evaluation.cli.console import PlainConsole
 
-#: What Ctrl-C says, unless a command says something else.
+#: The message after Ctrl-C, unless a command has its own.
 KEPT = "what is finished is kept, and the same command goes on from there"
 
 Options = TypeVar("Options", bound=Request)
@@ -34,7 +34,7 @@ class Command(Generic[Options]):
     run: Callable[[Options, str], int]
     """Takes the options and the typed command, and returns the exit status."""
     interrupted: str = KEPT
-    """What Ctrl-C says."""
+    """The message after Ctrl-C."""
 
     def start(self, given: dict[str, Any], typed: str) -> int:
         """Run with the options that were given; returns the exit status."""

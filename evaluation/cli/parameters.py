@@ -1,4 +1,4 @@
-"""What can be set: the parameters of a policy and the hyperparameters of a learner, with defaults and docstrings."""
+"""The parameters of policies and the hyperparameters of learners, with defaults and docstrings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``policies``, ``scenarios`` and ``learners``: list what there is, or explain one."""
+"""``policies``, ``scenarios`` and ``learners``: list all, or explain some."""
 
 from __future__ import annotations
 

@@ -22,20 +22,20 @@ from indoor_explorers.evaluation.harness.episodes.pilots import (
 )
 from indoor_explorers.evaluation.harness.experiment.experiment import Job
 
-#: Seconds by which what a process tells of its decisions may exceed the time from the question to the answer.
+#: Seconds by which the decision times that a process reports may exceed the time from question to answer.
 TOLERANCE = 0.01
-#: What reading an answer raises that is not what it has to be.
+#: Errors of reading an invalid answer.
 UNEXPECTED = (TypeError, ValueError, LookupError, AttributeError, OverflowError)
 
 
 class RemotePilots:
     """The pilots of an isolated policy: see :class:`~indoor_explorers.evaluation.harness.episodes.pilots.Pilots`.
 
-    All methods raise :class:`~.policy_handle.ProcessEnded` if the process ends, or answers what it must not.
+    All methods raise :class:`~.policy_handle.ProcessEnded` if the process ends, or sends an invalid answer.
     """
 
     def __init__(self, process: PolicyHandle, job: Job) -> None:
-        """Have the policy of a job made there.
+        """Have the process make the policy of a job.
 
         Raises:
             InputError: it cannot be made.
@@ -64,7 +64,7 @@ class RemotePilots:
             return {_one_of(briefings, episode): _line(reason) for episode, reason in failed}
 
     def decide(self, views: Mapping[Uav, View]) -> dict[Uav, Decision]:
-        """Ask for the decisions of all UAVs at once; there, one UAV is asked after the other unless in a batch."""
+        """Ask for the decisions of all UAVs in one message; the process asks an unbatched policy UAV by UAV."""
         shown = []
         for uav, view in views.items():
             self._process.views.write(uav, view)
@@ -96,7 +96,7 @@ class RemotePilots:
 
 
 class _Checking:
-    """Ends the process if an answer is not what it has to be; a generator would take longer than all else here."""
+    """Ends the process if an answer is invalid; quicker than a generator, which would dominate the time here."""
 
     def __init__(self, process: PolicyHandle) -> None:
         self._process = process

@@ -31,7 +31,7 @@ class WorkerHandle(ProcessHandle):
         super().__init__(limits, self._buffer, serve, limits, longest=sys.maxsize)
 
     def send(self, job: Job) -> None:
-        """Send a job, and clear the steps of the one before; a dead worker is ignored here."""
+        """Send a job, and clear the steps of the previous one; :meth:`receive` reports a dead worker."""
         self._jobs += 1
         self._buffer.begin()
         self._loaded |= not job.isolated and not is_own_policy(job.policy.use)
@@ -44,7 +44,7 @@ class WorkerHandle(ProcessHandle):
 
     @property
     def _counted(self) -> set[int]:
-        """It, with what a policy started there; the process of an isolated policy has a limit of its own."""
+        """The worker and its descendants, without the process of an isolated policy, which has its own limit."""
         return super()._counted if self._loaded else {self._server or self._process.pid}
 
     def steps(self, team: int, base: bool = False) -> Steps:
@@ -79,7 +79,7 @@ class Supervisor:
     earlier one left behind; and where the process was killed from outside, only when that happens a second time.
 
     A process that has loaded a policy from outside this package serves no other one, since such a policy may change
-    whatever others rely on, on purpose or not. The package's own policies share a process.
+    modules that others use, on purpose or not. The package's own policies share a process.
 
     Safe to call from several threads; they take turns.
     """

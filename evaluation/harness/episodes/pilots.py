@@ -78,7 +78,7 @@ class Decision(NamedTuple):
 
 
 class Pilots(Protocol):
-    """The pilots of a batch, wherever their policy is; what the policy raises becomes the reason of a failure."""
+    """The pilots of a batch, in any process; an exception of the policy becomes the reason of a failure."""
 
     @property
     def privileged(self) -> bool:
@@ -91,7 +91,7 @@ class Pilots(Protocol):
         """Return the decisions of some UAVs; those of an episode are left out after the first one that failed.
 
         Raises:
-            BatchFailed: it is not known whose fault a failure is.
+            BatchFailed: the policy failed, and it is not known in which episode.
 
         """
 
@@ -174,12 +174,12 @@ class LocalPilots:
 
 
 def any_briefing(briefings: Mapping[int, Sequence[Briefing]]) -> Briefing:
-    """Return one briefing of a batch: all are about one task, on maps of one shape."""
+    """Return one briefing of a batch, whose episodes share the scenario and the shape of the map."""
     return next(briefing for told in briefings.values() for briefing in told)
 
 
 def _decision(answer: object, pilot: Pilot, seconds: float, actions: int) -> Decision:
-    """Return what a pilot has decided, as plain numbers that nobody can change any more."""
+    """Return the decision of a pilot as plain, immutable numbers."""
     try:
         return Decision(seconds, checked_action(answer, actions), message_numbers(pilot.message), done=bool(pilot.done))
     except (Exception, SystemExit) as error:

@@ -19,7 +19,7 @@ from indoor_explorers.evaluation.harness.experiment.experiment import Task
 AXES = {"steps": "steps", "distance": "cells", "seconds": "s", "bytes": "bytes"}
 
 
-#: Signals that may come from outside, such as from the system when it is short of memory.
+#: Signals that may come from another program, such as the system when memory is short.
 FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 #: How the reasons of failures begin whose process was killed or stopped, or used too much memory.
 KILLED, STOPPED, TOO_MUCH_MEMORY = (

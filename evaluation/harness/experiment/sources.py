@@ -1,4 +1,4 @@
-"""What the flights of a policy depend on outside this package: hashes of its sources and of the files it is given."""
+"""Hashes of the sources and files outside this package that the flights of a policy depend on."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from typing import Any
 from indoor_explorers.env import Policy
 from indoor_explorers.env.files import expanded
 
-#: The package itself, whose commit is a fact of the run, and what its classes inherit from.
+#: The package itself, whose commit is a fact of the run, and the modules of the base classes of policies.
 _OURS = (__name__.partition(".")[0], "builtins", "abc", "typing")
-#: Files of one package or folder that are looked at, at most.
+#: The most files of one package or folder that are hashed.
 MOST_FILES = 2000
 _LIBRARIES = {"site-packages", "dist-packages"}
 

@@ -13,7 +13,7 @@ from indoor_explorers.evaluation.harness.experiment.experiment import Task
 
 #: Errors of reading a damaged row.
 UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, OverflowError, MemoryError, RecursionError, zlib.error)
-#: What to do about a store that cannot be mended.
+#: The way out where a store cannot be mended.
 REPLACE = "replace it by a copy, or use another folder"
 NO_CHECKSUM = "it does not match its checksum"
 
