@@ -29,7 +29,7 @@ from indoor_explorers.evaluation.harness.experiment.experiment import Experiment
 from indoor_explorers.evaluation.harness.experiment.limits import limits_for
 from indoor_explorers.evaluation.harness.results.policy_version import version_difference
 from indoor_explorers.evaluation.harness.results.store import Store
-from indoor_explorers.evaluation.harness.results.written_rows import Flight
+from indoor_explorers.evaluation.harness.results.written_rows import StoredFlight
 
 #: Seconds of deciding after which a policy stays unchecked, and after which its flights are no longer repeated.
 TIME_LIMIT, SECONDS = 10.0, 20.0
@@ -136,7 +136,7 @@ def _repeats(experiment: Experiment, store: Store, choice: PolicyChoice, known: 
     return _Repeats([each for each in rounds if each is not None], known | flown)
 
 
-def _sample(flights: Sequence[Flight]) -> list[int]:
+def _sample(flights: Sequence[StoredFlight]) -> list[int]:
     """Return the rows of some episodes, in the reverse order of their flight.
 
     The choice depends on what was flown, so that no policy can foresee it. The first episode on each map is left out

@@ -42,7 +42,7 @@ class RemotePolicy(Policy):
         self.ended: ProcessExit | None = None
         """How its process ended or was killed; None while it runs."""
         self._process = process
-        self._batch = _Batch()
+        self._batch = _Briefings()
         with self._timed():
             self._remote = RemotePilots(process, job)
 
@@ -59,7 +59,7 @@ class RemotePolicy(Policy):
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV; all pilots of a batch are briefed together at the first decision."""
         if self._batch.begun:
-            self._batch = _Batch()
+            self._batch = _Briefings()
         return RemotePilot(self, self._batch.add(briefing))
 
     def act(self, pilots: Sequence[Pilot], views: Sequence[View]) -> list[int]:
@@ -111,7 +111,7 @@ class RemotePilot(Pilot):
         return action
 
 
-class _Batch:
+class _Briefings:
     """The briefings of a batch, which are given episode by episode, UAV by UAV."""
 
     def __init__(self) -> None:

@@ -157,8 +157,8 @@ def _defaults(policy: Policy) -> dict[str, str]:
             found[each.name] = each.default
         elif each.default_factory is not dataclasses.MISSING:
             found[each.name] = each.default_factory()
-    plain = {name: dataclasses.asdict(value) if _is_record(value) else value for name, value in found.items()}
-    return {name: repr(value) for name, value in plain.items()}
+    records = {name for name, value in found.items() if dataclasses.is_dataclass(value) and not isinstance(value, type)}
+    return {name: repr(dataclasses.asdict(value) if name in records else value) for name, value in found.items()}
 
 
 def _fields(policy: Policy) -> tuple[dataclasses.Field[Any], ...]:
@@ -172,10 +172,6 @@ def _renamed(policy: Policy) -> dict[str, list[str]]:
         inside = renamed_parameters(type(getattr(policy, each.name, None)))
         found |= {f"{each.name}.{old}": [f"{each.name}.{name}" for name in names] for old, names in inside.items()}
     return found
-
-
-def _is_record(value: object) -> bool:
-    return dataclasses.is_dataclass(value) and not isinstance(value, type)
 
 
 def _flag(policy: Policy, name: str) -> bool:

@@ -83,12 +83,9 @@ def _sources(module: ModuleType) -> Iterator[tuple[str, Path]]:
     yield own.name, own
     for name, other in sorted(sys.modules.items()):
         file = Path(getattr(other, "__file__", None) or ".")
-        if file.is_relative_to(own.parent) and name != "__main__" and not _is_ours(name) and not _is_library(name):
+        ours = name.partition(".")[0] in (*_OURS, "__main__")
+        if file.is_relative_to(own.parent) and not ours and not _is_library(name):
             yield file.relative_to(own.parent).as_posix(), file
-
-
-def _is_ours(module: str) -> bool:
-    return module.partition(".")[0] in _OURS
 
 
 def _parameters(policy: Policy) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any
 from indoor_explorers.env.scenarios.scenario import hashed, task_facts
 from indoor_explorers.evaluation.harness.episodes.record import Record
 from indoor_explorers.evaluation.harness.episodes.stored_names import outside_names
-from indoor_explorers.evaluation.harness.results.damage import damaged
+from indoor_explorers.evaluation.harness.results.database import damaged
 
 #: Sources whose identity is that of their cells.
 OF_CELLS = ("files", "office")

@@ -159,8 +159,8 @@ class Ratios:
         tasks = sum(len(block.maps) for block in blocks)
         never = {name: Censoring.sum(self._censoring(each, name, to, metric) for each in scenarios) for name in names}
         return [
-            RatioRow(title, name, to, metric, len(scenarios), tasks, _told(ratio, never[name]), never[name])
-            for name, ratio in zip(names, paired_ratios(blocks), strict=True)
+            RatioRow(title, name, to, metric, len(scenarios), tasks, NO_RATIO if found.bound is None else ratio, found)
+            for (name, found), ratio in zip(never.items(), paired_ratios(blocks), strict=True)
         ]
 
     def _censoring(self, scenario: str, policy: str, to: str, metric: str) -> Censoring:
@@ -182,11 +182,6 @@ class Ratios:
     def _places(self, scenario: str, policy: str) -> list[int]:
         place = {record.task: k for k, record in enumerate(self.results.groups[scenario, policy])}
         return [place[task] for task in self._tasks[scenario]]
-
-
-def _told(ratio: PairedRatio, censoring: Censoring) -> PairedRatio:
-    """Return the ratio, or that there is none."""
-    return NO_RATIO if censoring.bound is None else ratio
 
 
 def write_ratios(ratios: Ratios, path: Path) -> None:

@@ -12,7 +12,7 @@ from indoor_explorers.evaluation.harness.experiment.policy_facts import policy_f
 from indoor_explorers.evaluation.harness.experiment.request import ComparisonRequest
 from indoor_explorers.evaluation.harness.results.results import Results
 from indoor_explorers.evaluation.harness.results.store import Store
-from indoor_explorers.evaluation.harness.results.written_rows import Flight
+from indoor_explorers.evaluation.harness.results.written_rows import StoredFlight
 from tests.evaluation.harness.engines.limits import LIMITS
 from tests.evaluation.plugins import Raises
 
@@ -127,7 +127,7 @@ def test_a_policy_that_fails_when_flown_again_is_marked(tmp_path):
 
 @pytest.mark.parametrize(("count", "some"), [(1, 1), (2, 1), (6, 3), (60, 4)])
 def test_a_few_episodes_are_chosen_the_latest_first_and_not_the_first_one(count, some):
-    flights = [Flight(rowid, 0, bytes([rowid])) for rowid in range(1, count + 1)]
+    flights = [StoredFlight(rowid, 0, bytes([rowid])) for rowid in range(1, count + 1)]
     chosen = plugin_checks._sample(flights)
     assert len(chosen) == some
     assert chosen == sorted(chosen, reverse=True)
