@@ -146,7 +146,7 @@ def _start(command: Command[Any], given: dict[str, Any], typed: str) -> int:
     try:
         return command.start(given, typed)
     except SystemExit as error:
-        if isinstance(error.__context__, BrokenPipeError):  # rich exits where nobody reads on
+        if isinstance(error.__context__, BrokenPipeError):  # rich exits when the reader of a pipe has closed it
             raise error.__context__ from None
         raise RunError(f"a policy, or a library that it uses, ended the command: {described(error)}") from error
 

@@ -78,9 +78,9 @@ def units_to_resolve(
 ) -> float:
     """Return how many maps or tasks would resolve what this sample leaves open, with 80 % power, if it is typical.
 
-    If mean difference and spread are those observed, a t test of so many shows a difference, or two that the policies
-    are as good within the margin, whichever needs fewer. It is more than this sample has, exact up to about 50, and NaN
-    for fewer than two units.
+    If mean difference and spread are those observed, a t test of that many units shows a difference, or two tests show
+    equivalence within the margin, whichever needs fewer. The number is above that of this sample, exact up to about 50,
+    and NaN for fewer than two units.
 
     Args:
         values: (E,) steps of a policy.

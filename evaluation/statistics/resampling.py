@@ -196,7 +196,7 @@ class SmallSample:
 
     @classmethod
     def of(cls, count: int, maps: Maps) -> SmallSample:
-        """Return those of ``count`` episodes on (E,) ``maps``."""
+        """Return units and freedom of ``count`` episodes on (E,) ``maps``."""
         layout = MapGroups.of(maps, count)
         if layout.sampled:
             return cls(len(layout.size), len(layout.size) - 1)

@@ -25,7 +25,7 @@ class SuitesOptions(Request):
 
 
 def run_suites(options: SuitesOptions, typed: str) -> int:
-    """Print a table of all suites, or what one is made of."""
+    """Print a table of all suites, or the scenarios, parts and data of some."""
     from indoor_explorers.env.scenarios.suites.catalogue import suite_of, suites
 
     console = make_console()

@@ -89,9 +89,9 @@ class PolicyServer:
         """Make the pilots of a new batch; return the episodes that failed, with the reason."""
         assert self._pilots is not None
         one = any_briefing(briefings)
-        uavs = [(episode, n) for episode, told in briefings.items() for n in range(len(told))]
+        uavs = [(episode, n) for episode, team in briefings.items() for n in range(len(team))]
         self._views.begin(uavs, one.shape, uncertain=one.scenario.uncertain)
-        mine = {episode: [_sealed(briefing) for briefing in told] for episode, told in briefings.items()}
+        mine = {episode: [_sealed(briefing) for briefing in team] for episode, team in briefings.items()}
         return list(self._pilots.brief(mine).items())
 
     def decide(self, shown: Sequence[tuple[Uav, tuple[Any, ...]]]) -> list[Decision | None] | None:

@@ -46,10 +46,10 @@ class RemotePilots:
         self._actions = 5
         self.privileged = job.privileged
         with self._checking:
-            told = process.load(job.policy)
-            if "refused" in told:
-                raise InputError(_line(told["refused"]))
-            self._failure = _line(told.get("failed", ""))
+            reply = process.load(job.policy)
+            if "refused" in reply:
+                raise InputError(_line(reply["refused"]))
+            self._failure = _line(reply.get("failed", ""))
 
     def brief(self, briefings: Mapping[int, Sequence[Briefing]]) -> dict[int, str]:
         """Make the pilots of a new batch."""
@@ -57,7 +57,7 @@ class RemotePilots:
             return dict.fromkeys(briefings, self._failure)
         one = any_briefing(briefings)
         self._actions = one.scenario.actions
-        uavs = [(episode, agent) for episode, told in briefings.items() for agent in range(len(told))]
+        uavs = [(episode, agent) for episode, team in briefings.items() for agent in range(len(team))]
         self._process.views.begin(uavs, one.shape, writing=True, uncertain=one.scenario.uncertain)
         with self._checking:
             failed = self._process.ask("brief", dict(briefings))
@@ -77,9 +77,9 @@ class RemotePilots:
                 raise BatchFailed
             pairs = zip(views, answers, strict=True)
             decided = {uav: _decision(self._actions, *answer) for uav, answer in pairs if answer is not None}
-            told, measured = sum(each.seconds for each in decided.values()), self._process.seconds
-            if told > measured + TOLERANCE:
-                raise ValueError(f"expected decisions of at most {measured:.3g} s, got {told:.3g} s")
+            reported, measured = sum(each.seconds for each in decided.values()), self._process.seconds
+            if reported > measured + TOLERANCE:
+                raise ValueError(f"expected decisions of at most {measured:.3g} s, got {reported:.3g} s")
             return decided
 
     def tally(self, episodes: Collection[int]) -> dict[int, Tallies | str]:
@@ -87,8 +87,8 @@ class RemotePilots:
         if self._failure:
             return {}
         with self._checking:
-            told = self._process.ask("tally", list(episodes))
-            return {_one_of(episodes, episode): _tallies(tallies) for episode, tallies in told}
+            reply = self._process.ask("tally", list(episodes))
+            return {_one_of(episodes, episode): _tallies(tallies) for episode, tallies in reply}
 
     def close(self) -> None:
         """Have the policy deleted."""
@@ -132,11 +132,11 @@ def _decision(
         raise ValueError(str(error)) from error
 
 
-def _tallies(told: Any) -> Tallies | str:
+def _tallies(reply: Any) -> Tallies | str:
     """Return statistics, or why they cannot be used."""
-    if isinstance(told, str):
-        return _line(told)
+    if isinstance(reply, str):
+        return _line(reply)
     try:
-        return mean_tallies([{name.removeprefix(PREFIX): value for name, value in told.items()}])
+        return mean_tallies([{name.removeprefix(PREFIX): value for name, value in reply.items()}])
     except InputError as error:
         return str(error)

@@ -22,7 +22,7 @@ class Stopwatch:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self.asked = 0.0
-        """When the current decision began, as the process says."""
+        """When the current decision began, by the clock of the process."""
         self._began, self._waited, self._left = 0.0, 0.0, MOST_COMPILING
         self._due: float | None = None
         """Decisions that are still outstanding; None where the process is trusted."""

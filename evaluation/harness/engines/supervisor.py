@@ -71,7 +71,7 @@ class _Attempt(NamedTuple):
 class Supervisor:
     """Fly jobs in one worker process, and replace it when it dies, hangs or takes too much memory.
 
-    The worker does the same to the process of an isolated policy, and tells how it ended.
+    The worker does the same to the process of an isolated policy, and reports how it ended.
 
     When a process dies in a job of several episodes, it is not known which of them was the cause. So those without a
     record are flown again one by one: episodes do not depend on their batch, and only the one at fault fails. An

@@ -34,7 +34,7 @@ def serve(connection: Connection, buffer: SharedStepBuffer, driver: int, limits:
     """
     begin_serving(buffer.clock, connection, driver, most=2 * MOST_PROCESSES)
     host = PolicyHost(limits)
-    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver is gone
+    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the driver has ended
         connection.send(None)
         while True:
             _serve_job(connection.recv(), connection, buffer, host)

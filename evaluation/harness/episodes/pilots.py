@@ -117,10 +117,10 @@ class LocalPilots:
         self.forget()
         failures = {}
         self._actions = any_briefing(briefings).scenario.actions
-        for episode, told in briefings.items():
+        for episode, team in briefings.items():
             try:
                 with self._clock:
-                    self._pilots[episode] = [self._policy.pilot(briefing) for briefing in told]
+                    self._pilots[episode] = [self._policy.pilot(briefing) for briefing in team]
             except BREAKING as error:
                 failures[episode] = describe_error(error)
         return failures
@@ -139,16 +139,16 @@ class LocalPilots:
 
     def tally(self, episodes: Collection[int]) -> dict[int, Tallies | str]:
         """Ask for statistics, and delete all pilots while the clock runs."""
-        told: dict[int, Tallies | str] = {}
+        found: dict[int, Tallies | str] = {}
         for episode in episodes:
             try:
                 with self._clock:
-                    told[episode] = mean_tallies([pilot.tally() for pilot in self._pilots[episode]])
+                    found[episode] = mean_tallies([pilot.tally() for pilot in self._pilots[episode]])
                     del self._pilots[episode]
             except BREAKING as error:
-                told[episode] = describe_error(error)
+                found[episode] = describe_error(error)
         self.forget()
-        return told
+        return found
 
     def forget(self) -> None:
         """Delete the pilots; what they do then counts as a decision's time."""
@@ -175,7 +175,7 @@ class LocalPilots:
 
 def any_briefing(briefings: Mapping[int, Sequence[Briefing]]) -> Briefing:
     """Return one briefing of a batch, whose episodes share the scenario and the shape of the map."""
-    return next(briefing for told in briefings.values() for briefing in told)
+    return next(briefing for team in briefings.values() for briefing in team)
 
 
 def _decision(answer: object, pilot: Pilot, seconds: float, actions: int) -> Decision:

@@ -18,7 +18,7 @@ class Log:
     def __init__(self, world: World) -> None:
         batch, team = world.state.end.shape
         self._world = world
-        self._team = team
+        self._team, self._columns = team, covered_columns(team)
         self._step = 0
         self._rows = np.zeros((batch, CAPACITY), step_type(team, world.scenario.base.exists))
         self.flown_steps = np.zeros((batch, team), np.int64)
@@ -45,7 +45,7 @@ class Log:
 
     def _log_state(self) -> None:
         state, rows, t = self._world.state, self.latest, self._step
-        scenario, (own, base, seen) = self._world.scenario, covered_columns(self._team)
+        scenario, (own, base, seen) = self._world.scenario, self._columns
         rows["covered"][:, 0] = state.base_covered if scenario.base.must_return else state.team_covered
         rows["covered"][:, own] = state.covered
         if scenario.base.exists:

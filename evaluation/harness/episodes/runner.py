@@ -119,11 +119,11 @@ class _Batch:
 
     def _tally(self) -> None:
         whole = [flight.place for flight in self._flights if not flight.failure]
-        for place, told in self._pilots.tally(whole).items():
-            if isinstance(told, str):
-                self._fail(place, told)
+        for place, tallies in self._pilots.tally(whole).items():
+            if isinstance(tallies, str):
+                self._fail(place, tallies)
             else:
-                self._flights[place].tallies = told
+                self._flights[place].tallies = tallies
 
     def _fail(self, place: int, failure: str) -> None:
         self._flights[place].failure = failure

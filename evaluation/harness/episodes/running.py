@@ -1,4 +1,4 @@
-"""A running episode of a batch, and the record made of it."""
+"""A running episode of a batch, and its record."""
 
 from __future__ import annotations
 

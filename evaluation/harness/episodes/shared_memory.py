@@ -173,7 +173,7 @@ class SharedViews(SharedClock):
                 shared[...] = array
 
     def _rows(self, count: int, kind: np.dtype[Any], *, writing: bool) -> NDArray[np.void]:
-        """Map the memory; it never gets smaller, since a policy may still look at the views of an earlier batch."""
+        """Map the memory; it never gets smaller, since a policy may still read the views of an earlier batch."""
         size = count * kind.itemsize
         if os.fstat(self._file).st_size < mmap.PAGESIZE + size:
             os.ftruncate(self._file, mmap.PAGESIZE + size)

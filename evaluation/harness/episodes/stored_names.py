@@ -54,9 +54,9 @@ def with_own_models(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 def _line(unnamed: Sequence[tuple[str, str]]) -> str:
     """Return the line about (kind, name) pairs that the user did not name; empty for none."""
-    told = " and ".join(f"{what} {name!r}" for what, name in unnamed)
+    listed = " and ".join(f"{what} {name!r}" for what, name in unnamed)
     names = ",".join(dict.fromkeys(name for _, name in unnamed))
-    return told and f"{told} from outside this package, imported only if you name it: --plugins {quote(names)}"
+    return listed and f"{listed} from outside this package, imported only if you name it: --plugins {quote(names)}"
 
 
 def _at(settings: Mapping[str, Any], place: str) -> Any:

@@ -63,7 +63,7 @@ class _Facts(BaseModel):
     map_shape: Annotated[list[Annotated[int, Field(gt=0)]], Field(min_length=2, max_length=2)] | None = None
 
 
-def checked_facts(told: object, use: str) -> dict[str, Any]:
+def checked_facts(received: object, use: str) -> dict[str, Any]:
     """Return facts that a policy's process sent, if they are valid.
 
     Raises:
@@ -71,13 +71,13 @@ def checked_facts(told: object, use: str) -> dict[str, Any]:
 
     """
     try:
-        facts = validated(_Facts, cast(dict[str, Any], told), "the facts of a policy")
+        facts = validated(_Facts, cast(dict[str, Any], received), "the facts of a policy")
     except InputError as error:
         raise InputError(one_line(str(error))) from error
-    assert isinstance(told, dict)
-    if facts.use != use or len(json.dumps(told)) > LONGEST_FACTS:
+    assert isinstance(received, dict)
+    if facts.use != use or len(json.dumps(received)) > LONGEST_FACTS:
         raise InputError(f"expected facts of {use!r} of at most {LONGEST_FACTS} characters, got others or more")
-    return told
+    return received
 
 
 def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
@@ -101,7 +101,7 @@ def policy_facts(policy: Policy, use: str) -> dict[str, Any]:
     facts |= {"hash": digest, "uses_generator": _flag(policy, "uses_generator"), "batched": _flag(policy, "batched")}
     more: dict[str, Any] = {"plans_for": _plans_for(policy), "seen_seeds": _seen_seeds(policy)}
     more |= {"seen_maps": _seen_maps(policy), "map_shape": _map_shape(policy), "renamed": _renamed(policy)}
-    return checked_facts(facts | {name: told for name, told in more.items() if told}, use)
+    return checked_facts(facts | {name: value for name, value in more.items() if value}, use)
 
 
 def _map_shape(policy: Policy) -> list[int] | None:
@@ -128,7 +128,7 @@ def _plans_for(policy: Policy) -> str:
 def _seen_seeds(policy: Policy) -> dict[str, list[list[int]]]:
     """Return the first and the last of each range of seeds that a policy declares, by use."""
     given = _by_use(policy, "seen_seeds", policy.seen_seeds(), range, "ranges")
-    return {use: told for use, ranges in given.items() if (told := [[r[0], r[-1]] for r in ranges if r])}
+    return {use: spans for use, ranges in given.items() if (spans := [[r[0], r[-1]] for r in ranges if r])}
 
 
 def _by_use(policy: Policy, method: str, given: object, kind: type, kinds: str) -> dict[str, list[Any]]:

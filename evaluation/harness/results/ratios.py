@@ -58,7 +58,7 @@ class Censoring(NamedTuple):
 
     @property
     def bound(self) -> str | None:
-        """What a ratio of the steps says: ``>`` a lower bound, ``<`` an upper one, empty a figure, None nothing."""
+        """Kind of a ratio of steps: ``>`` a lower bound, ``<`` an upper one, empty an exact one, None undefined."""
         if not (self.below or self.both):
             return ">" if self.above else ""
         if not (self.above or self.both):
@@ -80,7 +80,7 @@ class RatioRow:
     """Number of scenarios."""
     tasks: int
     ratio: PairedRatio
-    """Not a number where the budget decides it: thresholds that neither or now one and now the other never reached."""
+    """NaN where the budget decides it: neither policy, or now one and now the other, never reached the threshold."""
     censoring: Censoring
 
     def cells(self) -> dict[str, Any]:

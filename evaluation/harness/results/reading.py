@@ -241,7 +241,7 @@ class StoreReader:
 
 
 def _complaint(row: Row, plans: Mapping[str, Floorplan], known: set[bytes]) -> str:
-    """Return what is wrong with one of :data:`EPISODES`, as far as can be told without unpacking it."""
+    """Return the damage of a row of :data:`EPISODES` that shows without unpacking it; empty for none."""
     if checksum("episode", row[1:-2]) not in known:
         return NO_CHECKSUM
     if None in row[-2:]:

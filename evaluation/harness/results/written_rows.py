@@ -28,7 +28,7 @@ class StoredFlight(NamedTuple):
 
 
 class WrittenRows(StoreReader):
-    """Tells which rows are not what this process found or wrote; reads and sets aside single episodes."""
+    """Finds rows that other programs changed; reads single episodes, and moves them to the table of damaged ones."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -38,7 +38,7 @@ class WrittenRows(StoreReader):
     def changed(self, run: int) -> dict[Place, str]:
         """Return rows that are not as they were noted, and episodes of a run of this process that it did not write.
 
-        Each is named by what it is now.
+        The values are descriptions of the rows as they are now.
         """
         of_run = self._rows(f"SELECT rowid FROM episode WHERE run = {run}")
         digests = dict.fromkeys((("episode", rowid) for (rowid,) in of_run), b"") | self._noted
