@@ -8,6 +8,8 @@ see :class:`~indoor_explorers.evaluation.statistics.resampling.SmallSample`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -51,6 +53,20 @@ def bootstrap_means(columns: NDArray[np.float64], *, resamples: int = RESAMPLES,
     drawn = np.concatenate([means + weights @ apart for weights in resampled_weights(len(columns), resamples, maps)])
     lows, highs = np.quantile(drawn, SmallSample.of(len(columns), maps).tails, axis=0)
     return [Estimate(*three) for three in zip(means.tolist(), lows.tolist(), highs.tolist(), strict=True)]
+
+
+def means_of_measured(values: Mapping[str, NDArray[np.float64]], maps: NDArray[np.str_]) -> dict[str, Estimate]:
+    """Return the mean of each (E,) column over the episodes that have a value, NaN for none, with its interval.
+
+    Columns without NaN share one set of resamples; columns of NaN alone are left out.
+    """
+    held = {name: ~np.isnan(column) for name, column in values.items()}
+    whole = [name for name in values if held[name].all()]
+    found = dict(zip(whole, bootstrap_means(np.stack([values[n] for n in whole], axis=1), maps=maps), strict=True))
+    for name, there in held.items():
+        if there.any() and name not in found:
+            found[name] = bootstrap_mean(values[name][there], maps=maps[there])
+    return {name: found[name] for name in values if name in found}
 
 
 def interquartile_mean(values: ArrayLike) -> float:

@@ -27,13 +27,8 @@ from indoor_explorers.evaluation.harness.results.fingerprints import refuse_othe
 from indoor_explorers.evaluation.harness.results.notes import ResultNotes
 from indoor_explorers.evaluation.harness.results.reading import StoreReader
 from indoor_explorers.evaluation.harness.results.scenario_titles import scenario_title
-from indoor_explorers.evaluation.statistics import (
-    Estimate,
-    bootstrap_mean,
-    bootstrap_means,
-    interquartile_mean,
-    success_share,
-)
+from indoor_explorers.evaluation.statistics import Estimate, interquartile_mean, success_share
+from indoor_explorers.evaluation.statistics.means import means_of_measured
 
 SUMMARY_COLUMNS = (
     *("policy", "scenario", "team", "metric", "episodes", "mean", "iqm", "low", "high"),
@@ -257,17 +252,9 @@ class Results(ResultNotes):
         return cache(self._estimated)
 
     def _estimated(self, scenario: str, policy: str) -> dict[str, Estimate]:
-        """Estimate the metrics that all episodes have from one set of resamples, the others one by one."""
         extra = sorted(self._columns(scenario, policy).keys() - set(MEASURES))
         values = {metric: self.values(scenario, policy, metric) for metric in (*MEASURES, *extra)}
-        maps = self.maps(scenario, policy)
-        held = {metric: ~np.isnan(column) for metric, column in values.items()}
-        whole = [metric for metric in values if held[metric].all()]
-        found = dict(zip(whole, bootstrap_means(np.stack([values[m] for m in whole], axis=1), maps=maps), strict=True))
-        for metric, there in held.items():
-            if there.any() and metric not in found:
-                found[metric] = bootstrap_mean(values[metric][there], maps=maps[there])
-        return {metric: found[metric] for metric in values if metric in found}
+        return means_of_measured(values, self.maps(scenario, policy))
 
     def episodes(self) -> pd.DataFrame:
         """Return one row per episode: its task, outcome, steps and metrics."""
