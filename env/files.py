@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from uuid import uuid4
 
 
 def expanded(path: str | Path) -> Path:
@@ -21,7 +22,7 @@ def written_whole(path: Path) -> Iterator[Path]:
     """Give a path to write to that becomes ``path`` at the end; when writing fails, ``path`` stays as it was.
 
     A link stays, and the file that it leads to is replaced. What is neither file nor folder, such as a pipe or a
-    device, stays as well and is written to at the end.
+    device, stays as well and is written to at the end. Several processes may write one path: the last one counts.
     """
     if _is_special(path):
         with tempfile.TemporaryDirectory(prefix="indoor-explorers-") as folder:
@@ -31,10 +32,14 @@ def written_whole(path: Path) -> Iterator[Path]:
                 shutil.copyfileobj(written, special)
         return
     path = Path(os.path.realpath(path))
-    partial = path.with_name(f".{path.name}.partial")
+    partial = path.with_name(f".{path.name}.{uuid4().hex[:12]}.partial")
     try:
         yield partial
         partial.replace(path)
+    except OSError as error:
+        if error.filename == str(partial):
+            error.filename = str(path)
+        raise
     finally:
         partial.unlink(missing_ok=True)
 

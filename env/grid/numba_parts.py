@@ -43,6 +43,8 @@ CompileResult: Any = None
 Dispatcher: Any = None
 cpu_target: Any = None
 dumps: Any = None
+events: Any = None
+"""numba's module of events, such as the beginning of a compilation; None where it is not what is expected."""
 
 
 def _expect(owner: Any, *names: str) -> None:
@@ -72,3 +74,11 @@ try:
     _expect_cache(FunctionCache)
 except (ImportError, AttributeError) as error:
     MISSING = str(error)
+
+try:
+    from numba.core import event
+
+    _expect(event, "register", "Listener", "TimingListener")
+    events = event
+except (ImportError, AttributeError):
+    pass

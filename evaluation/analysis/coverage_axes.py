@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from indoor_explorers.evaluation.analysis.comparison import Comparison
 from indoor_explorers.evaluation.analysis.outliers import near_groups
-from indoor_explorers.evaluation.harness.episodes.record import AXES, Record
-from indoor_explorers.evaluation.harness.results.results import mean_curve
+from indoor_explorers.evaluation.harness.episodes.record import AXES, Record, mean_curve
 
 #: Episodes of a policy that tell where a curve rises.
 ENOUGH = 1000

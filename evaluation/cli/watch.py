@@ -92,7 +92,7 @@ class Flight:
             yield going
 
     def ending(self, seed: int) -> str:
-        """Say in words how far the episode came."""
+        """Return the sentence on how far the episode came."""
         state = self.world.state
         facts = f"step {state.step[0]} of {state.budget[0]}, coverage {percent(self.world.counted_coverage[0])}"
         return f"{self.world.scenario.name}, seed {seed}: {facts}"

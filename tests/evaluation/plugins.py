@@ -19,7 +19,7 @@ import numpy as np
 from indoor_explorers.env import Pilot, Policy, World, conformance, make_policy
 from indoor_explorers.env.conformance import suite
 from indoor_explorers.evaluation.harness.episodes import running
-from indoor_explorers.evaluation.harness.episodes.shared_clock import Clock
+from indoor_explorers.evaluation.harness.episodes.shared_memory import Clock
 from indoor_explorers.planners.random_walk import RandomWalk
 from tests.seeds import seed_of
 

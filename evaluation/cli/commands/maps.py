@@ -7,9 +7,17 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
-from indoor_explorers.evaluation.harness.experiment.request import NO_SETTINGS, RESOLUTION, SEED, Request, Settings
-from indoor_explorers.evaluation.harness.options import Option, read_count, read_names
+from indoor_explorers.evaluation.cli.command import Command, make_console, print_line, written
+from indoor_explorers.evaluation.harness.experiment.request import (
+    NO_SETTINGS,
+    RESOLUTION,
+    SEED,
+    Option,
+    Request,
+    Settings,
+    read_count,
+    read_names,
+)
 
 if TYPE_CHECKING:
     from indoor_explorers.env.maps.floorplan import Floorplan
@@ -68,11 +76,8 @@ def _save(floorplans: Sequence[Floorplan], path: Path) -> None:
 
     if len(floorplans) != 1 or path.suffix != ".png":
         raise InputError(f"expected one map and a .png with --save, got {len(floorplans)} maps and {path}")
-    try:
-        with written_whole(path) as partial:
-            write_picture(floorplans[0], partial)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}; choose another --save") from error
+    with written(path, "--save"), written_whole(path) as partial:
+        write_picture(floorplans[0], partial)
 
 
 def _floorplans(options: MapsOptions) -> Iterator[Floorplan]:

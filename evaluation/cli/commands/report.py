@@ -8,8 +8,14 @@ from typing import Annotated
 
 from indoor_explorers.evaluation.cli.command import Command, make_console, print_line
 from indoor_explorers.evaluation.cli.commands.compare import print_notes, print_ratios
-from indoor_explorers.evaluation.harness.experiment.request import MARGIN_SHARE, PLUGIN_NAMES, POLICY_NAMES, Request
-from indoor_explorers.evaluation.harness.options import Option, read_natural
+from indoor_explorers.evaluation.harness.experiment.request import (
+    MARGIN_SHARE,
+    PLUGIN_NAMES,
+    POLICY_NAMES,
+    Option,
+    Request,
+    read_natural,
+)
 
 
 class ReportOptions(Request):

@@ -1,4 +1,4 @@
-"""The clock of a policy's decisions, in memory that its process shares with the one that enforces the time limit."""
+"""Memory that two processes share: the clock of a policy's decisions, the steps of an episode, and views of UAVs."""
 
 from __future__ import annotations
 
@@ -6,8 +6,18 @@ import mmap
 import os
 import tempfile
 import time
+from collections.abc import Sequence
 from multiprocessing.reduction import DupFd
 from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indoor_explorers.env import View
+from indoor_explorers.env.grid.arrays import read_only
+from indoor_explorers.env.policies.view import LIVE_ARRAYS, Arrays, arrays_of
+from indoor_explorers.env.simulation.rollout import Uav
+from indoor_explorers.evaluation.harness.episodes.steps import Steps, step_type
 
 #: Places in the first page: when the current decision began, when the one that takes too long began (0 for none), the
 #: limit in seconds that it exceeds, the number of decisions that have ended, seconds spent with compiling, and since
@@ -22,15 +32,14 @@ class DecisionTimeout(BaseException):
 class Clock:
     """Notes when a call of a policy began; use as a context manager around every such call.
 
-    Times are seconds of :func:`time.monotonic`, which is the same in every process of a machine. What a policy's
-    process notes there is believed only as far as a
-    :class:`~indoor_explorers.evaluation.harness.engines.stopwatch.Stopwatch` finds it possible.
+    Times are seconds of :func:`time.monotonic`, which is the same in every process of a machine. A policy's process
+    could write anything here: a :class:`~indoor_explorers.evaluation.harness.engines.stopwatch.Stopwatch` checks it.
     """
 
     def __init__(self, memory: bytearray | mmap.mmap | None = None) -> None:
         self._times = memoryview(bytearray(48) if memory is None else memory)[:48].cast("d")
         self.process: int | None = None
-        """The process whose copies, made by a policy that forked it, end with the policy's call; None for no such."""
+        """The process whose forked copies end with the policy's call; None to end none."""
 
     def __enter__(self) -> None:
         self._times[ASKED] = time.monotonic()
@@ -114,3 +123,59 @@ def _anonymous_file() -> int:
         return os.memfd_create("shared")
     with tempfile.TemporaryFile() as file:
         return os.dup(file.fileno())
+
+
+class SharedStepBuffer(SharedClock):
+    """Shares a clock, and after it the steps of one episode, between two processes."""
+
+    def begin(self) -> None:
+        """Clear the steps of the episode before."""
+        os.ftruncate(self._file, mmap.PAGESIZE)
+
+    def add(self, row: np.void) -> None:
+        """Append a row of :func:`~.steps.step_type`; the first is the start."""
+        os.pwrite(self._file, row.tobytes(), os.fstat(self._file).st_size)
+
+    def steps(self, team: int, base: bool = False) -> Steps:
+        """Return the complete steps of an episode of ``team`` UAVs, with a home base or not."""
+        kind = step_type(team, base)
+        held = os.fstat(self._file).st_size - mmap.PAGESIZE
+        return Steps.of(np.frombuffer(os.pread(self._file, held - held % kind.itemsize, mmap.PAGESIZE), kind))
+
+
+class SharedViews(SharedClock):
+    """Shares a clock, and after it the arrays of views, between the process that writes views and one that reads them.
+
+    Both call :meth:`begin` with the same arguments before a batch. Nobody reads what the reader writes there.
+    """
+
+    def begin(
+        self, uavs: Sequence[Uav], shape: tuple[int, int], *, writing: bool = False, uncertain: bool = False
+    ) -> None:
+        """Lay out the arrays of some UAVs on (H, W) maps; those of the batch before show other UAVs from now on.
+
+        ``uncertain``: the maps are of log-odds.
+        """
+        there = {name: array for name, array in LIVE_ARRAYS.items() if uncertain or not array.uncertain}
+        fields = [(name, array.dtype, array.shape_on(shape)) for name, array in there.items()]
+        rows = self._rows(len(uavs), np.dtype(fields, align=True), writing=writing)
+        shown = np.asarray if writing else read_only
+        self.arrays: dict[Uav, Arrays] = {
+            uav: tuple(shown(row[name]) if name in there else None for name in LIVE_ARRAYS)
+            for uav, row in zip(uavs, rows, strict=True)
+        }
+        """The arrays of each UAV's latest view; in the reader they are read-only and live."""
+
+    def write(self, uav: Uav, view: View) -> None:
+        """Show the arrays of a view to the other process."""
+        for shared, array in zip(self.arrays[uav], arrays_of(view), strict=False):
+            if shared is not None:
+                shared[...] = array
+
+    def _rows(self, count: int, kind: np.dtype[Any], *, writing: bool) -> NDArray[np.void]:
+        """Map the memory; it never gets smaller, since a policy may still read the views of an earlier batch."""
+        size = count * kind.itemsize
+        if os.fstat(self._file).st_size < mmap.PAGESIZE + size:
+            os.ftruncate(self._file, mmap.PAGESIZE + size)
+        access = mmap.ACCESS_WRITE if writing else mmap.ACCESS_READ
+        return np.frombuffer(mmap.mmap(self._file, size, access=access, offset=mmap.PAGESIZE), kind)
