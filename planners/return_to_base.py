@@ -11,7 +11,7 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.registry import make_policy
 from indoor_explorers.env.policies.view import MESSAGE_LIMIT, Briefing, Mate, View
 from indoor_explorers.planners.toolbox.navigation.navigator import Navigator
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded, one_of
 
 When = Literal["trips", "every", "deadline", "never"]
 #: Numbers that are added to each message: steps home, and whether the sender flies there.
@@ -21,7 +21,7 @@ SPARE, SPARE_EVERY = 3, 8
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReturnToBase(Policy):
+class ReturnToBase(Parameters, Policy):
     """Explore as another policy does, and bring home what was seen.
 
     Where there is no base, UAVs fly as that policy. Of UAVs in contact only the one nearest to the base flies home: it
@@ -35,20 +35,17 @@ class ReturnToBase(Policy):
 
     explorer: str = "frontier"
     """Registry name of the policy that explores."""
-    when: When = "trips"
+    when: When = one_of("trips", get_args(When))
     """When to fly home before the end: ``trips``: when the last contact with the base is older than some flights home
     and back take; ``every``: after a fixed number of steps; ``deadline``: at the end alone; ``never``."""
-    trips: float = 2.0
+    trips: float = bounded(2.0, least=0)
     """``trips``: how many such flights."""
-    every: int = 100
+    every: int = bounded(100, least=1)
     """``every``: steps since the last contact."""
 
     def __post_init__(self) -> None:
         """Refuse parameters that make no sense, and take over what the explorer declares."""
-        at_least(self, 0.0, "trips")
-        at_least(self, 1, "every")
-        if self.when not in get_args(When):
-            raise InputError(f"ReturnToBase: expected when to be one of {', '.join(get_args(When))}, got {self.when!r}")
+        super().__post_init__()
         explorer = make_policy(self.explorer)
         if explorer.privileged:
             raise InputError(f"ReturnToBase: expected an explorer that is not given the map, got {self.explorer!r}")

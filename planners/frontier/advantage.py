@@ -13,7 +13,7 @@ from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.burgard import SequentialPilot
 from indoor_explorers.planners.frontier.group_pilot import Choices
-from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
 
 
 @renamed(hold="switch_cost")
@@ -28,18 +28,15 @@ class FrontierAdvantage(SwitchCostParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    remoteness: float = 1.0
+    remoteness: float = bounded(1.0, least=0)
     """Weight of the mean distance from the other clusters against the path length."""
-    reach: float = 6.0
+    reach: float = bounded(6.0, least=0)
     """Distance at which another cluster counts as far, in lidar ranges."""
     switch_cost: float = 0.5
-    weight: float = 4.0
+    weight: float = bounded(4.0, least=0)
     """A cluster at a place that another UAV has taken counts as this many lidar ranges farther."""
-    taken: float = 1.0
+    taken: float = bounded(1.0, least=0)
     """Distance up to which a taken cluster adds to the cost of others, in lidar ranges."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "remoteness", "reach", "switch_cost", "weight", "taken")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

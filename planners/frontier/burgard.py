@@ -16,7 +16,7 @@ from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import LidarModel, lidar_model, new_scan, visible_cells
 from indoor_explorers.planners.frontier.group_pilot import Choices, GroupPilot
-from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, at_least
+from indoor_explorers.planners.toolbox.parameters import SwitchCostParameters, bounded
 
 
 @renamed(hold="switch_cost")
@@ -33,13 +33,10 @@ class FrontierBurgard(SwitchCostParameters, Policy):
     plans_for: ClassVar[str] = ALL_CELLS
 
     switch_cost: float = 1.0
-    weight: float = 4.0
+    weight: float = bounded(4.0, least=0)
     """Utility of a cluster in lidar ranges of path; a cluster in a taken one's place loses all of it (paper: beta)."""
-    reach: float = 1.0
+    reach: float = bounded(1.0, least=0)
     """Distance up to which a taken cluster lowers the utility of others, in lidar ranges."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "switch_cost", "weight", "reach")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

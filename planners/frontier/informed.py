@@ -14,7 +14,7 @@ from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.predictive import FrontierPredictive, PredictivePilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, middles
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import bounded
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates
 from indoor_explorers.planners.toolbox.pockets.labels import true_pockets
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
@@ -35,14 +35,10 @@ class FrontierInformed(FrontierPredictive):
 
     privileged: ClassVar[bool] = True
 
-    error: float = 0.0
+    error: float = bounded(0.0, least=0)
     """Standard deviation of the natural logarithm of told size by true size."""
-    mistaken: float = 0.0
+    mistaken: float = bounded(0.0, least=0)
     """Share of clusters that are told to be empty if they are not, and not to be if they are; 0 to 1."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(self, 0.0, "error", "mistaken")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -16,7 +16,7 @@ from indoor_explorers.planners.toolbox.coordination.sequence_chooser import Sequ
 from indoor_explorers.planners.toolbox.information.candidates import frontier_candidates, local_candidates
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
-from indoor_explorers.planners.toolbox.parameters import ReplanParameters, at_least
+from indoor_explorers.planners.toolbox.parameters import ReplanParameters, bounded
 
 
 @renamed(fade="decay_length", rate="discount_rate", hold="goal_bonus")
@@ -39,17 +39,12 @@ class FrontierJoint(SequenceParameters, ReplanParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    clusters: int = 32
+    clusters: int = bounded(32, least=1)
     """Most frontier clusters to choose from: the nearest to any UAV of the group."""
-    lookouts: int = 8
+    lookouts: int = bounded(8, least=0)
     """Most other candidates near each UAV, cells with unknown cells in view."""
-    near: int = 6
+    near: int = bounded(6, least=0)
     """Largest distance of these from a UAV, in steps."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(self, 0.0, "period", "lookouts", "near")
-        at_least(self, 1, "clusters")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

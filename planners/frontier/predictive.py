@@ -13,7 +13,6 @@ from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters
-from indoor_explorers.planners.toolbox.parameters import at_least
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimates, PocketEstimator
 from indoor_explorers.planners.toolbox.pockets.outlook import ClusterJudge, EstimateUser, Outlook, OutlookParameters
 
@@ -31,10 +30,6 @@ class FrontierPredictive(EstimateUser, OutlookParameters, FrontierLatency):
 
     worth: float = 0.8
     """Exponent of gains as weights of waiting times; 0 weights all clusters equally."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(self, 0.0, "skip", "risk", "visit", "near", "aim")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Distances
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
@@ -24,7 +23,7 @@ from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GoalBonusParameters,
     ReplanParameters,
-    at_least,
+    bounded,
 )
 from indoor_explorers.planners.toolbox.pockets.estimates import PocketEstimator
 from indoor_explorers.planners.toolbox.pockets.outlook import EstimateUser
@@ -71,34 +70,27 @@ class Pomdp(EstimateUser, DiscountParameters, GoalBonusParameters, ReplanParamet
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    simulations: int = 48
+    simulations: int = bounded(48, least=1)
     """Simulations of a decision."""
-    maps: int = 8
+    maps: int = bounded(8, least=1)
     """Completions of the map that are drawn for a decision."""
     scale: float = 3.0
     """Factor on the sizes of pockets: in small ones a simulated flight gets stuck at once, whatever it tries."""
-    actions: int = 8
+    actions: int = bounded(8, least=1)
     """Most clusters to choose among: those with the largest sqrt(view gain) e^(-discount_rate d / R)."""
-    tree: int = 2
+    tree: int = bounded(2, least=1)
     """Most macro actions in the tree, before nearest frontiers."""
-    horizon: float = 6.0
+    horizon: float = bounded(6.0, least=1)
     """Simulated steps, in lidar ranges."""
     discount_rate: float = 1.2
     """Discount rate of what becomes known, per lidar range of flight."""
-    exploration: float = 1.0
+    exploration: float = bounded(1.0, least=0)
     """Factor of the confidence bounds, in units of the range of returns."""
-    isolation: float = 16.0
+    isolation: float = bounded(16.0, least=0)
     """Additional weight of an unknown cell that is surrounded by known ones."""
-    dimming: float = 0.8
+    dimming: float = bounded(0.8, least=0, most=1)
     """Share of its value that a pocket loses for each linked teammate that flies near it, 0 to 1."""
     period: float = 0.3
-
-    def __post_init__(self) -> None:
-        """Refuse searches without simulations."""
-        at_least(self, 1, "simulations", "maps", "actions", "tree", "horizon")
-        at_least(self, 0.0, "discount_rate", "exploration", "isolation", "dimming", "goal_bonus", "period")
-        if self.dimming > 1:
-            raise InputError(f"Pomdp: expected dimming of at most 1, got {self.dimming!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

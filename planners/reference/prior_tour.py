@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Belief, Cell, Mask
 from indoor_explorers.env.grid.cells import FREE, OCCUPIED, UNKNOWN, UNREACHABLE, Action
 from indoor_explorers.env.maps.walls import THICKEST
@@ -18,7 +17,7 @@ from indoor_explorers.planners.frontier.joint import FrontierJoint
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
 from indoor_explorers.planners.reference.route_pilot import LOOK_AHEAD, STALLED, RoutePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 #: Steps of silence after which a teammate that is heard again is planned with anew.
 SILENCE = 5
@@ -41,7 +40,7 @@ class Stage(IntEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PriorTour(Policy):
+class PriorTour(Parameters, Policy):
     """Fly routes like those of ``reference``, planned on the prior map as far as it has proved right.
 
     The map planned on is the prior, with every cell that has been seen as it was seen. Linked UAVs work out the same
@@ -59,27 +58,18 @@ class PriorTour(Policy):
 
     plans_for: ClassVar[str] = "its aim, 99 % of a prior map by default, then all cells"
 
-    aim: float = 0.99
+    aim: float = bounded(0.99, least=1e-6, most=1)
     """Coverage of the map planned on that the routes reach as soon as possible, before all of it."""
-    restarts: int = 2
+    restarts: int = bounded(2, least=1)
     """Searches of the first plan, of which the best counts; later plans make one."""
-    changes: int = 40_000
+    changes: int = bounded(40_000, least=1)
     """Changes of the routes that each search tries; a quarter of it in later plans."""
-    work: int = 100_000_000
+    work: int = bounded(100_000_000, least=1)
     """The same in words joined, 64 cells at most each: bounds the time on large maps."""
-    period: float = 1.0
+    period: float = bounded(1.0, least=0)
     """Steps from a plan to the next, in lidar ranges, if what was seen contradicts it and no route is blocked."""
-    distrust: float = 0.25
+    distrust: float = bounded(0.25, least=0)
     """Share of the known cells that contradict the prior above which only frontiers are flown to."""
-
-    def __post_init__(self) -> None:
-        """Refuse numbers that make no sense."""
-        at_least(self, 1, "restarts", "changes", "work")
-        at_least(self, 0.0, "aim", "period", "distrust")
-        if not 0.0 < self.aim <= 1.0:
-            raise InputError(
-                f"PriorTour: expected aim above 0 and up to 1, as a share of the coverage, got {self.aim!r}"
-            )
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -10,11 +10,11 @@ from indoor_explorers.env.policies.policy import Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.reference.plan import PlanRequest, SearchBudget, Track, plan
 from indoor_explorers.planners.reference.route_pilot import RoutePilot
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reference(Policy):
+class Reference(Parameters, Policy):
     """Fly the shortest routes to 99 % coverage that a bounded search with the true map finds, and on to the goal.
 
     A good tour found with the map known, for comparison with policies that do not know it. It is no bound: better
@@ -31,24 +31,15 @@ class Reference(Policy):
     privileged: ClassVar[bool] = True
     plans_for: ClassVar[str] = "its aim, 99 % by default, then the scenario's goal"
 
-    aim: float = 0.99
+    aim: float = bounded(0.99, least=1e-6, most=1)
     """Coverage that the routes reach as soon as possible: the threshold that policies are compared by; the scenario's
     goal if that is lower."""
-    restarts: int = 2
+    restarts: int = bounded(2, least=1)
     """Searches, of which the best counts."""
-    changes: int = 40_000
+    changes: int = bounded(40_000, least=1)
     """Changes of the routes that each search tries."""
-    work: int = 100_000_000
+    work: int = bounded(100_000_000, least=1)
     """The same in words joined, 64 cells at most each: bounds the time on large maps."""
-
-    def __post_init__(self) -> None:
-        """Refuse numbers that are too small."""
-        at_least(self, 1, "restarts", "changes", "work")
-        at_least(self, 0.0, "aim")
-        if not 0.0 < self.aim <= 1.0:
-            raise InputError(
-                f"Reference: expected aim above 0 and up to 1, as a share of the coverage, got {self.aim!r}"
-            )
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -21,7 +21,7 @@ from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
 from indoor_explorers.planners.toolbox.information.view_gain import visible_sets
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import bounded
 from indoor_explorers.planners.toolbox.routing.open_tours import nearest_neighbour
 
 #: Number of tours that are improved: those of the highest value in nearest-neighbour order.
@@ -42,25 +42,20 @@ class PrmTour(ViewpointPolicy):
     environments", RSS 2021, doi:10.15607/RSS.2021.XVII.018.
     """
 
-    milestones: int = 200
+    milestones: int = bounded(200, least=1)
     """Milestones of the roadmap, half of them on the frontier if there are enough frontier cells."""
-    restarts: int = 10
+    restarts: int = bounded(10, least=1)
     """Number of covers that are tried for each tour."""
-    choices: int = 3
+    choices: int = bounded(3, least=1)
     """Number of best milestones that a cover draws from in each round."""
-    stops: int = 30
+    stops: int = bounded(30, least=1)
     """Most stops of a tour."""
-    least: float = 0.002
+    least: float = bounded(0.002, least=0)
     """Fewest cells that a stop must add to the view, as a share of the lidar's disc."""
-    keep: float = 1.2
+    keep: float = bounded(1.2, least=0)
     """Factor on the merit of a tour that is similar to the last one."""
     as_published: bool = False
     """Whether to fly the shortest tour, as in the paper, instead of the one with the largest discounted gain."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(self, 1, "milestones", "restarts", "choices", "stops")
-        at_least(self, 0.0, "least", "keep")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -21,7 +21,7 @@ from indoor_explorers.planners.sampling.viewpoints import Viewpoints, diverse_su
 from indoor_explorers.planners.toolbox.coordination.sequence_chooser import SequenceChooser, SequenceParameters
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
-from indoor_explorers.planners.toolbox.parameters import GoalBonusParameters, at_least
+from indoor_explorers.planners.toolbox.parameters import GoalBonusParameters, bounded
 
 #: Half the side of the inner square around the UAV, in cells.
 NEAR_HALF = 6.0
@@ -51,42 +51,26 @@ class RrtAep(GoalBonusParameters, TreePolicy):
     discount_rate: float = 2.4
     samples: int = 100
     """Samples for each tree."""
-    near_samples: int = 100
+    near_samples: int = bounded(100, least=0)
     """Additional samples for the tree near the UAV, drawn from an inner square around it."""
-    local_period: float = 0.1
+    local_period: float = bounded(0.1, least=0)
     """Steps after which a tree is grown near the UAV if the map has grown, in lidar ranges."""
-    global_period: float = 1.0
+    global_period: float = bounded(1.0, least=0)
     """Steps after which a tree is grown over the whole map if the map has grown, in lidar ranges."""
-    places: int = 32
+    places: int = bounded(32, least=1)
     """Most viewpoints with different views to choose from."""
-    lookouts: int = 8
+    lookouts: int = bounded(8, least=0)
     """Most other viewpoints near a UAV of the group to choose from."""
-    order: float = 0.3
+    order: float = bounded(0.3, least=0)
     """Weight of the cost of what a sequence leaves behind, per lidar range, against the logarithm of its value."""
-    latency: float = 3.0
+    latency: float = bounded(3.0, least=0)
     """Weight of the mean waiting time relative to the length in that cost."""
     take_turns: bool = False
     """Whether to follow the paper: the local tree first, stored viewpoints if its gain is too small."""
-    threshold: float = 0.02
+    threshold: float = bounded(0.02, least=0)
     """Smallest gain of a local tree, and of a stored viewpoint, with ``take_turns``, as a share of the lidar's disc."""
-    global_discount_rate: float = 0.6
+    global_discount_rate: float = bounded(0.6, least=0)
     """Discount rate along the RRT*: gain * exp(-global_discount_rate * length / lidar_range)."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        at_least(
-            self,
-            0.0,
-            "goal_bonus",
-            "threshold",
-            "global_discount_rate",
-            "order",
-            "latency",
-            "local_period",
-            "global_period",
-        )
-        at_least(self, 0, "near_samples", "lookouts")
-        at_least(self, 1, "places")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -25,7 +25,7 @@ from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GainParameters,
     SwitchCostParameters,
-    at_least,
+    bounded,
 )
 from indoor_explorers.planners.toolbox.routing.min_latency import costs_of_first
 
@@ -85,12 +85,8 @@ class ViewpointPolicy(GainParameters, DiscountParameters, SwitchCostParameters, 
     plans_for: ClassVar[str] = ALL_CELLS
 
     discount_rate: float = 1.5
-    share: float = 0.5
+    share: float = bounded(0.5, least=0)
     """Factor on a gain for each closer teammate."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "discount_rate", "isolation", "switch_cost", "share")
-        at_least(self, 0.01, "decay_length")
 
 
 class ViewpointPilot(GoalPilot):

@@ -9,7 +9,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
@@ -25,7 +24,7 @@ from indoor_explorers.planners.toolbox.parameters import (
     GainParameters,
     GoalBonusParameters,
     ReplanParameters,
-    at_least,
+    bounded,
 )
 
 #: Distance within which a cluster counts as at the current goal, in lidar ranges.
@@ -66,33 +65,23 @@ class Aco(GainParameters, DiscountParameters, GoalBonusParameters, ReplanParamet
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    amount: float = 1.0
+    amount: float = bounded(1.0, least=0)
     """Pheromone that is laid at a place in a step."""
-    spread: float = 1.0
+    spread: float = bounded(1.0, least=0.01)
     """Distance at which 1 / e of it is laid, in lidar ranges."""
-    evaporation: float = 0.1
+    evaporation: float = bounded(0.1, least=0, most=1)
     """Share of the pheromone that evaporates in a step, 0 to 1."""
-    own: float = 0.1
+    own: float = bounded(0.1, least=0)
     """Weight of the pheromone that a UAV lays for itself, relative to that of teammates."""
-    repulsion: float = 4.0
+    repulsion: float = bounded(4.0, least=0)
     """Exponent of the pheromone in the transition rule; 0 ignores it."""
-    attraction: float = 4.0
+    attraction: float = bounded(4.0, least=0)
     """Exponent of the worth in the transition rule (ant colony system: beta)."""
-    greed: float = 0.9
+    greed: float = bounded(0.9, least=0, most=1)
     """Probability of taking the cluster of largest weight instead of a draw, 0 to 1 (ant colony system: q_0)."""
     discount_rate: float = 1.0
     isolation: float = 16.0
     period: float = 0.3
-
-    def __post_init__(self) -> None:
-        """Refuse negative amounts and shares above 1."""
-        at_least(self, 0.0, "amount", "evaporation", "own", "repulsion", "attraction", "greed")
-        at_least(self, 0.0, "discount_rate", "isolation", "goal_bonus", "period")
-        at_least(self, 0.01, "spread", "decay_length")
-        if self.evaporation > 1 or self.greed > 1:
-            raise InputError(
-                f"Aco: expected evaporation and greed of at most 1, got {self.evaporation!r} and {self.greed!r}"
-            )
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
@@ -18,7 +17,7 @@ from indoor_explorers.planners.toolbox.coordination.goal_claims import goals_nea
 from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
-from indoor_explorers.planners.toolbox.parameters import GainParameters, at_least
+from indoor_explorers.planners.toolbox.parameters import GainParameters, bounded
 
 #: Distance, in lidar ranges, within which a frontier cluster is the same glowworm as one before the map grew.
 SAME = 0.5
@@ -56,30 +55,22 @@ class Gso(GainParameters, Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    decay: float = 0.4
+    decay: float = bounded(0.4, least=0.01, most=1)
     """Share of its luciferin that a glowworm loses each time the map grows, above 0 and at most 1 (paper: rho)."""
-    enhancement: float = 0.6
+    enhancement: float = bounded(0.6, least=0)
     """Luciferin gained for each weighted cell in view (paper: gamma); it scales all luciferin alike."""
-    wanted: int = 1
+    wanted: int = bounded(1, least=1)
     """Neighbours that the decision range adapts to (paper: n_t, 5). With more, UAVs fly past what is near."""
-    adaption: float = 0.5
+    adaption: float = bounded(0.5, least=0)
     """Change of the decision range for each neighbour too many or too few, in lidar ranges (paper: beta, .08)."""
-    sensor: float = 8.0
+    sensor: float = bounded(8.0, least=0)
     """Largest decision range, in lidar ranges (paper: r_s)."""
-    start: float = 0.5
+    start: float = bounded(0.5, least=0)
     """Decision range at first, in lidar ranges (paper: the sensor range)."""
-    sharpness: float = 8.0
+    sharpness: float = bounded(8.0, least=0)
     """Exponent of the luciferin difference in the draw: 1 is the paper's, large ones take the brightest neighbour."""
-    dimming: float = 0.8
+    dimming: float = bounded(0.8, least=0, most=1)
     """Share of its view gain that a cluster loses for each linked teammate that flies near it, 0 to 1."""
-
-    def __post_init__(self) -> None:
-        """Refuse negative lengths and shares above 1."""
-        at_least(self, 0.0, "enhancement", "adaption", "sensor", "start", "sharpness", "isolation", "dimming")
-        at_least(self, 0.01, "decay", "decay_length")
-        at_least(self, 1, "wanted")
-        if self.decay > 1 or self.dimming > 1:
-            raise InputError(f"Gso: expected decay and dimming of at most 1, got {self.decay!r} and {self.dimming!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_explorers.env.errors import InputError
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import MOVES, OCCUPIED, UNKNOWN
 from indoor_explorers.env.grid.compiled import inner, leaf
@@ -16,7 +15,7 @@ from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import claims, message_of, remembered
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 #: Temperatures below this are too close to the smallest floats for a gradient.
 COLD = 1e-280
@@ -27,7 +26,7 @@ SINK = -1.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Hedac(Policy):
+class Hedac(Parameters, Policy):
     """Ascend a potential field: the stationary temperature with a heat source in every unexplored cell.
 
     At every passable cell u = (sum of the passable neighbours' u + s) / (n + loss), n their number and s the cell's
@@ -48,21 +47,13 @@ class Hedac(Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    loss: float = 10.0
+    loss: float = bounded(10.0, least=1e-6)
     """Heat that a cell loses relative to the exchange with one neighbour, the paper's alpha; a smaller loss gives the
     field a longer range. 1 was as good as the published 10; .1 and .01 were slower in rooms."""
-    sweeps: int = 100
+    sweeps: int = bounded(100, least=1)
     """Most sweeps over the map for a decision; they start from the last field and stop when it has an ascent."""
-    cooling: float = 0.9
+    cooling: float = bounded(0.9, least=0, most=1)
     """Share by which a teammate's goal reduces the heat sources in its lidar range, 0 to 1."""
-
-    def __post_init__(self) -> None:
-        """Refuse parameters without a solution for the field."""
-        at_least(self, 1e-6, "loss")
-        at_least(self, 1, "sweeps")
-        at_least(self, 0.0, "cooling")
-        if self.cooling > 1:
-            raise InputError(f"Hedac: expected cooling of at most 1, got {self.cooling!r}")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

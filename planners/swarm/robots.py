@@ -17,14 +17,14 @@ from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
 from indoor_explorers.planners.toolbox.navigation.teammates import linked
-from indoor_explorers.planners.toolbox.parameters import at_least
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 
 #: (2,) rows and columns.
 Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class PsoRobots(Policy):
+class PsoRobots(Parameters, Policy):
     """Treat each UAV as a particle with inertia, a cognitive and a social term, and repulsion from walls and teammates.
 
     velocity = inertia * velocity + sum over the four terms of weight * random number * direction; the UAV makes the
@@ -44,25 +44,20 @@ class PsoRobots(Policy):
 
     plans_for: ClassVar[str] = ALL_CELLS
 
-    inertia: float = 0.6
+    inertia: float = bounded(0.6, least=0)
     """Share of its velocity that a particle keeps in a step."""
-    cognitive: float = 1.0
+    cognitive: float = bounded(1.0, least=0)
     """Attraction of the nearest frontier."""
-    social: float = 0.5
+    social: float = bounded(0.5, least=0)
     """Attraction of the best frontier sent in the linked group."""
-    obstacles: float = 0.2
+    obstacles: float = bounded(0.2, least=0)
     """Repulsion of known obstacles and of the map's edge next to the UAV."""
-    mates: float = 0.5
+    mates: float = bounded(0.5, least=0)
     """Repulsion of a linked teammate next to the UAV; it falls to 0 at a lidar range."""
-    stagnation: int = 30
+    stagnation: int = bounded(30, least=1)
     """Steps without new cells after which a particle is split off."""
-    candidates: int = 16
+    candidates: int = bounded(16, least=1)
     """Number of nearest frontier clusters among which a UAV chooses its best one."""
-
-    def __post_init__(self) -> None:
-        """Refuse negative weights and counts."""
-        at_least(self, 0.0, "inertia", "cognitive", "social", "obstacles", "mates")
-        at_least(self, 1, "stagnation", "candidates")
 
     def pilot(self, briefing: Briefing) -> Pilot:
         """Make the pilot of one UAV."""

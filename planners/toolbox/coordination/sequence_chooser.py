@@ -26,7 +26,7 @@ from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GainParameters,
     GoalBonusParameters,
-    at_least,
+    bounded,
 )
 from indoor_explorers.planners.toolbox.routing.sequences import DecisionProblem, Utility, best_sequences, cost_of_rest
 
@@ -49,28 +49,22 @@ Candidates = Callable[[View, Distances], tuple[NDArray[np.int32], Mask]]
 class SequenceParameters(GainParameters, DiscountParameters, GoalBonusParameters):
     """Parameters by which a :class:`SequenceChooser` compares places."""
 
-    decay_length: float = 0.5
+    decay_length: float = bounded(0.5, least=1e-6)
     """Depth inside unknown space over which the weight of an unknown cell falls to 1 / e, in lidar ranges."""
-    power: float = 0.5
+    power: float = bounded(0.5, least=0)
     """Exponent of the view gain: 1 leaves small pockets behind for larger views, 0 prefers the nearest place."""
-    trust: float = 0.5
+    trust: float = bounded(0.5, least=0)
     """Factor for every place that a UAV visits before, since the map may differ from expectation, 0 to 1."""
-    order: float = 1.0
+    order: float = bounded(1.0, least=0)
     """Weight of the cost of all clusters, per lidar range, against the logarithm of a sequence's value."""
-    latency: float = 3.0
+    latency: float = bounded(3.0, least=0)
     """Weight of the mean waiting time relative to the length in that cost."""
-    certainty: float = 0.5
+    certainty: float = bounded(0.5, least=0)
     """Share to which a linked teammate's second place counts as seen by it; its third place by the square; 0 to 1."""
-    firsts: int = 8
+    firsts: int = bounded(8, least=1)
     """Number of places with the best sequences for which the cost of the rest is computed."""
-    rest: int = 12
+    rest: int = bounded(12, least=0)
     """Most clusters in that cost: those of the UAV's own clusters with the largest discounted gains."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "isolation", "power", "discount_rate", "trust", "order", "latency")
-        at_least(self, 0.0, "goal_bonus", "certainty", "rest")
-        at_least(self, 1e-6, "decay_length")
-        at_least(self, 1, "firsts")
 
 
 class SequenceChooser:

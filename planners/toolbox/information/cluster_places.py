@@ -30,7 +30,7 @@ from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GainParameters,
     SwitchCostParameters,
-    at_least,
+    bounded,
 )
 
 #: Spacing of the cells of a cluster that are considered, in lidar ranges.
@@ -51,17 +51,12 @@ class PlaceParameters(GainParameters, DiscountParameters, SwitchCostParameters):
 
     discount_rate: float = 2.4
     """Discount rate of gains per lidar range of distance, in the choice of a cluster's cell."""
-    latency: float = 16.0
+    latency: float = bounded(16.0, least=0)
     """Weight of the mean waiting time relative to the length of the order."""
-    worth: float = 0.5
+    worth: float = bounded(0.5, least=0)
     """Exponent of gains as weights of waiting times; 0 weights all clusters equally."""
-    clusters: int = 12
+    clusters: int = bounded(12, least=1)
     """Largest number of clusters in an order: those with the largest discounted gains."""
-
-    def __post_init__(self) -> None:
-        at_least(self, 0.0, "isolation", "discount_rate", "latency", "worth", "switch_cost")
-        at_least(self, 0.01, "decay_length")
-        at_least(self, 1, "clusters")
 
 
 class PlaceCells(NamedTuple):

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Distances, Mask
 from indoor_explorers.env.policies.view import Briefing
 from indoor_explorers.env.provenance import recorded_maps
+from indoor_explorers.planners.toolbox.parameters import Parameters, bounded
 from indoor_explorers.planners.toolbox.pockets.estimates import SHIPPED, PocketEstimates
 from indoor_explorers.planners.toolbox.pockets.network import THRESHOLDS
 
@@ -34,18 +35,18 @@ class EstimateUser:
 
 
 @dataclass(frozen=True, kw_only=True)
-class OutlookParameters:
+class OutlookParameters(Parameters):
     """Parameters of the outlook."""
 
-    skip: float = 0.75
+    skip: float = bounded(0.75, least=0)
     """Most cells that deferred clusters may hide together, as a share of those that may stay unknown."""
-    risk: float = 0.1
+    risk: float = bounded(0.1, least=0)
     """Largest probability that a deferred cluster hides more than a quarter of them; coming back for it is dear."""
-    visit: float = 3.0
+    visit: float = bounded(3.0, least=0)
     """Steps that a visit costs besides the way to the cluster, in lidar ranges."""
-    near: int = 2
+    near: int = bounded(2, least=0)
     """Steps within which a cluster is never deferred."""
-    aim: float = 0.99
+    aim: float = bounded(0.99, least=0)
     """Coverage to reach as soon as possible; the scenario's goal if that is lower."""
 
 

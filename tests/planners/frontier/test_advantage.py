@@ -1,9 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from indoor_explorers.env import InputError, make_policy
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.planners.frontier.advantage import AdvantagePilot, FrontierAdvantage
 
@@ -38,9 +36,3 @@ def test_the_remote_cluster_comes_first_of_two_about_as_near() -> None:
     assert goal_of(FrontierAdvantage(remoteness=0.0), (2, 17)) == (1, 10)
     assert goal_of(FrontierAdvantage(remoteness=1.0), (2, 17)) == (1, 25)
     assert goal_of(FrontierAdvantage(remoteness=1.0), (2, 11)) == (1, 10)
-
-
-@pytest.mark.parametrize("name", ["remoteness", "reach", "switch_cost", "weight", "taken"])
-def test_bad_parameters_are_refused(name: str) -> None:
-    with pytest.raises(InputError, match=f"expected {name} of at least"):
-        make_policy("frontier-advantage", **{name: -1.0})

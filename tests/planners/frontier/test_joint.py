@@ -1,9 +1,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from indoor_explorers.env import InputError, make_policy
+from indoor_explorers.env import make_policy
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
 from tests.planners.flights import fly, rooms
 
@@ -33,9 +32,3 @@ def test_it_tells_its_goal() -> None:
     flight = fly(make_policy("frontier-joint"), rooms(3, 5, 1), team=2, radio=("unlimited", 0.0), budget=12)
     for pilot in flight.pilots:
         assert pilot.message == message_of(pilot.goal)
-
-
-@pytest.mark.parametrize("name", ["decay_length", "discount_rate", "latency", "clusters", "firsts"])
-def test_bad_parameters_are_refused(name: str) -> None:
-    with pytest.raises(InputError, match=f"expected {name} of at least"):
-        make_policy("frontier-joint", **{name: -1.0})

@@ -1,9 +1,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from indoor_explorers.env import InputError, Mate, World, make_policy, scenario
+from indoor_explorers.env import Mate, World, make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.frontier.latency import FrontierLatency, LatencyPilot
@@ -40,9 +39,3 @@ def test_every_mate_that_is_nearer_halves_a_gain() -> None:
     pilot, view = corridor((Mate(1, (0, 6), 0, None),))
     cells, steps = np.array([5, 14], np.int32), np.array([3, 6], np.int32)
     assert pilot.factors(view, cells, steps).tolist() == [0.5, 1.0]
-
-
-@pytest.mark.parametrize("name", ["decay_length", "latency", "switch_cost", "clusters"])
-def test_bad_parameters_are_refused(name: str) -> None:
-    with pytest.raises(InputError, match=f"expected {name} of at least"):
-        make_policy("frontier-latency", **{name: -1.0})

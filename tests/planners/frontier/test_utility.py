@@ -3,7 +3,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, make_policy
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.frontier.utility import Form, FrontierUtility, UtilityPilot
 
@@ -47,8 +46,3 @@ def test_the_weight_of_the_path_decides_between_large_and_near() -> None:
     assert goals[0] is not None
     assert goals[0][0] == 2
     assert goals[1] in {(4, 5), (2, 5)}
-
-
-def test_an_unknown_form_is_refused() -> None:
-    with pytest.raises(InputError, match="expected form to be one of size, difference, discounted, got 'best'"):
-        make_policy("frontier-utility", form="best")

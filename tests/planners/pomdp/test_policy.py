@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, World, make_policy, scenario
+from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.planners.pomdp.policy import Pomdp, PomdpPilot, Window
@@ -61,9 +61,3 @@ def test_a_team_explores_with_few_simulations() -> None:
 def test_it_tells_of_its_estimates() -> None:
     assert set(Pomdp().provenance()) == {"pocket_weights"}
     assert not Pomdp.uses_generator
-
-
-@pytest.mark.parametrize("parameters", [{"simulations": 0}, {"dimming": 2.0}, {"horizon": 0.0}])
-def test_wrong_parameters_are_refused(parameters: dict[str, float]) -> None:
-    with pytest.raises(InputError, match="Pomdp: expected"):
-        make_policy("pomdp", **parameters)

@@ -138,14 +138,3 @@ def test_it_needs_the_true_map() -> None:
     world.begin(0, 0)
     with pytest.raises(InputError, match="true map and all starts"):
         make_policy("reference").pilot(world.briefing(0, 0))
-
-
-def test_too_little_effort_is_refused() -> None:
-    with pytest.raises(InputError, match="expected restarts of at least 1"):
-        make_policy("reference", restarts=0)
-
-
-@pytest.mark.parametrize("aim", [0, 1.01, "0.9", float("nan")])
-def test_an_aim_that_is_no_coverage_is_refused(aim: object) -> None:
-    with pytest.raises(InputError, match="Reference: expected aim"):
-        make_policy("reference", aim=aim)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, make_policy
+from indoor_explorers.env import make_policy
 from indoor_explorers.planners.sampling.memory import ViewpointMemory
 from indoor_explorers.planners.toolbox.navigation.teammates import message_of
 from tests.planners.flights import fly, rooms
@@ -60,9 +60,3 @@ def test_nobody_dithers(radio: tuple[str, float]) -> None:
     flight = fly(make_policy("rrt-aep"), rooms(3, 5, 2), team=4, radio=radio)
     assert flight.complete
     assert flight.longest_dither <= 6
-
-
-@pytest.mark.parametrize("name", ["near_samples", "local_period", "global_period", "places", "lookouts"])
-def test_bad_parameters_are_refused(name: str) -> None:
-    with pytest.raises(InputError, match=f"expected {name} of at least"):
-        make_policy("rrt-aep", **{name: -1})

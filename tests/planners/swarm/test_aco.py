@@ -5,7 +5,7 @@ from math import exp
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, World, make_policy, scenario
+from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.planners.swarm.aco import Aco, AntPilot, Pheromone, preferences, transition
 from tests.planners.flights import fly, rooms
@@ -62,8 +62,3 @@ def test_a_team_explores_without_any_pheromone_and_with_much() -> None:
     for parameters in ({"amount": 0.0}, {"repulsion": 20.0, "own": 1.0, "evaporation": 0.0}, {"greed": 0.0}):
         policy = make_policy("aco", **parameters)
         assert fly(policy, rooms(2, 4, 1), team=3, radio=("disc", 6.0)).complete, parameters
-
-
-def test_shares_above_one_are_refused() -> None:
-    with pytest.raises(InputError, match="evaporation and greed"):
-        make_policy("aco", evaporation=1.5)

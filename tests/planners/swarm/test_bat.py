@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, make_policy
+from indoor_explorers.env import make_policy
 from indoor_explorers.planners.swarm.assignment import Plan, fitness
 from indoor_explorers.planners.swarm.bat import Bat, echolocated, fly_bat, look_around
 from indoor_explorers.planners.swarm.particles import seeded
@@ -63,9 +63,3 @@ def test_the_same_generator_gives_the_same_plan() -> None:
 def test_a_team_explores_with_few_bats() -> None:
     policy = make_policy("bat", particles=1, rounds=2, limit=1)
     assert fly(policy, rooms(2, 4, 1), team=3, radio=("disc", 6.0)).complete
-
-
-@pytest.mark.parametrize("parameters", [{"loudness": 0.0}, {"pulse": 1.5}, {"limit": 0}, {"frequency": -1.0}])
-def test_wrong_parameters_are_refused(parameters: dict[str, float]) -> None:
-    with pytest.raises(InputError, match="Bat: expected"):
-        make_policy("bat", **parameters)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import InputError, World, make_policy, scenario
+from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.swarm.gso import GlowwormPilot, Gso, adapted, brightened, brighter, drawn
@@ -75,8 +75,3 @@ def test_goals_of_linked_teammates_are_dimmed() -> None:
     pilot.act(world.view(0, 0))
     light = dict(zip(pilot._cells.tolist(), pilot._luciferin.tolist(), strict=True))
     assert light[23] == pytest.approx(0.25 * light[16])
-
-
-def test_shares_above_one_are_refused() -> None:
-    with pytest.raises(InputError, match="decay and dimming"):
-        make_policy("gso", dimming=1.5)

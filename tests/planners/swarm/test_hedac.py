@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import lil_matrix
 from scipy.sparse.linalg import spsolve
 
-from indoor_explorers.env import InputError, make_policy
+from indoor_explorers.env import make_policy
 from indoor_explorers.env.grid.arrays import Belief, Cell
 from indoor_explorers.env.grid.cells import FREE, MOVES, OCCUPIED, UNKNOWN, UNREACHABLE
 from indoor_explorers.env.search.bfs import distance_field
@@ -86,8 +86,3 @@ def test_fields_are_climbed_in_rooms() -> None:
     flight = fly(make_policy("hedac"), rooms(3, 5, 1), team=2, radio=("unlimited", 0.0))
     assert flight.complete
     assert sum(pilot.tally()["cold_starts"] for pilot in flight.pilots) < 5
-
-
-def test_a_cooling_of_more_than_all_is_refused() -> None:
-    with pytest.raises(InputError, match="cooling of at most 1"):
-        make_policy("hedac", cooling=1.5)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from indoor_explorers.env.grid.cells import UNREACHABLE
+from indoor_explorers.planners.swarm import particles
 from indoor_explorers.planners.swarm.assignment import (
     Assignment,
     AssignmentProblem,
@@ -18,7 +19,7 @@ from indoor_explorers.planners.swarm.assignment import (
     fitness,
     reachable_or_nearest,
 )
-from indoor_explorers.planners.swarm.particles import Swarm, code_of, decode, keys_of, optimise, seeded
+from indoor_explorers.planners.swarm.particles import code_of, decode, keys_of, optimise, seeded
 
 
 def some_task(seed: int, uavs: int = 4, candidates: int = 7) -> AssignmentProblem:
@@ -90,7 +91,7 @@ def test_the_same_view_counts_once_and_early_ones_more() -> None:
 @pytest.mark.parametrize("seed", range(30))
 def test_the_swarm_never_loses_to_its_seeds(seed: int, length: int) -> None:
     problem = some_task(seed, uavs=1 + seed % 8, candidates=1 + seed % 11)
-    best = optimise(problem, length, Swarm(particles=5, rounds=4), seeds_of(problem), np.random.default_rng(seed))
+    best = optimise(problem, length, seeds_of(problem), 5, 4, np.random.default_rng(seed))
     for plan in seeded(problem, length, seeds_of(problem)):
         assert fitness(problem, best) >= fitness(problem, plan)
     assert (problem.steps[np.arange(len(best)), best[:, 0]] < UNREACHABLE).all()
@@ -100,10 +101,10 @@ def test_the_swarm_never_loses_to_its_seeds(seed: int, length: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_the_swarm_finds_the_best_of_few(seed: int) -> None:
+def test_the_swarm_finds_the_best_of_few(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = some_task(seed, uavs=2, candidates=4)
-    swarm = Swarm(particles=60, rounds=80, stagnation=40)
-    best = optimise(problem, 2, swarm, seeds_of(problem), np.random.default_rng(seed))
+    monkeypatch.setattr(particles, "STAGNATION", 40)
+    best = optimise(problem, 2, seeds_of(problem), 60, 80, np.random.default_rng(seed))
     rows = [
         [(a, b) for a in range(4) for b in range(4) if a != b and problem.steps[i, a] < UNREACHABLE] for i in range(2)
     ]
@@ -114,14 +115,14 @@ def test_searching_finds_better_plans_than_its_seeds() -> None:
     better = 0
     for seed in range(20):
         problem = some_task(seed, uavs=4, candidates=20)
-        best = fitness(problem, optimise(problem, 3, Swarm(), seeds_of(problem), np.random.default_rng(seed)))
+        best = fitness(problem, optimise(problem, 3, seeds_of(problem), 20, 30, np.random.default_rng(seed)))
         better += best > 1.001 * max(fitness(problem, plan) for plan in seeded(problem, 3, seeds_of(problem)))
     assert better >= 15
 
 
 def test_the_same_generator_gives_the_same_plan() -> None:
     problem = some_task(1)
-    found = [optimise(problem, 3, Swarm(), seeds_of(problem), np.random.default_rng(3)).tolist() for _ in range(2)]
+    found = [optimise(problem, 3, seeds_of(problem), 20, 30, np.random.default_rng(3)).tolist() for _ in range(2)]
     assert found[0] == found[1]
 
 
