@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import View
-from indoor_explorers.planners.toolbox.coordination.group_members import GroupMember, group_of
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import message_of, remembered
+from indoor_explorers.planners.toolbox.navigation.teammates import GroupMember, group_of, message_of, remembered
 
 #: Largest number of clusters considered: those nearest to any UAV of the group.
 CLUSTERS = 64

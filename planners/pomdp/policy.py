@@ -15,7 +15,6 @@ from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.sensing.lidar import lidar_model
 from indoor_explorers.planners.pomdp.completions import completions, pocket_sizes, strata
 from indoor_explorers.planners.pomdp.tree import Problem, isolation_weights, search
-from indoor_explorers.planners.toolbox.coordination.goal_claims import goals_near
 from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import Clusters, frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
@@ -151,8 +150,7 @@ class PomdpPilot(IndependentPilot):
 
     def _factors(self, view: View, cells: NDArray[np.int32], steps: Distances) -> Numbers:
         """Return the factors on the value of (K,) clusters for teammates, (K,)."""
-        near = goals_near(view, self.points(cells), self._lidar)
-        return np.asarray(self.left_by_others(view, cells, steps) * (1.0 - self._policy.dimming) ** near)
+        return self.left_by_others(view, cells, steps) * self.not_dimmed(view, cells, self._policy.dimming)
 
     def _bonus(self, cells: NDArray[np.int32]) -> Numbers:
         """Return ``1 + goal_bonus`` for (K,) flat cells near the current goal, else 1, (K,)."""

@@ -10,22 +10,27 @@ from numpy.typing import NDArray
 
 from indoor_explorers.env.grid.arrays import Cell
 from indoor_explorers.env.grid.cells import FREE
+from indoor_explorers.env.grid.compiled import kernel
 from indoor_explorers.env.policies.policy import Pilot
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.env.search.frontiers import frontier_mask
 from indoor_explorers.planners.sampling.covers import greedy_cover
-from indoor_explorers.planners.sampling.discounted_tours import improved_tour, value_of_tour
 from indoor_explorers.planners.sampling.roadmaps import Roadmap, grow_roadmap
 from indoor_explorers.planners.sampling.samples import known_cells, points_in
 from indoor_explorers.planners.sampling.setting import Points
 from indoor_explorers.planners.sampling.viewpoints import ViewpointPilot, ViewpointPolicy, Viewpoints
 from indoor_explorers.planners.toolbox.information.view_gain import visible_sets
 from indoor_explorers.planners.toolbox.parameters import bounded
+from indoor_explorers.planners.toolbox.routing.local_search import Objective, SearchSettings, cost_of, improve
 from indoor_explorers.planners.toolbox.routing.open_tours import nearest_neighbour
 
 #: Number of tours that are improved: those of the highest value in nearest-neighbour order.
 IMPROVED = 3
+#: Largest number of rounds of improvement: practically unlimited.
+TOUR_ROUNDS = 2**31
+#: Relative improvement that a change must exceed.
+LEAST_SHARE = 1e-9
 
 
 @renamed()
@@ -155,3 +160,33 @@ class PrmTourPilot(ViewpointPilot):
             covers.append(greedy_cover(bits, weights, self.rng.integers(policy.choices, size=policy.stops), least))
         covers = [cover for cover in covers if len(cover[0])]
         return covers or [greedy_cover(bits, weights, none, 1)]
+
+
+@kernel()
+def _value(costs: np.ndarray, gains: np.ndarray, order: np.ndarray, rate: float) -> float:
+    return float(-cost_of(order, costs[order[0]], costs, gains, Objective(0.0, rate)))
+
+
+@kernel()
+def _improve(costs: np.ndarray, gains: np.ndarray, order: np.ndarray, rate: float) -> float:
+    settings = SearchSettings(TOUR_ROUNDS, False, 0.0, LEAST_SHARE)
+    return float(-improve(order, costs[order[0]], costs, gains, Objective(0.0, rate), settings))
+
+
+def value_of_tour(
+    costs: NDArray[np.float64], gains: NDArray[np.float64], order: NDArray[np.int64], rate: float
+) -> float:
+    """Return the value of a tour: the sum of the gains, discounted by the times of arrival; for ``rate`` 0, -length.
+
+    ``costs`` (K, K) are the distances between stops, ``gains`` (K,) their gains, 0 at the start, and ``order`` the
+    numbers of the visited stops, the start first.
+    """
+    return float(_value(costs, gains, order, float(rate)))
+
+
+def improved_tour(
+    costs: NDArray[np.float64], gains: NDArray[np.float64], order: NDArray[np.int64], rate: float
+) -> tuple[NDArray[np.int64], float]:
+    """Move single stops of a tour while this increases its value (:func:`value_of_tour`); return order and value."""
+    order = order.copy()
+    return order, float(_improve(costs, gains, order, float(rate)))

@@ -2,7 +2,7 @@
 
 OMPL has one random generator per process, which can be seeded once. So that an episode depends only on its own seed,
 no result of this package depends on that generator: RRT and RRT* take their samples from a goal region of listed states
-(:mod:`indoor_explorers.planners.sampling.trees`), PRM and PRM* from a sampler of listed states
+(:mod:`indoor_explorers.planners.sampling.trees`), PRM* from a sampler of listed states
 (:mod:`indoor_explorers.planners.sampling.roadmaps`), and all stop after a number of samples, never after a time. OMPL
 still draws random numbers for its nearest-neighbour trees, whose answers do not depend on them unless two points have
 the same distance to a third; therefore samples must be drawn from a continuum, not from cell centres.

@@ -27,7 +27,7 @@ from indoor_explorers.planners.toolbox.parameters import (
     SwitchCostParameters,
     bounded,
 )
-from indoor_explorers.planners.toolbox.routing.min_latency import costs_of_first
+from indoor_explorers.planners.toolbox.routing.min_latency import best_orders
 
 #: Distance, as a share of the lidar range, within which a viewpoint counts as the current goal.
 SAME_PLACE = 0.2
@@ -164,7 +164,7 @@ class ViewpointPilot(GoalPilot):
         reach, steps = self.briefing.lidar_range, viewpoints.steps.astype(np.float64)
         between = distances_between(view.belief, viewpoints.cells, steps[None], int(HOP_RANGES * reach) + 1)
         worth = np.sqrt(viewpoints.gains)
-        return costs_of_first(steps / reach, between / reach, worth / worth.sum(), latency)
+        return best_orders(steps / reach, between / reach, worth / worth.sum(), latency)[0]
 
     def _kept(self, cells: NDArray[np.int32]) -> Mask:
         """Return which of (K,) flat cells are at the current goal, (K,) bool."""

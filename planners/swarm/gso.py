@@ -13,7 +13,6 @@ from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.policy import ALL_CELLS, Pilot, Policy
 from indoor_explorers.env.policies.renamed import renamed
 from indoor_explorers.env.policies.view import Briefing, View
-from indoor_explorers.planners.toolbox.coordination.goal_claims import goals_near
 from indoor_explorers.planners.toolbox.coordination.independent_pilot import IndependentPilot
 from indoor_explorers.planners.toolbox.frontiers.clusters import frontier_clusters, nearest_cells
 from indoor_explorers.planners.toolbox.information.view_gain import WeightedGains
@@ -141,8 +140,7 @@ class GlowwormPilot(IndependentPilot):
 
     def _fitness(self, view: View, cells: NDArray[np.int32]) -> Numbers:
         """Return the view gains of (K,) flat cells, dimmed near the goals of linked teammates, (K,)."""
-        near = goals_near(view, self.points(cells), self._lidar)
-        return np.asarray(self._gains.at(view.belief, cells) * (1.0 - self._policy.dimming) ** near)
+        return self._gains.at(view.belief, cells) * self.not_dimmed(view, cells, self._policy.dimming)
 
     def _before(self, cells: NDArray[np.int32], at_rest: Numbers) -> Numbers:
         """Return the luciferin of the glowworms that were at (K,) flat cells before, ``at_rest`` for new ones, (K,)."""

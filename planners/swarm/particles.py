@@ -135,15 +135,6 @@ def keys_of(goals: Assignment, code: Code, length: int) -> NDArray[np.float64]:
     return keys
 
 
-def seeded(problem: AssignmentProblem, length: int, seeds: Sequence[Assignment]) -> list[Plan]:
-    """Return the initial plans of the swarm, with ``length`` goals per UAV."""
-    code = code_of(problem, length)
-    plans = [np.empty((len(problem.steps), length), np.int64) for _ in seeds]
-    for plan, goals in zip(plans, seeds, strict=True):
-        decode(keys_of(goals, code, length), code, plan)
-    return plans
-
-
 def initial_keys(
     code: Code, length: int, seeds: Sequence[Assignment], count: int, rng: np.random.Generator
 ) -> NDArray[np.float64]:

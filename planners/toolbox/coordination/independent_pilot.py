@@ -11,7 +11,7 @@ from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.env.policies.view import Briefing, View
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.navigation.goal_pilot import GoalPilot
-from indoor_explorers.planners.toolbox.navigation.teammates import message_of
+from indoor_explorers.planners.toolbox.navigation.teammates import linked, message_of, told_goal
 
 
 class IndependentPilot(GoalPilot):
@@ -45,6 +45,16 @@ class IndependentPilot(GoalPilot):
     def points(self, cells: NDArray[np.int32]) -> NDArray[np.float64]:
         """Return the rows and columns of (K,) flat cells, (K, 2)."""
         return np.stack(np.divmod(cells, self.paths.width), axis=1).astype(np.float64)
+
+    def not_dimmed(self, view: View, cells: NDArray[np.int32], dimming: float) -> NDArray[np.float64]:
+        """Return the factors on the gains of (K,) flat cells near the goals of linked teammates, (K,).
+
+        A gain loses the share ``dimming`` for each such goal within the lidar range.
+        """
+        told = [goal for mate in linked(view) if (goal := told_goal(mate)) is not None]
+        goals = np.array(told, np.float64).reshape(-1, 2)
+        away = np.hypot(*(self.points(cells)[:, None, :] - goals[None, :, :]).transpose(2, 0, 1))
+        return np.asarray((1.0 - dimming) ** (away <= self._lidar).sum(axis=1))
 
     def left_by_others(self, view: View, cells: NDArray[np.int32], steps: Distances) -> NDArray[np.float64]:
         """Return the factors on the value of (K,) flat cells, ``steps`` away, for teammates out of contact, (K,)."""

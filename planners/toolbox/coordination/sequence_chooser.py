@@ -17,11 +17,10 @@ from indoor_explorers.env.grid.arrays import Cell, Distances, Mask
 from indoor_explorers.env.grid.cells import UNREACHABLE
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.sensing.lidar import lidar_model
-from indoor_explorers.planners.toolbox.coordination.group_members import GroupMember, group_of
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import OutOfContact
 from indoor_explorers.planners.toolbox.information.candidates import UnknownWeight, candidate_views, distances_between
 from indoor_explorers.planners.toolbox.navigation.candidate_pilot import CandidatePilot
-from indoor_explorers.planners.toolbox.navigation.teammates import linked
+from indoor_explorers.planners.toolbox.navigation.teammates import GroupMember, group_of, linked
 from indoor_explorers.planners.toolbox.parameters import (
     DiscountParameters,
     GainParameters,

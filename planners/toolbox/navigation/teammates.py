@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import hypot, inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,3 +97,16 @@ def ranks(own: NDArray[np.int32], others: Sequence[NDArray[np.int32]], first: Se
     for steps, wins in zip(others, first, strict=True):
         rank += (steps <= own) if wins else (steps < own)
     return rank
+
+
+class GroupMember(NamedTuple):
+    """One UAV of a group, as the others know it."""
+
+    agent: int
+    cell: Cell
+    goal: Cell | None
+
+
+def group_of(own: GroupMember, mates: Iterable[Mate]) -> list[GroupMember]:
+    """Return a UAV and its teammates, with their recent goals, by number."""
+    return sorted([own, *(GroupMember(mate.agent, mate.cell, told_goal(mate)) for mate in mates)])
