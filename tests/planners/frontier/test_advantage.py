@@ -3,9 +3,10 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_explorers.env.grid.arrays import Cell
-from indoor_explorers.planners.frontier.advantage import AdvantagePilot, FrontierAdvantage
+from indoor_explorers.planners.frontier.advantage import FrontierAdvantage
+from tests.planners.flights import view_of
 
-from .test_group_pilot import pilot_of, view_of
+from .test_group_pilot import pilot_of
 
 #: A corridor with three openings to the north: two in the west, close together, and one in the east.
 CORRIDOR = np.full((4, 30), 2, np.uint8)
@@ -22,7 +23,6 @@ def goal_of(policy: FrontierAdvantage, cell: Cell) -> Cell | None:
 
 def test_scores_are_the_formula() -> None:
     pilot = pilot_of(FrontierAdvantage(remoteness=0.5, reach=4.0), 0, (4, 30))
-    assert isinstance(pilot, AdvantagePilot)
     view = view_of(CORRIDOR, (2, 17))
     choices = pilot.choices(view, pilot.members(view))
     columns = (choices.places() % 30).tolist()

@@ -7,8 +7,9 @@ from indoor_explorers.env import Mate
 from indoor_explorers.env.grid.arrays import Belief
 from indoor_explorers.env.sensing.lidar import scan
 from indoor_explorers.planners.frontier.burgard import FrontierBurgard, nearness
+from tests.planners.flights import view_of
 
-from .test_group_pilot import corridor, pilot_of, view_of
+from .test_group_pilot import corridor, pilot_of
 
 
 @pytest.mark.parametrize("reach", [1.0, 3.0, 6.5])

@@ -126,13 +126,6 @@ def test_exchanged_ways_visit_the_same_cells(seed: int) -> None:
     assert [way[0] for way in found] == [0, 5, 9, 14]
 
 
-def test_it_beats_planners_that_do_not_know_the_map() -> None:
-    for seed in range(3):
-        free = rooms(3, 5, seed)
-        steps = {name: fly(make_policy(name), free, seed=seed).steps for name in ("reference", "frontier-nearest")}
-        assert steps["reference"] < 0.9 * steps["frontier-nearest"]
-
-
 def test_it_needs_the_true_map() -> None:
     world = World(scenario("thesis-open"))
     world.begin(0, 0)

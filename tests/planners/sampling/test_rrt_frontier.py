@@ -5,11 +5,9 @@ import numpy as np
 from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN
 from indoor_explorers.env.maps.floorplan import Floorplan
-from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.sampling.samples import border_cells, merged
 from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
-from tests.planners.flights import fly, maze
 
 
 def test_near_candidates_are_merged() -> None:
@@ -37,15 +35,6 @@ def test_gains_near_claims_are_discounted() -> None:
     assert 0 < claimed[1] < free[1]
 
 
-def test_the_nearest_frontier_is_the_last_resort() -> None:
-    """In a long 1-wide corridor samples all over the map hardly ever find the frontier."""
-    flight = fly(
-        make_policy("rrt-frontier", local_samples=1, global_samples=1, bias=0.0, edge=0.5), maze(4, 4, 0), budget=2000
-    )
-    assert flight.complete
-    assert flight.pilots[0].tally()["fallbacks"] > 0
-
-
 def test_the_goal_is_told() -> None:
     world = World(scenario("thesis-open"))
     world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((9, 9), np.bool_), "open"))
@@ -57,12 +46,3 @@ def test_the_goal_is_told() -> None:
     belief = world.view(0, 0).belief
     assert belief[row, col] == FREE
     assert (belief[max(0, row - 1) : row + 2, max(0, col - 1) : col + 2] == UNKNOWN).any()
-
-
-def test_a_known_map_needs_no_goal() -> None:
-    world = World(scenario("thesis-open"))
-    world.reset([0])
-    pilot = make_policy("rrt-frontier").pilot(world.briefing(0, 0))
-    known = np.ones((16, 16), np.uint8)
-    assert pilot.act(View(known, (3, 3), np.ones(5, np.bool_), 0, 9, (), known == 0)) == 4
-    assert pilot.message is None

@@ -3,10 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import make_policy
 from indoor_explorers.planners.sampling.rrt_nbv import best_branch
 from indoor_explorers.planners.sampling.trees import Tree
-from tests.planners.flights import fly, rooms
 
 
 def random_tree(seed: int) -> tuple[Tree, np.ndarray]:
@@ -36,9 +34,3 @@ def test_a_tree_that_gains_nothing_has_the_root_as_its_branch() -> None:
 def test_lengths_add_up_along_the_tree() -> None:
     tree = Tree(np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 5.0], [0.0, 2.0]]), np.array([-1, 0, 1, 0]))
     assert tree.lengths().tolist() == [0.0, 5.0, 6.0, 2.0]
-
-
-def test_where_the_tree_sees_nothing_the_nearest_frontier_is_next() -> None:
-    flight = fly(make_policy("rrt-nbv", samples=1, bias=0.0, local_ranges=0.5), rooms(2, 4, 0), budget=2000)
-    assert flight.complete
-    assert flight.pilots[0].tally()["fallbacks"] > 0

@@ -14,7 +14,7 @@ from indoor_explorers.env import World, make_policy, scenario
 from indoor_explorers.env.grid.cells import FREE
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import Mate, View
-from tests.planners.flights import fly, maze, rooms
+from tests.planners.flights import fly, rooms
 
 PLANNERS = ["rrt-frontier", "rrt-nbv", "rrt-aep", "prm-tour"]
 EPISODES = """
@@ -69,19 +69,3 @@ def test_a_known_map_needs_no_goal(name: str) -> None:
     known = np.ones((9, 30), np.uint8)
     assert pilot.act(view._replace(belief=known)) == 4
     assert pilot.message is None
-
-
-@pytest.mark.parametrize(
-    ("name", "parameters"),
-    [
-        ("rrt-frontier", {"as_published": True}),
-        ("rrt-aep", {"take_turns": True}),
-        ("rrt-nbv", {"discount_rate": 1.0, "isolation": 0.0, "decay_length": 100.0}),
-        ("prm-tour", {"as_published": True, "isolation": 0.0}),
-    ],
-)
-def test_the_published_forms_complete_maps_too(name: str, parameters: dict[str, float]) -> None:
-    for free in (maze(5, 6, 1), rooms(2, 4, 1)):
-        flight = fly(make_policy(name, **parameters), free, budget=3000)
-        assert flight.complete
-        assert flight.longest_dither <= 6

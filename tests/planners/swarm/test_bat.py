@@ -3,10 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import make_policy
 from indoor_explorers.planners.swarm.assignment import Plan, fitness
 from indoor_explorers.planners.swarm.bat import Bat, echolocated, fly_bat, look_around
-from tests.planners.flights import fly, rooms
 from tests.planners.swarm.test_particles import seeded, seeds_of, some_task
 
 
@@ -53,12 +51,3 @@ def test_silent_bats_keep_the_best_plan_and_scouts_need_no_loudness() -> None:
     assert all(fitness(problem, np.array(plan).reshape(4, 3)) > 0 for plan in plans)
     scouts = Bat(loudness=1e-6, stride=0.0, limit=1, rounds=200)
     assert fitness(problem, found(scouts, 0, 3)) >= fitness(problem, found(silent, 0, 3))
-
-
-def test_the_same_generator_gives_the_same_plan() -> None:
-    assert found(Bat(), 5).tolist() == found(Bat(), 5).tolist()
-
-
-def test_a_team_explores_with_few_bats() -> None:
-    policy = make_policy("bat", particles=1, rounds=2, limit=1)
-    assert fly(policy, rooms(2, 4, 1), team=3, radio=("disc", 6.0)).complete

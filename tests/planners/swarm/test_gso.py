@@ -3,11 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import World, make_policy, scenario
+from indoor_explorers.env import World, scenario
 from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.swarm.gso import GlowwormPilot, Gso, adapted, brightened, brighter, drawn
-from tests.planners.flights import fly, rooms
 
 
 def corridor(spawn: int, length: int = 40) -> tuple[World, View]:
@@ -48,13 +47,6 @@ def test_it_draws_a_glowworm_in_range_and_widens_the_range_for_others() -> None:
     pilot.act(view)
     assert pilot.goal in {(0, 2), (0, 8)}
     assert pilot._reach == pytest.approx(2.7)  # 3.0 for the draw, then narrowed for two neighbours
-
-
-def test_without_a_sensor_range_it_flies_to_nearest_frontiers() -> None:
-    flight = fly(make_policy("gso", sensor=0.0), rooms(2, 4, 1))
-    assert flight.complete
-    tally = flight.pilots[0].tally()
-    assert tally["out_of_range"] == tally["plans"] > 0
 
 
 def test_glowworms_keep_their_light_and_new_ones_start_at_rest() -> None:

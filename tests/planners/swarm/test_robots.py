@@ -37,8 +37,3 @@ def test_stagnant_particles_are_split_off() -> None:
     assert flight.complete
     tally = flight.pilots[0].tally()
     assert tally["split_off_steps"] >= tally["splits"] > 0
-
-
-def test_without_pulls_a_particle_is_split_off_and_completes() -> None:
-    policy = make_policy("pso-robots", cognitive=0.0, social=0.0, obstacles=0.0, inertia=0.0)
-    assert fly(policy, maze(4, 4, 1), lidar=1.0, budget=1500).complete
