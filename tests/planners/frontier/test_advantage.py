@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from indoor_explorers.env.grid.arrays import Cell
@@ -15,7 +17,7 @@ CORRIDOR[0, :] = 0
 CORRIDOR[1, [8, 10, 25]] = 1
 
 
-def goal_of(policy: FrontierAdvantage, cell: Cell) -> Cell | None:
+def goal_of(policy: FrontierAdvantage, cell: Cell) -> Any:
     pilot = pilot_of(policy, 0, (4, 30))
     pilot.act(view_of(CORRIDOR, cell))
     return pilot.goal

@@ -5,15 +5,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from indoor_explorers.env import World, make_policy, scenario
+from indoor_explorers.env import make_policy
 from indoor_explorers.env.grid.cells import FREE, UNREACHABLE
-from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.env.search.bfs import distance_field
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.sampling import rrt_aep
 from indoor_explorers.planners.sampling.rrt_aep import RrtAep, ViewpointMemory
-from tests.planners.flights import fly, rooms
+from tests.planners.flights import fly, rooms, view_of, world_on
 
 
 def test_trees_are_grown_now_and_then(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -39,13 +38,12 @@ def test_trees_are_grown_now_and_then(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def half_known() -> tuple[ViewpointMemory, View, np.ndarray]:
-    world = World(scenario("thesis-open"))
-    world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((12, 30), np.bool_), "open"), spawns=[(6, 4)])
+    world = world_on(np.ones((12, 30), np.bool_), [(6, 4)])
     belief = np.zeros((12, 30), np.uint8)
     belief[:, :15] = FREE
     visited = np.zeros(belief.shape, np.bool_)
     visited[6, :13] = True
-    view = View(belief, (6, 4), np.ones(5, np.bool_), 0, 99, (), visited)
+    view = view_of(belief, (6, 4))._replace(visited=visited)
     return ViewpointMemory(world.briefing(0, 0), RrtAep()), view, distance_field(belief, (6, 4)).ravel()
 
 

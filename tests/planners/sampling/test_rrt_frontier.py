@@ -2,12 +2,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_explorers.env import World, make_policy, scenario
+from indoor_explorers.env import make_policy
 from indoor_explorers.env.grid.cells import FREE, UNKNOWN
-from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.sensing.lidar import view_gain
 from indoor_explorers.planners.sampling.samples import border_cells, merged
 from indoor_explorers.planners.toolbox.information.view_gain import unclaimed_gains
+from tests.planners.flights import world_on
 
 
 def test_near_candidates_are_merged() -> None:
@@ -36,8 +36,7 @@ def test_gains_near_claims_are_discounted() -> None:
 
 
 def test_the_goal_is_told() -> None:
-    world = World(scenario("thesis-open"))
-    world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((9, 9), np.bool_), "open"))
+    world = world_on(np.ones((9, 9), np.bool_))
     pilot = make_policy("rrt-frontier").pilot(world.briefing(0, 0))
     assert pilot.message is None
     pilot.act(world.view(0, 0))

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from indoor_explorers.env import World, make_policy, scenario
+from indoor_explorers.env import make_policy
 from indoor_explorers.env.grid.cells import FREE
-from indoor_explorers.env.maps.floorplan import Floorplan
 from indoor_explorers.env.policies.view import Mate, View
-from tests.planners.flights import fly, rooms
+from tests.planners.flights import fly, rooms, view_of, world_on
 
 PLANNERS = ["rrt-frontier", "rrt-nbv", "rrt-aep", "prm-tour"]
 EPISODES = """
@@ -43,14 +42,13 @@ def test_episodes_do_not_depend_on_process_or_order() -> None:
 
 
 def pilot_and_view(name: str, mates: tuple[Mate, ...] = ()) -> tuple[Any, View]:
-    world = World(scenario("thesis-open").with_settings({"team": 2, "radio.model": "unlimited"}))
-    world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((9, 30), np.bool_), "open"), spawns=[(4, 2), (4, 3)])
+    world = world_on(np.ones((9, 30), np.bool_), [(4, 2), (4, 3)], team=2, radio__model="unlimited")
     pilot = make_policy(name).pilot(world.briefing(0, 1))
     belief = np.zeros((9, 30), np.uint8)
     belief[:, 10:19] = FREE
     visited = np.zeros(belief.shape, np.bool_)
     visited[4, 14] = True
-    return pilot, View(belief, (4, 14), np.ones(5, np.bool_), 0, 99, mates, visited)
+    return pilot, view_of(belief, (4, 14), mates)._replace(visited=visited)
 
 
 @pytest.mark.parametrize("name", PLANNERS)

@@ -3,15 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from indoor_explorers.env import World, scenario
-from indoor_explorers.env.maps.floorplan import Floorplan
+from indoor_explorers.env import World
 from indoor_explorers.env.policies.view import View
 from indoor_explorers.planners.swarm.gso import GlowwormPilot, Gso, adapted, brightened, brighter, drawn
+from tests.planners.flights import world_on
 
 
 def corridor(spawn: int, length: int = 40) -> tuple[World, View]:
-    world = World(scenario("thesis-open").with_settings({"lidar.range": 3.0}))
-    world.begin(0, 0, floorplan=Floorplan.from_free(np.ones((1, length), np.bool_), "corridor"), spawns=[(0, spawn)])
+    world = world_on(np.ones((1, length), np.bool_), [(0, spawn)])
     return world, world.view(0, 0)
 
 
@@ -57,10 +56,7 @@ def test_glowworms_keep_their_light_and_new_ones_start_at_rest() -> None:
 
 
 def test_goals_of_linked_teammates_are_dimmed() -> None:
-    settings = {"radio.model": "unlimited", "lidar.range": 3.0}
-    world = World(scenario("thesis-team-2").with_settings(settings))
-    free = np.ones((1, 40), np.bool_)
-    world.begin(0, 0, floorplan=Floorplan.from_free(free, "corridor"), spawns=[(0, 19), (0, 20)])
+    world = world_on(np.ones((1, 40), np.bool_), [(0, 19), (0, 20)], team=2, radio__model="unlimited")
     world.post(0, 1, (0.0, 23.0))
     world.step(np.array([[4, 4]]))
     pilot = GlowwormPilot(world.briefing(0, 0), Gso(dimming=0.75))

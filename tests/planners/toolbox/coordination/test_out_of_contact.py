@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from indoor_explorers.env import Mate, View, World, scenario
+from indoor_explorers.env import Mate, World, scenario
 from indoor_explorers.env.grid.arrays import Cell, Distances
 from indoor_explorers.planners.toolbox.coordination.out_of_contact import LEAST, OutOfContact, Sectors
 from indoor_explorers.planners.toolbox.navigation.teammates import MEMORY
+from tests.planners.flights import view_of
 
 #: The corners of an open room.
 POINTS = np.array([[0.0, 0.0], [0.0, 15.0], [15.0, 0.0], [15.0, 15.0]])
@@ -24,8 +25,7 @@ def steps_from(cell: Cell) -> Distances:
 
 
 def factors(of: OutOfContact, cell: Cell, *mates: Mate) -> NDArray[np.float64]:
-    view = View(np.ones((16, 16), np.uint8), cell, np.ones(5, np.bool_), 100, 400, mates, np.zeros((16, 16), np.bool_))
-    found = of.factors(view, POINTS, steps_from(cell), steps_from)
+    found = of.factors(view_of(np.ones((16, 16), np.uint8), cell, mates), POINTS, steps_from(cell), steps_from)
     assert (found > 0.0).all()
     assert (found <= 1.0).all()
     return found
